@@ -77,7 +77,7 @@ std::vector<Copied> chunks_of(const Pack& whole, const PackHeader& h, const Rect
     for (std::uint64_t chunk = 0; chunk < chunk_count(h); ++chunk) {
         ChunkId id = chunk_id(h, chunk);
         if (id.kind == ChunkKind::corners) continue;
-        if (id.kind != ChunkKind::crs)
+        if (id.kind != ChunkKind::crs && id.kind != ChunkKind::layers) // of no tile
             id.tile = (r.y + id.tile / r.tiles_x) * whole.header.tiles_x + r.x + id.tile % r.tiles_x;
         chunks.push_back({chunk, chunk_index(whole.header, id)});
     }

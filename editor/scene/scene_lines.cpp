@@ -17,9 +17,9 @@ namespace {
 constexpr gl::Rgba8 frustum_rgba{255, 255, 255, 230}, culled_rgba{255, 70, 60, 200}, tile_rgba{255, 220, 120, 130};
 constexpr std::size_t shown_tiles = 12; // with their spheres: more are a ball of wool
 
+// In doubles: x_m() is a float, which jumps by centimetres where the terrain is a thousand kilometres wide.
 Vec3 place_of(const Terrain& terrain, Coord c, float height_m) {
-    return {static_cast<double>(terrain.x_m(c.x)), static_cast<double>(height_m),
-            static_cast<double>(terrain.z_m(c.y))};
+    return {c.x * terrain.header().spacing_m[0], static_cast<double>(height_m), c.y * terrain.header().spacing_m[1]};
 }
 
 // A tile's corners are always loaded.

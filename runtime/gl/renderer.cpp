@@ -143,8 +143,10 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     s.terrain = terrain;
     s.header = terrain.header();
     s.options = options;
-    s.spacing_x_m = terrain.spacing_x_m();
-    s.spacing_z_m = terrain.spacing_z_m();
+    // As queries count: a float's spacing is off by up to 2^-25 of it, which a million columns away is a thirtieth of a
+    // cell.
+    s.spacing_x_m = terrain.header().spacing_m[0];
+    s.spacing_z_m = terrain.header().spacing_m[1];
     s.diagonal_m =
         std::hypot(s.spacing_x_m * (terrain.header().columns - 1), s.spacing_z_m * (terrain.header().rows - 1));
     error = terrain.valid() ? check_limits(options) : "there is no terrain behind the handle; create it first";

@@ -33,9 +33,6 @@ RecursiveBudget largest_budget(const Terrain& terrain) {
 
 SnapshotResult take_refined(const Terrain& terrain, const View& view, double error_px, Snapshot& snapshot) {
     if (!terrain.valid()) return refused(2, "there is no terrain behind the handle; load it with load_terrain");
-    if (data_of(terrain).is_sparse())
-        return refused(2, "terrain with missing tiles (a pack set) cannot be refined as a whole; take a snapshot of a "
-                          "cut's mesh, or export the set's packs one by one");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
         .error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};

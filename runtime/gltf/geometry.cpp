@@ -11,8 +11,8 @@ namespace fjell::gltf {
 
 namespace {
 
-// Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim; where pages are
-// missing, over the smallest power of two for which there are heights.
+// Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim and beside
+// missing tiles; where pages are missing, over the smallest power of two for which there are heights.
 double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {
     const auto at = [&](std::int32_t by) { return Coord{sample.x + by * axis.x, sample.y + by * axis.y}; };
     const auto inside = [&](Coord c) {
@@ -22,7 +22,7 @@ double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing
         for (const auto& [from, to] : {std::pair{-step, step}, {0, step}, {-step, 0}}) {
             if (!inside(at(from)) || !inside(at(to))) continue;
             const TerrainData::Vertex a = data_of(terrain).vertex(at(from)), b = data_of(terrain).vertex(at(to));
-            if (!a.loaded || !b.loaded) continue;
+            if (!a.loaded || !b.loaded || !a.in_tile || !b.in_tile) continue;
             return (static_cast<double>(b.height_m) - static_cast<double>(a.height_m)) / ((to - from) * spacing_m);
         }
     return 0;

@@ -119,7 +119,7 @@ void PackFile::read_chunk(ChunkId id, std::vector<std::byte>& raw) const {
 }
 
 bool PackFile::changed() const noexcept {
-    if (set_) return !set_->changed().empty();
+    if (set_) return set_->changed();
     const PackHeader& opened = pack_.header;
     struct stat info {};
     if (fstat(fd_, &info) != 0) return false; // then the disk is at fault
@@ -130,8 +130,10 @@ bool PackFile::changed() const noexcept {
 }
 
 void PackFile::fail(int error) const {
-    const std::string at_fault = set_ ? set_->changed() : changed() ? path_ : "";
-    if (!at_fault.empty()) throw Failure(1, at_fault + ": was changed after it was opened; open it again");
+    const std::string at_fault = set_        ? set_->what_changed()
+                                 : changed() ? path_ + ": was changed after it was opened; open it again"
+                                             : "";
+    if (!at_fault.empty()) throw Failure(1, at_fault);
     errno = error;
     disk_failure(path_, "read");
 }

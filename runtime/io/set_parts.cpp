@@ -58,6 +58,9 @@ void check_named(const SetFile& set, const SetFilePack& named, const PackHeader&
 SetParts::SetParts(const std::string& set_path) {
     const SetFile set = parse_set_file(read_text(set_path), set_path);
     const std::filesystem::path folder = std::filesystem::path(set_path).parent_path();
+    const std::string folder_path = folder.empty() ? "." : folder.string();
+    folder_.fd = uninterrupted([&] { return open(folder_path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC); });
+    if (folder_.fd < 0) disk_failure(folder_path, "open");
     std::vector<std::unique_ptr<OpenedPart>> opened;
     std::vector<SetPart> parts;
     std::uint64_t begins = sizeof(PackHeader);
@@ -73,7 +76,7 @@ SetParts::SetParts(const std::string& set_path) {
         const PackHeader& h = part.pack.header;
         check_named(set, named, h, path, set_path);
         parts.push_back({&part.pack, part.corners, named.tile_x, named.tile_y});
-        parts_.push_back({path, begins, h.file_bytes, h.header_hash});
+        parts_.push_back({path, named.file, begins, h.file_bytes, h.header_hash});
         begins += h.file_bytes;
     }
     const SetShape shape{set.columns, set.rows};
@@ -91,6 +94,10 @@ SetParts::SetParts(const std::string& set_path) {
     require(s, where);
 }
 
+SetParts::Folder::~Folder() {
+    if (fd >= 0) close(fd);
+}
+
 SetParts::~SetParts() {
     for (const Part& part : parts_)
         if (part.fd >= 0) close(part.fd);
@@ -105,20 +112,33 @@ void SetParts::close_one() noexcept {
     --open_;
 }
 
+int SetParts::compare(int fd, const Part& part) noexcept {
+    PackHeader h;
+    struct stat info {};
+    if (fstat(fd, &info) != 0) return errno;
+    if (static_cast<std::uint64_t>(info.st_size) != part.bytes) return ESTALE;
+    const ssize_t n = uninterrupted([&] { return pread(fd, &h, sizeof h, 0); });
+    if (n < 0) return errno;
+    return n == static_cast<ssize_t>(sizeof h) && h.header_hash == part.header_hash ? 0 : ESTALE;
+}
+
 int SetParts::acquire(Part& part) noexcept {
     const std::lock_guard hold(lock_);
     if (part.fd < 0) {
         if (open_ >= most_set_descriptors) close_one();
-        const int fd = uninterrupted([&] { return open(part.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
+        const auto again = [&] {
+            return uninterrupted(
+                [&] { return openat(folder_.fd, part.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
+        };
+        int fd = again();
+        if (fd < 0 && (errno == EMFILE || errno == ENFILE)) { // with fewer, then
+            close_one();
+            fd = again();
+        }
         if (fd < 0) return errno;
-        PackHeader h;
-        struct stat info {};
-        const bool same = fstat(fd, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == part.bytes &&
-                          pread(fd, &h, sizeof h, 0) == static_cast<ssize_t>(sizeof h) &&
-                          h.header_hash == part.header_hash;
-        if (!same) {
+        if (const int error = compare(fd, part); error != 0) {
             close(fd);
-            return ESTALE;
+            return error;
         }
         part.fd = fd;
         ++open_;
@@ -176,18 +196,31 @@ int SetParts::read(std::uint64_t offset, std::span<std::byte> to) noexcept {
     return 0;
 }
 
-std::string SetParts::changed() noexcept {
+const SetParts::Part* SetParts::first_changed(int& error) noexcept {
     for (Part& part : parts_) {
-        PackHeader h;
-        struct stat info {};
-        if (acquire(part) != 0) return part.path;
-        const bool same = fstat(part.fd, &info) == 0 && static_cast<std::uint64_t>(info.st_size) == part.bytes &&
-                          pread(part.fd, &h, sizeof h, 0) == static_cast<ssize_t>(sizeof h) &&
-                          h.header_hash == part.header_hash;
-        release(part);
-        if (!same) return part.path;
+        error = acquire(part);
+        if (error == 0) {
+            error = compare(part.fd, part);
+            release(part);
+        }
+        if (error == ENOENT || error == EACCES || error == ESTALE) return &part;
     }
-    return {};
+    return nullptr;
+}
+
+bool SetParts::changed() noexcept {
+    int error = 0;
+    return first_changed(error) != nullptr;
+}
+
+std::string SetParts::what_changed() {
+    int error = 0;
+    const Part* const part = first_changed(error);
+    if (part == nullptr) return {};
+    if (error == ENOENT)
+        return part->path + ": is gone since its set was opened; copy it there, and open the set again";
+    if (error == EACCES) return part->path + ": may not be read any more; make it readable, and open the set again";
+    return part->path + ": was changed after it was opened; open it again";
 }
 
 void SetParts::drop_cache() noexcept {

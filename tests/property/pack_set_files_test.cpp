@@ -5,8 +5,14 @@
 #include <cerrno>
 #include <filesystem>
 
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "fjell/cut.h"
 #include "fjell/io/failure.h"
 #include "fjell/pack_set.h"
+#include "fjell/stream.h"
 #include "io/set_parts.h"
 #include "support/rounds.h"
 #include "support/set_scene.h"
@@ -20,6 +26,7 @@ baker::Dem field(double step_m = 1) {
     Random random(7);
     baker::Dem dem = random_dem(random, 4 * 64 + 1, 2 * 64 + 20, Shape::fractal);
     for (float& height : dem.heights_m) height *= static_cast<float>(step_m);
+    dem.spacing_m[0] = dem.spacing_m[1] = 1;
     return dem;
 }
 
@@ -43,6 +50,20 @@ std::size_t open_files() {
     std::size_t count = 0;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) count += entry.exists();
     return count;
+}
+
+struct MemoryUse {
+    std::size_t terrain = 0, cut = 0, stream = 0;
+};
+MemoryUse memory_use(const io::PackFile& file, std::uint32_t slots) {
+    MemoryUse use;
+    use.terrain = terrain_bytes(file.pack().header, {slots});
+    const io::AlignedMemory memory = io::allocate(use.terrain);
+    Terrain terrain;
+    REQUIRE(create_terrain(file.pack(), file.corners(), {slots}, {memory.get(), use.terrain}, terrain).ok());
+    use.cut = cut_bytes(terrain, {});
+    use.stream = stream_bytes(file.pack(), terrain, {});
+    return use;
 }
 
 struct Place {
@@ -112,6 +133,22 @@ TEST_CASE("what is wrong with a set is said in one line that names the file") {
     CHECK(says(place.with("\"tile_cells\": 64", "\"tile_cells\": 32"), "another tile size"));
     CHECK(says(place.with("1-0.fjell", "0-0.fjell"), "0-0.fjell"));
     CHECK(says(place.with("1-0.fjell", "../pack.fjell"), "in the folder of the set"));
+    CHECK(says(place.with("1-0.fjell", place.pack), "in the folder of the set"));
+    CHECK(says(place.with("1-0.fjell", "a/../../pack.fjell"), "in the folder of the set"));
+    CHECK(says(place.with("1-0.fjell", ""), "in the folder of the set"));
+    for (const char* const number : {"-1", "0", "1", "1048577", "4294967296", "4294967553", "1e308", "2.5"}) {
+        CHECK(says(place.with("\"columns\": 257", std::string("\"columns\": ") + number), "set.json:3: "));
+        CHECK(says(place.with("\"rows\": 148", std::string("\"rows\": ") + number), "set.json:4: "));
+    }
+    for (const char* const number : {"-1", "1048576", "1048577", "4294967295", "4294967297", "1e999", "-1e-320", "nan"})
+        for (const char* const key : {"\"tile_x\": 2", "\"tiles_x\": 2", "\"tile_y\": 1"}) {
+            const std::string name(key, std::string(key).find(' '));
+            CHECK(!place.with(key, name + " " + number).empty());
+        }
+    for (const char* const spacing : {"[0, 1]", "[1, 0]", "[-1, 1]", "[1e-320, 1]", "[1, 1e308]", "[1]", "[1, 1, 1]"})
+        CHECK(!place.with("[1, 1]", spacing).empty());
+    for (const char* const cells : {"0", "1", "3", "4097", "63"})
+        CHECK(!place.with("\"tile_cells\": 64", std::string("\"tile_cells\": ") + cells).empty());
     CHECK(says(place.with("1-0.fjell", "set.json"), "a set in the set"));
     CHECK(says(place.with("1-0.fjell", "nothing.fjell"), "nothing.fjell: a pack of"));
     CHECK(says(place.with("\"tile_x\": 2", "\"tile_x\": 0"), "place"));
@@ -150,6 +187,18 @@ TEST_CASE("packs of two bakes are not mixed, nor damaged ones taken") {
     baker::BakeOptions ordered = small_bake(6);
     ordered.order = Order::hierarchical_z;
     CHECK(says(with_other(1, ordered), "1-0.fjell: order: not that of"));
+    const auto with_link = [&](const std::string& target) {
+        std::filesystem::remove(part);
+        std::filesystem::create_symlink(target, part);
+        const std::string said = refusal(place.set);
+        std::filesystem::remove(part);
+        return said;
+    };
+    CHECK(says(with_link("1-0.fjell"), "1-0.fjell: a pack of")); // a link in a circle
+    CHECK(says(with_link(".."), "1-0.fjell: is a folder"));
+    CHECK(says(with_link("../set"), "1-0.fjell: a set in the set"));
+    CHECK(says(with_link("/dev/null"), "1-0.fjell: not a file"));
+    CHECK(says(with_link("../other/1-0.fjell"), "1-0.fjell: order: not that of"));
     for (const std::size_t size : {std::size_t{0}, std::size_t{100}, good.size() - 1}) {
         spit(part, good.substr(0, size));
         CHECK(says(refusal(place.set), "1-0.fjell: "));
@@ -179,14 +228,95 @@ TEST_CASE("a pack that is replaced while its set is open is noticed when it is r
     }
 }
 
-TEST_CASE("however many packs a set has, few of their files are open at a time") {
+TEST_CASE("a pack that is gone while its set is open is named, and read again once it is back") {
+    const Place place;
+    const io::PackFile file(place.set);
+    const ChunkId page{ChunkKind::geometry, 0, 0};
+    const std::string part = place.set + "/0-0.fjell", bytes = slurp(part);
+    std::vector<std::byte> raw;
+    std::filesystem::remove(part);
+    CHECK(file.changed());
+    try {
+        file.read_chunk(page, raw);
+        FAIL("it was read");
+    } catch (const io::Failure& f) {
+        CHECK(f.exit_code == 1);
+        CHECK(says(f.what(), "0-0.fjell: is gone since its set was opened; copy it there"));
+    }
+    spit(part, bytes);
+    CHECK(!file.changed());
+    file.read_chunk(page, raw);
+    std::filesystem::remove(part); // now it is open
+    file.read_chunk(page, raw);
+}
+
+TEST_CASE("a set that is open may be moved, and is read by a program that changes its working folder") {
+    const Place place;
+    struct Home {
+        ~Home() { std::filesystem::current_path(path); }
+        std::filesystem::path path = std::filesystem::current_path();
+    } home;
+    std::filesystem::current_path(place.folder.path);
+    const io::PackFile file("set");
+    const io::PackFile whole("pack.fjell");
+    std::filesystem::current_path("/");
+    std::filesystem::rename(place.set, place.folder / "elsewhere");
+    std::vector<std::byte> a, b;
+    for (std::uint64_t chunk = 0; chunk < whole.pack().header.directory_count; ++chunk) {
+        whole.read_chunk(chunk_id(whole.pack().header, chunk), a);
+        file.read_chunk(chunk_id(file.pack().header, chunk), b);
+        REQUIRE(a == b);
+    }
+    CHECK(!file.changed());
+    CHECK(refusal(place.folder / "elsewhere").empty());
+}
+
+TEST_CASE("where the machine has few descriptors left a set is read with fewer, and is not said to have changed") {
+    const Place place;
+    const io::PackFile file(place.set);
+    const auto first_page = [&](std::uint32_t tile) {
+        const ChunkEntry entry = file.pack().entry(chunk_index(file.pack().header, {ChunkKind::geometry, tile, 0}));
+        std::vector<std::byte> raw(entry.stored_bytes);
+        return file.read(entry.offset, raw);
+    };
+    struct Limit {
+        explicit Limit(rlim_t files) {
+            getrlimit(RLIMIT_NOFILE, &before);
+            const rlimit now{files, before.rlim_max};
+            setrlimit(RLIMIT_NOFILE, &now);
+        }
+        ~Limit() { setrlimit(RLIMIT_NOFILE, &before); }
+        rlimit before{};
+    };
+    const int next = open("/dev/null", O_RDONLY); // the lowest number that is free
+    close(next);
+    {
+        const Limit none(static_cast<rlim_t>(next));
+        CHECK(first_page(0) == EMFILE);
+        CHECK(!file.changed());
+    }
+    const Limit one(static_cast<rlim_t>(next) + 1);
+    for (std::uint32_t tile = 0; tile < file.pack().tile_count(); ++tile) CHECK(first_page(tile) == 0);
+    CHECK(!file.changed());
+}
+
+TEST_CASE("however many packs a set has, few of their files are open at a time, and a stream needs no more memory") {
     Random random(11);
     const TemporaryFolder folder;
-    (void)baker::bake(random_dem(random, 8 * 16 + 1, 8 * 16 + 1, Shape::fractal), small_bake(4), folder / "pack.fjell");
-    (void)baker::split_pack(folder / "pack.fjell", folder / "set", {8, 8});
+    (void)baker::bake(random_dem(random, 32 * 4 + 1, 32 * 4 + 1, Shape::fractal), small_bake(2), folder / "pack.fjell");
+    (void)baker::split_pack(folder / "pack.fjell", folder / "set", {32, 32});
     const std::size_t before = open_files();
     const io::PackFile file(folder / "set");
-    CHECK(file.packs() == 64);
+    CHECK(file.packs() == 1024);
+    CHECK(open_files() == before + 1); // the folder
+    for (const std::uint32_t slots : {2048u, 4096u}) {
+        const io::PackFile one(folder / "pack.fjell");
+        const MemoryUse of_set = memory_use(file, slots), of_one = memory_use(one, slots);
+        CHECK(of_set.terrain == of_one.terrain);
+        CHECK(of_set.cut == of_one.cut);
+        CHECK(of_set.stream == of_one.stream);
+        CHECK(of_set.stream > 0);
+    }
     std::vector<std::byte> raw;
     std::size_t most = 0;
     for (int times = 0; times < 2; ++times)
@@ -194,7 +324,7 @@ TEST_CASE("however many packs a set has, few of their files are open at a time")
             file.read_chunk(chunk_id(file.pack().header, chunk), raw);
             most = std::max(most, open_files());
         }
-    CHECK(most <= before + io::most_set_descriptors);
+    CHECK(most <= before + 1 + io::most_set_descriptors);
     CHECK(most > before + 8);
 }
 

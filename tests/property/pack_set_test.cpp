@@ -2,9 +2,14 @@
 // terrain with another rim.
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <cstring>
 
+#include "fjell/measure.h"
 #include "fjell/query.h"
+#include "flight/file_ground.h"
+#include "gltf/geometry.h"
+#include "support/mesh_check.h"
 #include "support/rounds.h"
 #include "support/set_scene.h"
 #include "support/stream_scene.h"
@@ -114,6 +119,66 @@ void require_same_answers(Random& random, const Terrain& a, const Terrain& b) {
     }
 }
 
+// A set with a pack for every tile, less some of them in the middle and few at its rim: its folder.
+std::string perforated(Random& random, const PackAndSet& both) {
+    const std::string folder = both.folder / "perforated", path = folder + "/set.json";
+    const PackHeader h = io::PackFile(both.pack).pack().header;
+    (void)baker::split_pack(both.pack, folder, {h.tiles_x, h.tiles_y});
+    io::SetFile set = io::parse_set_file(io::read_text(path), path);
+    const io::SetFilePack first = set.packs.front();
+    std::erase_if(set.packs, [&](const io::SetFilePack& pack) {
+        const bool at_rim =
+            pack.tile_x == 0 || pack.tile_y == 0 || pack.tile_x + 1 == h.tiles_x || pack.tile_y + 1 == h.tiles_y;
+        return pick(random, 0, at_rim ? 9 : 1) == 0;
+    });
+    if (set.packs.empty()) set.packs.push_back(first);
+    spit(path, io::set_file_text(set));
+    return folder;
+}
+
+// A tile is missing that lies between four that are there.
+bool has_enclosed_gap(const Terrain& terrain) {
+    const PackHeader& h = terrain.header();
+    for (std::int32_t y = 1; y + 1 < static_cast<std::int32_t>(h.tiles_y); ++y)
+        for (std::int32_t x = 1; x + 1 < static_cast<std::int32_t>(h.tiles_x); ++x) {
+            const auto there = [&](std::int32_t dx, std::int32_t dy) {
+                return terrain.tile_at({x + dx, y + dy}) != no_tile;
+            };
+            if (!there(0, 0) && there(-1, 0) && there(1, 0) && there(0, -1) && there(0, 1)) return true;
+        }
+    return false;
+}
+
+// What covers all of its tiles has no holes: those of terrains with holes are compared, not looked at.
+std::string wrong_with(const Terrain& terrain, const MeshView& mesh) {
+    return terrain.has_voids() ? std::string() : check_mesh(terrain, mesh);
+}
+
+// Of a mesh of the whole: what lies in the tiles that the sparse one has.
+std::vector<Triangle> triangles_in(const Terrain& sparse, const Terrain& whole, MeshView mesh) {
+    std::vector<TileRange> there;
+    for (const TileRange& range : mesh.tiles)
+        if (sparse.tile_at(whole.tile_place(range.tile)) != no_tile) there.push_back(range);
+    mesh.tiles = there;
+    return triangles_of(mesh);
+}
+
+void load_all(const Pack& pack, const Terrain& terrain) {
+    for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
+        for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
+            REQUIRE(load_page(pack, terrain, tile, page).ok());
+}
+void load_or_unload(Random& random, const Pack& pack, const Terrain& terrain) {
+    const auto tile = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.tile_count()) - 1)),
+               page = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile()) - 1));
+    if (pick(random, 0, 3) == 0) {
+        (void)unload_page(terrain, tile, page);
+        return;
+    }
+    const Status s = load_page(pack, terrain, tile, page);
+    REQUIRE((s.ok() || s.code == Code::coarser_page_first));
+}
+
 } // namespace
 
 TEST_CASE("a pack set is the pack that it was split from, chunk for chunk, and flies like it bit for bit") {
@@ -188,6 +253,107 @@ TEST_CASE("a sparse set streams and is drawn without a crack, to the threshold w
     }
     CHECK(sparse > 1);
     CHECK(converged > 0);
+}
+
+TEST_CASE("over a sparse set the recursive method draws the live cut's triangles, whatever pages are missing") {
+    Random random(2104);
+    int enclosed = 0, incomplete = 0, complete = 0;
+    for (int round = 0; round < rounds(12, 150); ++round) {
+        const PackAndSet both = random_set(random);
+        std::string folder = both.set;
+        if (pick(random, 0, 1))
+            folder = perforated(random, both);
+        else
+            thin_out(random, folder);
+        const io::LoadedPack set = io::load_pack(folder, io::LoadTerrain::yes),
+                             pack = io::load_pack(both.pack, io::LoadTerrain::yes);
+        Recursive whole(pack.terrain, ample_budget(pack.terrain));
+        enclosed += has_enclosed_gap(set.terrain);
+        PagedTerrain paged(set.pack, {});
+        Recursive method(paged.terrain, ample_budget(set.terrain)), strips(paged.terrain, ample_budget(set.terrain));
+        for (int frame = 0; frame < 4; ++frame) {
+            if (frame == 3) load_all(set.pack, paged.terrain);
+            for (int n = pick(random, 0, 400); n > 0 && frame < 3; --n) load_or_unload(random, set.pack, paged.terrain);
+            (paged.terrain.pages_missing() != 0 ? incomplete : complete) += 1;
+            const View view = random_view(random, set.terrain);
+            const Frustum frustum = make_frustum(view);
+            RefineSettings settings;
+            settings.error_px = random_threshold(random);
+            settings.cull = false;
+            const FrameReport report = method.update(view, settings);
+            CAPTURE(round, frame, settings.error_px, paged.terrain.pages_missing(), set.terrain.tile_count());
+            REQUIRE(report.converged);
+            REQUIRE(report.tiles == set.terrain.tile_count());
+            REQUIRE(wrong_with(set.terrain, method.mesh()) == "");
+            if (paged.terrain.pages_missing() == 0) {
+                REQUIRE(measure_error(set.terrain, method.mesh(), view).max_px <= settings.error_px * (1 + 1e-9));
+                (void)whole.update(view, settings);
+                REQUIRE((triangles_in(set.terrain, pack.terrain, whole.mesh()) == triangles_of(method.mesh())));
+            }
+            Cut cut(paged.terrain, ample_cut(set.terrain));
+            CutSettings cut_settings;
+            cut_settings.error_px = settings.error_px;
+            (void)settle(cut, {&view, 1}, cut_settings, 1000);
+            REQUIRE((triangles_of(cut.mesh()) == triangles_of(method.mesh())));
+            settings.topology = Topology::strip;
+            (void)strips.update(view, settings);
+            REQUIRE(wrong_with(set.terrain, strips.mesh()) == "");
+            REQUIRE((triangles_of(strips.mesh()) == triangles_of(method.mesh())));
+            settings.cull = true;
+            settings.topology = Topology::triangles;
+            settings.metric = pick(random, 0, 1) ? Metric::depth : Metric::isotropic;
+            (void)method.update(view, settings);
+            REQUIRE(wrong_with(set.terrain, method.mesh()) == "");
+            if (paged.terrain.pages_missing() == 0)
+                REQUIRE(measure_error(set.terrain, method.mesh(), view, &frustum).max_px <=
+                        settings.error_px * (1 + 1e-9));
+        }
+    }
+    CHECK(enclosed > 1);
+    CHECK(incomplete > 10);
+    CHECK(complete > 10);
+}
+
+// The ground rises by a metre a cell, so that one-sided slopes are those of both sides, and lies high, so that what is
+// not there would be a cliff.
+TEST_CASE("what flies over missing tiles has ground under it, and what is exported has its slope beside them") {
+    baker::Dem dem;
+    dem.columns = dem.rows = 3 * 16 + 1;
+    dem.spacing_m[0] = dem.spacing_m[1] = 1;
+    for (std::int32_t y = 0; y < dem.rows; ++y)
+        for (std::int32_t x = 0; x < dem.columns; ++x) dem.heights_m.push_back(static_cast<float>(1000 + x));
+    const TemporaryFolder folder;
+    (void)baker::bake(std::move(dem), small_bake(4), folder / "pack.fjell");
+    (void)baker::split_pack(folder / "pack.fjell", folder / "set", {3, 3});
+    io::SetFile set = io::parse_set_file(slurp(folder / "set/set.json"), "set");
+    std::erase_if(set.packs, [](const io::SetFilePack& pack) { return pack.tile_x == 1 && pack.tile_y == 1; });
+    spit(folder / "set/set.json", io::set_file_text(set));
+    const io::LoadedPack loaded = io::load_pack(folder / "set", io::LoadTerrain::yes);
+    const Terrain& terrain = loaded.terrain;
+
+    for (const double x : {17.5, 24.0, 31.9}) CHECK(data_of(terrain).ground_m(x, 24) >= 1000);
+    const io::PackFile file(folder / "set");
+    flight::FileGround read(file);
+    for (const double x : {17.5, 24.0, 31.9}) CHECK(read.ground_m(x, 24) == Approx(data_of(terrain).ground_m(x, 24)));
+
+    // Triangles along the border of the tile to the west of the missing one.
+    std::vector<MeshVertex> vertices;
+    std::vector<std::uint32_t> indices;
+    for (std::int32_t row = 16; row <= 32; ++row)
+        for (const std::int32_t column : {15, 16})
+            vertices.push_back({column, row, data_of(terrain).height_m({column, row})});
+    for (std::uint32_t i = 0; i + 3 < vertices.size(); i += 2)
+        for (const std::uint32_t corner : {i, i + 3, i + 1}) indices.push_back(corner);
+    const auto count = static_cast<std::uint32_t>(indices.size());
+    const TileRange range{terrain.tile_at({0, 1}), 0, count, count / 3};
+    const MeshView mesh{Topology::triangles, vertices, indices, {&range, 1}, 0, 0};
+    const gltf::TileGeometry geometry = gltf::TileCollector(terrain).collect(mesh, mesh.tiles, {});
+    CHECK(geometry.vertices.size() == 33);
+    for (const gltf::SnapshotVertex& v : geometry.vertices) {
+        CHECK(v.normal[0] == Approx(-std::sqrt(0.5)));
+        CHECK(v.normal[1] == Approx(std::sqrt(0.5)));
+        CHECK(v.normal[2] == 0);
+    }
 }
 
 TEST_CASE("queries of a sparse set are those of the whole where it has tiles, and find no ground elsewhere") {

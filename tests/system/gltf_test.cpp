@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "gltf/baked.h"
 #include "support/dem.h"
 #include "support/rounds.h"
+#include "support/set_scene.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -140,6 +142,42 @@ TEST_CASE("the colour in the file is the pack's, texel for texel", "[gltf]") {
         for (std::size_t i = 0; i < texels.size(); ++i)
             different += texels[i] != image.image[i / channels * components + i % channels];
         CHECK(different == 0);
+    }
+}
+
+TEST_CASE("of a sparse set all is exported that is there, and it is sound", "[gltf]") {
+    const Folder folder;
+    const baker::Dem dem = hills(3 * 32 + 8, 2 * 32 + 9, 30, 30);
+    const BakedTerrain baked(folder, dem, options_with(5, 5));
+    (void)baker::split_pack(folder / "terrain.fjell", folder / "set", {4, 3});
+    io::SetFile set = io::parse_set_file(slurp(folder / "set/set.json"), "set");
+    const auto missing = [](std::uint32_t tile_x, std::uint32_t tile_y) {
+        return (tile_x == 1 && tile_y == 1) || (tile_x == 3 && tile_y == 0);
+    };
+    std::erase_if(set.packs, [&](const io::SetFilePack& pack) { return missing(pack.tile_x, pack.tile_y); });
+    spit(folder / "set/set.json", io::set_file_text(set));
+    const io::LoadedPack sparse = io::load_pack(folder / "set", io::LoadTerrain::yes);
+    REQUIRE(sparse.pack.header.tiles_held == 10);
+    // What the checker may expect: no ground inside the missing tiles; on their borders the neighbours have it.
+    std::string heights;
+    for (std::int32_t y = 0; y < dem.rows; ++y)
+        for (std::int32_t x = 0; x < dem.columns; ++x) {
+            const bool inner = (x % 32 != 0 && y % 32 != 0) || (x > 96 && y < 32);
+            float height = dem.heights_m[static_cast<std::size_t>(y * dem.columns + x)];
+            if (inner && missing(static_cast<std::uint32_t>(x) / 32, static_cast<std::uint32_t>(y) / 32))
+                height = std::numeric_limits<float>::quiet_NaN();
+            heights.append(reinterpret_cast<const char*>(&height), sizeof height);
+        }
+    spit(folder / "heights.f32", heights);
+    for (const double error_px : {0.5, 20.0}) {
+        const gltf::SnapshotResult result =
+            gltf::export_snapshot(sparse.pack, sparse.terrain, view_of(baked.terrain), error_px, folder / "out.glb");
+        INFO(result.message);
+        REQUIRE(result.ok());
+        CHECK(result.converged);
+        CHECK(result.tiles == 10);
+        require_valid(folder / "out.glb");
+        require_sound(folder / "out.glb", baked.heights_argument);
     }
 }
 

@@ -131,7 +131,8 @@ static void set_row(float* row, FjellVec3 scene) {
 }
 
 static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellCoord origin) {
-    const double dx = fjell_terrain_spacing_x_m(terrain), dz = fjell_terrain_spacing_z_m(terrain);
+    const FjellPackHeader* const header = fjell_terrain_header(terrain);
+    const double dx = header->spacing_m[0], dz = header->spacing_m[1];
     const double eye_x = view->eye_m.x - origin.x * dx, eye_z = view->eye_m.z - origin.y * dz; /* doubles until here */
     const FjellVec3 f = view->forward, u = view->up;
     const FjellVec3 r = {f.y * u.z - f.z * u.y, f.z * u.x - f.x * u.z, f.x * u.y - f.y * u.x}; /* to the right */

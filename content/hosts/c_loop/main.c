@@ -108,7 +108,8 @@ static FjellStatus look(const World* world, double now_s, FjellView* view) {
 /* The scene's origin is a sample near the eye. An engine counts its objects, physics and sound from there in floats,
    and moves them when it moves. Returns whether it has. */
 static int rebase(const World* world, const FjellView* view, FjellCoord* origin) {
-    const double dx = fjell_terrain_spacing_x_m(world->terrain), dz = fjell_terrain_spacing_z_m(world->terrain);
+    const FjellPackHeader* const header = fjell_terrain_header(world->terrain);
+    const double dx = header->spacing_m[0], dz = header->spacing_m[1];
     const double far_m = 1000;
     if (fabs(view->eye_m.x - origin->x * dx) < far_m && fabs(view->eye_m.z - origin->y * dz) < far_m) return 0;
     origin->x = (int32_t)floor(view->eye_m.x / dx);

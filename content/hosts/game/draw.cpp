@@ -84,7 +84,7 @@ void Drawer::upload(std::span<const fjell::MapCommand> commands) {
 }
 
 void Drawer::set_view(const fjell::Terrain& terrain, const fjell::View& view) const {
-    const double dx = terrain.spacing_x_m(), dz = terrain.spacing_z_m();
+    const double dx = terrain.header().spacing_m[0], dz = terrain.header().spacing_m[1];
     const double column = std::floor(view.eye_m.x / dx), row = std::floor(view.eye_m.z / dz);
     const float high = float(view.eye_m.y);
     glUniform2f(at("spacing_m"), float(dx), float(dz));

@@ -31,8 +31,8 @@ double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double 
 }
 
 fjell::Coord sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m) {
-    return {static_cast<std::int32_t>(std::floor(place_m.x / terrain.spacing_x_m())),
-            static_cast<std::int32_t>(std::floor(place_m.z / terrain.spacing_z_m()))};
+    return {static_cast<std::int32_t>(std::floor(place_m.x / terrain.header().spacing_m[0])),
+            static_cast<std::int32_t>(std::floor(place_m.z / terrain.header().spacing_m[1]))};
 }
 
 std::vector<float> collider(const fjell::Terrain& terrain, fjell::Coord middle, float& error_m) {

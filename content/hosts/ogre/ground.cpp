@@ -83,7 +83,7 @@ void Ground::place(const fjell::CutMesh& cut, fjell::Vec3 scene_origin_m, fjell:
     if (mParentNode) mParentNode->needUpdate();
 
     // Whole columns and rows from the one that is nearest to the eye: exact, however large the terrain is.
-    const double dx = terrain_.spacing_x_m(), dz = terrain_.spacing_z_m();
+    const double dx = terrain_.header().spacing_m[0], dz = terrain_.header().spacing_m[1];
     const double column = std::floor(eye_m.x / dx), row = std::floor(eye_m.z / dz);
     const auto eye_height = static_cast<float>(eye_m.y);
     const fjell::Vec3 eye_in_scene = eye_m - scene_origin_m;

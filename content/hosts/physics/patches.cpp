@@ -22,8 +22,8 @@ std::unique_ptr<GroundShape> Patches::read(Key key) {
 }
 
 void Patches::put(Key key, Patch& patch) {
-    const fjell::Vec3 at{key.first * patch_cells * double(terrain_.spacing_x_m()), patch.shape->base_m(),
-                         key.second * patch_cells * double(terrain_.spacing_z_m())};
+    const fjell::Vec3 at{key.first * patch_cells * terrain_.header().spacing_m[0], patch.shape->base_m(),
+                         key.second * patch_cells * terrain_.header().spacing_m[1]};
     patch.object.setCollisionShape(patch.shape.get());
     patch.object.setWorldTransform(btTransform(btQuaternion::getIdentity(), origin_.to_bullet(at)));
     patch.object.setFriction(0.6f);
@@ -32,12 +32,13 @@ void Patches::put(Key key, Patch& patch) {
 }
 
 bool Patches::want(fjell::Vec3 low_m, fjell::Vec3 high_m) {
-    const auto patch_at = [](double at_m, float spacing_m) {
-        return static_cast<int>(std::floor(at_m / (patch_cells * double(spacing_m))));
+    const auto patch_at = [](double at_m, double spacing_m) {
+        return static_cast<int>(std::floor(at_m / (patch_cells * spacing_m)));
     };
+    const double dx = terrain_.header().spacing_m[0], dz = terrain_.header().spacing_m[1];
     bool good = true;
-    for (int y = patch_at(low_m.z, terrain_.spacing_z_m()); y <= patch_at(high_m.z, terrain_.spacing_z_m()); ++y)
-        for (int x = patch_at(low_m.x, terrain_.spacing_x_m()); x <= patch_at(high_m.x, terrain_.spacing_x_m()); ++x) {
+    for (int y = patch_at(low_m.z, dz); y <= patch_at(high_m.z, dz); ++y)
+        for (int x = patch_at(low_m.x, dx); x <= patch_at(high_m.x, dx); ++x) {
             std::unique_ptr<Patch>& patch = patches_[{x, y}];
             if (!patch) {
                 patch = std::make_unique<Patch>();

@@ -7,7 +7,7 @@ namespace vulkan {
 bool Origin::follow(Vector eye_m, const fjell::Terrain& terrain) {
     const Vector off{eye_m.x - position_m_.x, eye_m.y - position_m_.y, eye_m.z - position_m_.z};
     if (placed_ && std::hypot(off.x, off.y, off.z) < rebase_m) return false;
-    const double dx = double(terrain.spacing_x_m()), dz = double(terrain.spacing_z_m());
+    const double dx = terrain.header().spacing_m[0], dz = terrain.header().spacing_m[1];
     column_ = std::int32_t(std::floor(eye_m.x / dx));
     row_ = std::int32_t(std::floor(-eye_m.y / dz));
     position_m_ = {column_ * dx, -row_ * dz, std::floor(eye_m.z)}; // a whole number: a float holds it

@@ -365,14 +365,14 @@ Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terr
 
 TerrainData::Vertex TerrainData::vertex(Coord v) const {
     const std::int32_t side = tree.side();
-    Vertex out;
+    Vertex out, in_no_tile;
+    in_no_tile.loaded = in_no_tile.hole = true;
+    in_no_tile.in_tile = false;
+    in_no_tile.height_m = header.min_m;
     if (tree.is_corner(v)) {
         const std::uint32_t corner = corner_at(v.x / side, v.y / side);
+        if (corner == no_index) return in_no_tile;
         out.loaded = true;
-        if (corner == no_index) { // there is no tile
-            out.hole = true;
-            return out;
-        }
         const std::uint32_t stored = corners[corner];
         out.hole = (stored & corner_void_bit) != 0;
         out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
@@ -382,10 +382,7 @@ TerrainData::Vertex TerrainData::vertex(Coord v) const {
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
     const Coord owner = tile_with(v, {tx, ty});
     const std::uint32_t tile = tile_at(owner.x, owner.y);
-    if (tile == no_index) {
-        out.loaded = out.hole = true;
-        return out;
-    }
+    if (tile == no_index) return in_no_tile;
     const PagePlace at =
         pages.place(static_cast<std::uint32_t>(v.x - owner.x * side), static_cast<std::uint32_t>(v.y - owner.y * side));
     const PageEntry entry = page_table[std::size_t{tile} * pages_per_tile + at.page];

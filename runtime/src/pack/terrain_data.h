@@ -93,9 +93,10 @@ struct TerrainData {
 
     // One vertex with its numbers decoded; slow and convenient. Any vertex of the grid, also beyond the
     // terrain's rim. Tile corners have neither error nor radius. `loaded` false: its page is missing, and nothing else
-    // is set.
+    // is set. `in_tile` false: it belongs to no tile that there is; then it is a hole that stands on the terrain's
+    // lowest height, so that what flies at a height over the ground has one.
     struct Vertex {
-        bool loaded = false, hole = false;
+        bool loaded = false, hole = false, in_tile = true;
         std::int32_t steps = 0; // on the height scale
         std::uint8_t error_code = 0;
         float height_m = 0, error_m = 0, radius_m = 0;

@@ -64,8 +64,6 @@ bool move_page(RecursiveState& s, std::uint32_t slot) {
 
 Status check_budget(const TerrainData& terrain, const RecursiveBudget& budget) {
     const std::uint64_t tiles = terrain.tile_count();
-    if (terrain.is_sparse())
-        return {Code::not_supported, "terrain with missing tiles (a pack set): use the incremental method"};
     if (state_count(terrain) >= no_index) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
     if (budget.vertices > max_vertices) return {Code::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
     if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};

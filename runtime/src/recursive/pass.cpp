@@ -39,15 +39,6 @@ constexpr std::uint32_t slot_of(Corner c) {
     return static_cast<std::uint32_t>(c >> 32);
 }
 
-// What may still have to be asked below a vertex: the frustum's planes that its sphere crosses and, in every sub-tree
-// alike, what is not as simple as the rest. Nothing left: only the distance decides.
-constexpr std::uint32_t all_planes = 0b111111, special = 1u << 6;
-constexpr std::uint32_t not_selected = 0xffffffff;
-
-// Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only,
-// which every budget can hold.
-constexpr double hopeless_px = 1e7;
-
 // A triangle before it is entered. even: its vertex is a centre. hypotenuse, left, right: the triangle on the other
 // side of this edge comes earlier in the recursion (left: from the apex to the left end). inside: nothing is left to
 // ask but the distance.
@@ -64,6 +55,15 @@ constexpr Kind right_half(Kind k) {
 constexpr Kind inside(Kind k) {
     return {k.even, k.hypotenuse, k.left, k.right, true};
 }
+
+// What may still have to be asked below a vertex: the frustum's planes that its sphere crosses and, in every sub-tree
+// alike, what is not as simple as the rest. Nothing left: only the distance decides.
+constexpr std::uint32_t all_planes = 0b111111, special = 1u << 6;
+constexpr std::uint32_t not_selected = 0xffffffff;
+
+// Beyond this threshold only spheres that hold the eye select anything; a pass above it draws base triangles only,
+// which every budget can hold.
+constexpr double hopeless_px = 1e7;
 
 template <Order O, Topology T>
 class Pass {
@@ -86,20 +86,19 @@ public:
 
     PassResult run() {
         s.tile_count = 0;
-        const Tree& tree = terrain.tree;
-        for (std::int32_t ty = 0; ty < tree.tiles_y && !result.exhausted; ++ty)
-            for (std::int32_t tx = 0; tx < tree.tiles_x && !result.exhausted; ++tx) tessellate(tx, ty);
+        // By numbers, not by places: a sparse terrain may have a million places and a few tiles.
+        for (std::uint32_t tile = 0; tile < terrain.tile_count() && !result.exhausted; ++tile) tessellate(tile);
         s.index_count = emit.cursor();
         return result;
     }
 
 private:
-    void tessellate(std::int32_t tx, std::int32_t ty) {
+    void tessellate(std::uint32_t tile) {
         side = terrain.pages.side();
-        const auto tile = static_cast<std::uint32_t>(ty * terrain.tree.tiles_x + tx);
+        tile_place = terrain.tile_xy(tile);
         const auto n = static_cast<std::int32_t>(side);
-        column0 = tx * n;
-        row0 = ty * n;
+        column0 = tile_place.x * n;
+        row0 = tile_place.y * n;
         for (LevelPlane* plane = levels; plane != last_planes; ++plane)
             plane->pages = s.step_pages + std::size_t{tile} * s.step_pages_per_tile + plane->first;
         limit_x = terrain.tree.columns() - 1 - column0;
@@ -364,17 +363,26 @@ private:
         if (!copies_loaded(v)) return false;
         const Diamond d = diamond(terrain.tree, v);
         for (const Coord parent : d.apexes)
-            if (terrain.tree.contains(parent) && !terrain.tree.is_corner(parent) && !in_cut(parent)) return false;
+            if (exists(parent) && !in_cut(parent)) return false;
         return true;
     }
 
-    // A vertex on the border of two tiles has a copy in each.
+    // An apex that has to be in the cut: not a corner, and in a tile that there is. Those of a centre lie in its own
+    // tile, those of a side are centres, which lie in one tile only.
+    [[nodiscard]] bool exists(Coord parent) const {
+        if (!terrain.tree.contains(parent) || terrain.tree.is_corner(parent)) return false;
+        if (Tree::kind(parent) != VertexKind::centre) return true;
+        const int log2 = terrain.tree.tile_log2;
+        return terrain.has_tile(parent.x >> log2, parent.y >> log2);
+    }
+
+    // A vertex on the border of two tiles has a copy in each that there is.
     [[nodiscard]] bool copies_loaded(Coord v) const {
         const auto n = static_cast<std::int32_t>(side);
         const Coord first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
         for (std::int32_t ty = first.y; ty <= std::min(v.y / n, terrain.tree.tiles_y - 1); ++ty)
             for (std::int32_t tx = first.x; tx <= std::min(v.x / n, terrain.tree.tiles_x - 1); ++tx)
-                if (find(tx, ty, v).page.slot == no_index) return false;
+                if (terrain.has_tile(tx, ty) && find(tx, ty, v).page.slot == no_index) return false;
         return true;
     }
 
@@ -384,8 +392,7 @@ private:
     };
     [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, Coord v) const {
         const auto n = static_cast<std::int32_t>(side);
-        const std::size_t tile =
-            static_cast<std::uint32_t>(ty) * std::size_t{terrain.header.tiles_x} + static_cast<std::uint32_t>(tx);
+        const std::size_t tile = terrain.tile_at(tx, ty);
         const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.x - tx * n),
                                                        static_cast<std::uint32_t>(v.y - ty * n));
         const PageEntry page = terrain.page_table[tile * terrain.pages_per_tile + at.page];
@@ -395,8 +402,9 @@ private:
     // The same decision as decide()'s, for any vertex; remembered in the same place.
     bool in_cut(Coord v) {
         const auto n = static_cast<std::int32_t>(side);
-        const Found found =
-            find(std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1), v);
+        const Coord tile = terrain.tile_with(
+            v, {std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1)});
+        const Found found = find(tile.x, tile.y, v);
         if (found.page.slot == no_index) return false;
         if (decision(found.index) <= in_wholly) return decision(found.index) != not_in;
         const LevelPlane& plane =
@@ -425,8 +433,8 @@ private:
         const std::uint32_t index = terrain.slot_count * terrain.page_capacity + 4 * tile + 2 * south + east;
         (void)store(index, special);
         if (slots[index] != no_index) return make_corner(pack_xy(x, y), slots[index]);
-        const std::uint32_t tiles_x = terrain.header.tiles_x;
-        const std::uint32_t stored = terrain.corners[(tile / tiles_x + south) * (tiles_x + 1) + tile % tiles_x + east];
+        const std::uint32_t stored = terrain.corners[terrain.corner_at(
+            tile_place.x + static_cast<std::int32_t>(east), tile_place.y + static_cast<std::int32_t>(south))];
         return make_corner(pack_xy(x, y), insert(index, static_cast<std::int32_t>(stored & ~corner_void_bit),
                                                  (stored & corner_void_bit) != 0, pack_xy(x, y)));
     }
@@ -472,6 +480,7 @@ private:
     const float* const error_m;
     const float* const radius_factor;
     // The tile in work.
+    Coord tile_place;
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     std::uint32_t side = 0;

@@ -11,7 +11,6 @@
 
 #include "fjell/gltf/snapshot.h"
 #include "gltf/baked.h"
-#include "support/set_scene.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -126,17 +125,6 @@ TEST_CASE("a snapshot with numbers that make no sense is refused", "[gltf]") {
                       "error_px");
     f.view.top = 2000;
     f.require_refused(f.write(f.folder / "out.glb"), 2, "View::bottom, top");
-}
-
-TEST_CASE("all of a terrain with missing tiles is refused, and what to export instead is said", "[gltf]") {
-    const Fixture f;
-    const Folder folder;
-    (void)baker::split_pack(f.folder / "terrain.fjell", folder / "set", {2, 1});
-    Random random(7);
-    thin_out(random, folder / "set");
-    const io::LoadedPack set = io::load_pack(folder / "set", io::LoadTerrain::yes);
-    REQUIRE(set.pack.header.tiles_held != 0);
-    f.require_refused(gltf::export_snapshot(set.pack, set.terrain, f.view, 2, f.folder / "out.glb"), 2, "one by one");
 }
 
 TEST_CASE("a pack whose colour is corrupt is refused", "[gltf]") {
