@@ -85,8 +85,7 @@ TEST_CASE("an overview has the colours of the terrain's maps where they lie, and
         for (std::int32_t x = 20; x < 60; ++x) dem.voids[dem.index(x, y)] = 1;
     baker::BakeOptions options = small_bake(5);
     options.max_texture_log2 = 6;
-    options.ramp_path =
-        place.ramp(R"({"height_m": 4, "rgb": [255, 0, 0]}, {"height_m": 6, "rgb": [0, 0, 255]})");
+    options.ramp_path = place.ramp(R"({"height_m": 4, "rgb": [255, 0, 0]}, {"height_m": 6, "rgb": [0, 0, 255]})");
     const OverviewSource source = place.bake("two.fjell", dem, options);
     const OverviewSize size = overview_size_of(source.pack->pack().header);
     CHECK(size.columns == OverviewSize::longer_texels);
