@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -42,7 +43,7 @@ private:
     void (*watch_)(bool begins);
 };
 
-constexpr double overview_us = 150, overview_idle_us = 4000; // of a frame, for painting the overview
+constexpr double band_us = 50'000, most_bands = 8; // of a whole picture that software draws after a half one
 
 // SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
 volatile std::sig_atomic_t dump_requested = 0;
@@ -99,6 +100,7 @@ App::App(Options options) : options_(std::move(options)) {
 App::~App() {
     finish_persistence(state_, ended_);
     jobs_.cancel();
+    engine_.abandon_opening();
     shown_ = nullptr;
     target_.reset();
     half_target_.reset();
@@ -215,7 +217,10 @@ void App::frame() {
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
     thumbnails_.upload(state_.bookmarks);
-    paint_overview(); // before the panels, which show its texture
+    {
+        const OwnCode own(watch_);
+        follow_overview(); // before the panels, which show its texture
+    }
     times_.editor_us = interface();
     times_.editor_us += handle_commands();
     attempt([&] { times_.editor_us += move_and_update(); });
@@ -237,6 +242,8 @@ void App::frame() {
     const OwnCode own(watch_);
     state_.programs = gl::programs_made();
     state_.longest_frame_us = std::max(std::exchange(dumped_, false) ? 0 : state_.longest_frame_us, times_.frame_us);
+    if (drew_half_) half_us_ = times_.draw_us + times_.present_us; // where software catches up
+    drew_half_ = false;
     state_.measures.record(times_, state_.eye.pose(), drawn);
 }
 
@@ -279,7 +286,7 @@ double App::handle_commands() {
     }
     if (jobs_.poll(state_.job)) {
         handle_job_result(context);
-        if (state_.job.kind != JobKind::bake) picture_old_ = true; // whose terrain is not shown yet
+        if (state_.job.kind != JobKind::bake) redraw(); // whose terrain is not shown yet
         stir();
     }
     own.reset();
@@ -311,7 +318,10 @@ double App::move_and_update() {
         move_camera({state_, engine_, jobs_}, state_.frame_s);
     }
     const auto moved = Clock::now();
-    comparison_.follow(state_, engine_);
+    {
+        const OwnCode own(watch_);
+        comparison_.follow(state_, engine_);
+    }
     if (!software_) gpu_timer_.begin(); // ends when all of the frame was given to the driver
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, times_.upload_us);
@@ -329,25 +339,35 @@ double App::move_and_update() {
 }
 
 void App::finish_opening() {
-    state_.opening.clear();
     stir();
-    attempt([&] { show_opened(engine_.finish_opening(), {state_, engine_, jobs_}); });
+    attempt([&] {
+        const std::string pack = engine_.finish_opening();
+        if (!pack.empty()) show_opened(pack, {state_, engine_, jobs_});
+    });
+    if (!engine_.opening()) state_.opening.clear(); // otherwise another one was asked for meanwhile
 }
 
-// Its own time is bounded, and it is done soon: it does not count as what every frame costs.
-void App::paint_overview() {
-    if (overview_of_ != engine_.terrains()) {
-        overview_of_ = engine_.terrains();
-        if (engine_.is_open())
-            overview_.begin(engine_.session().terrain());
+// A terrain that is only rebuilt, for other budgets, looks the same from above.
+bool App::overview_is_of(const OverviewSource& source) const {
+    const OverviewSource& now = overview_of_;
+    if (!now.pack || !source.pack) return now.pack == source.pack;
+    const gl::LayerSettings &a = now.settings, &b = source.settings;
+    return now.pack->pack().header.directory_hash == source.pack->pack().header.directory_hash &&
+           now.layers == source.layers && (!now.layers || (a.on == b.on && a.tint == b.tint && a.control == b.control));
+}
+
+void App::follow_overview() {
+    OverviewSource source;
+    if (engine_.is_open()) source = {engine_.session().file, engine_.layers(), state_.document.profile().layers};
+    // A slider that is held would begin it anew in every frame.
+    if (overview_is_of(source)) {
+        overview_of_ = std::move(source); // the file may be another one of the same contents
+    } else if (!state_.document.dragging()) {
+        overview_of_ = source;
+        if (source.pack)
+            overview_.begin(std::move(source));
         else
             overview_.end();
-    }
-    if (engine_.is_open()) {
-        const flight::Session& session = engine_.session();
-        // Where no terrain is to be drawn there is time.
-        overview_.advance(session.terrain(), !session.streamed || session.streamed->report().complete,
-                          picture_old_ ? overview_us : overview_idle_us);
     }
     overview_.upload(state_.overview);
 }
@@ -370,6 +390,7 @@ gl::Target& App::fit_target(bool half) {
     std::unique_ptr<gl::Target>& target = half ? half_target_ : target_;
     if (target && target->width() == width && target->height() == height) return *target;
     if (shown_ == target.get()) shown_ = nullptr;
+    if (!half) band_row_ = 0; // nothing of it is drawn
     std::string error;
     target.reset(); // the old one's memory first
     target = gl::Target::create({width, height, 1}, error);
@@ -388,25 +409,50 @@ void App::attempt(const std::function<void()>& what) {
 
 void App::draw_terrain() {
     const auto start = Clock::now();
-    // Who asks for a picture gets it whole. A mesh from nothing costs its frame enough.
-    const bool half = (moving_ || entry_.rebuilt) && state_.interface.half_resolution && software_ &&
-                      after_frame_.empty() && !state_.bookmarks.wanted;
+    // Who asks for a picture gets it whole.
+    const bool in_steps =
+        state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
+    const bool lines = [&] {
+        const OwnCode own(watch_);
+        return engine_.build_lines(state_);
+    }();
+    const bool was_half = shown_ != nullptr && shown_ == half_target_.get();
+    // A mesh from nothing costs its frame enough: the picture before it is shown once more.
+    if (in_steps && entry_.rebuilt && shown_ != nullptr) return;
+    // After that, and after a motion, the mesh still changes for a while.
+    const bool another = drawn_terrain_ != engine_.terrains();
+    const bool half = in_steps && (moving_ || another || (was_half && mesh_changed_));
+    const bool in_bands = in_steps && was_half && !half && !lines && !state_.compared.there;
     const gl::Target& target = fit_target(half);
-    shown_ = nullptr;
-    engine_.draw(state_, target);
-    take_thumbnail(target);
-    comparison_.draw(state_, target);
-    shown_ = &target;
+    PictureRows rows;
+    if (in_bands) rows = next_band(target.height());
+    shown_ = in_bands ? half_target_.get() : nullptr;
+    engine_.draw(state_, target, rows);
+    const bool whole = !half && (!in_bands || rows.end == target.height());
+    if (whole) take_thumbnail(target);
+    if (!in_bands) comparison_.draw(state_, target);
+    if (whole || half) shown_ = &target;
+    band_row_ = whole || half ? 0 : rows.end;
+    drew_half_ = half;
     drawn_view_ = state_.eye.view;
     drawn_terrain_ = engine_.terrains();
-    picture_old_ = half; // until it is drawn whole
+    picture_old_ = !whole; // until it is
     ++state_.terrain_draws;
     if (half) ++state_.half_draws;
+    if (in_bands) ++state_.band_draws;
     state_.drawn_px[0] = target.width();
     state_.drawn_px[1] = target.height();
     state_.heights_share = engine_.heights_share();
     state_.drawn = engine_.stats();
     times_.draw_us = microseconds(Clock::now() - start);
+}
+
+// The whole picture has four times the pixels of the half one and the same triangles, so it costs at most four times as
+// much: so many bands that none costs more than band_us beside what its triangles cost.
+PictureRows App::next_band(std::uint32_t height) const {
+    const auto bands = static_cast<std::uint32_t>(std::clamp(std::ceil(4 * half_us_ / band_us), 1.0, most_bands));
+    const std::uint32_t high = (height + bands - 1) / bands;
+    return {band_row_, std::min(band_row_ + high, height)};
 }
 
 void App::take_thumbnail(const gl::Target& target) {

@@ -53,9 +53,11 @@ private:
     double move_and_update(); // what the editor itself took of it, us
     void draw();
     void draw_terrain();
+    [[nodiscard]] PictureRows next_band(std::uint32_t height) const;
     void take_thumbnail(const gl::Target& target); // of a bookmark that wants one
     void attempt(const std::function<void()>& what);
-    void paint_overview();
+    [[nodiscard]] bool overview_is_of(const OverviewSource& source) const;
+    void follow_overview();
     void finish_opening();  // of a pack that a thread has read
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
     void read_script();
@@ -78,6 +80,7 @@ private:
     void stir();                                // the next frames are drawn
     void note(const Command& command);          // that was applied
     void judge_picture();                       // sets picture_old_, of this frame's view and mesh
+    void redraw();                              // all of the terrain's picture, bands that are drawn already too
 
     Options options_;
     State state_;
@@ -108,11 +111,15 @@ private:
     Thumbnails thumbnails_;
     GpuTimer gpu_timer_; // off where software draws
     Overview overview_;
-    std::uint64_t overview_of_ = 0;                    // Engine::terrains() that the overview shows
+    OverviewSource overview_of_;                       // that it shows
     std::unique_ptr<gl::Target> target_, half_target_; // the terrain's picture, and that of a moving camera
     const gl::Target* shown_ = nullptr;                // the one that was drawn last
     bool software_ = false;                            // draws
     bool picture_old_ = true;                          // the terrain's, of this frame
+    bool mesh_changed_ = false;                        // in this frame
+    bool drew_half_ = false;                           // in this frame
+    double half_us_ = 0;                               // what the last picture of half resolution took, with its copy
+    std::uint32_t band_row_ = 0;                       // of the whole picture, rows below this one are drawn already
     bool compared_changed_ = false;                    // the other profile's mesh, in this frame
     bool moving_ = false;                              // the camera, since the last picture
     View drawn_view_;                                  // of the last picture

@@ -45,22 +45,27 @@ void App::note(const Command& command) {
     stir();
     const auto* const file = std::get_if<OpenFile>(&command);
     const bool read_by_thread = file != nullptr && engine_.opening() && file->path == state_.opening;
-    if (!read_by_thread && !only_panels(command)) picture_old_ = true;
+    if (!read_by_thread && !only_panels(command)) redraw();
+}
+
+void App::redraw() {
+    picture_old_ = true;
+    band_row_ = 0;
 }
 
 void App::judge_picture() {
     moving_ = engine_.is_open() && shown_ != nullptr && std::memcmp(&drawn_view_, &state_.eye.view, sizeof(View)) != 0;
     const flight::FrameEntry& e = entry_;
     const StreamReport& r = e.stream;
-    const bool mesh = e.rebuilt || e.activations != 0 || e.deactivations != 0 || e.morphing != 0 ||
-                      e.upload_bytes != 0 || (e.streamed && (!r.maps_converged || r.mips_uploaded != 0));
+    mesh_changed_ = e.rebuilt || e.activations != 0 || e.deactivations != 0 || e.morphing != 0 || e.upload_bytes != 0 ||
+                    (e.streamed && (!r.maps_converged || r.mips_uploaded != 0));
     const bool reading = state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1;
     const Interface& i = state_.interface;
     const bool sized = shown_ == target_.get() && target_ &&
                        (target_->width() != i.view_width_px || target_->height() != i.view_height_px);
-    if (moving_ || mesh || reading || sized || shown_ == nullptr || state_.route.recording()) picture_old_ = true;
-    if (!after_frame_.empty() && shown_ != target_.get()) picture_old_ = true;
-    if (compared_changed_ || state_.bookmarks.wanted || drawn_terrain_ != engine_.terrains()) picture_old_ = true;
+    if (moving_ || mesh_changed_ || reading || sized || shown_ == nullptr || state_.route.recording()) redraw();
+    if (!after_frame_.empty() && shown_ != target_.get()) redraw();
+    if (compared_changed_ || state_.bookmarks.wanted || drawn_terrain_ != engine_.terrains()) redraw();
     if (picture_old_ && engine_.is_open()) stir();
 }
 
@@ -72,7 +77,7 @@ bool App::at_rest() const {
     if (!engine_.is_open()) return true;
     if (!comparison_.settled() || state_.bookmarks.changed) return false;
     const bool plays = state_.route.playing() || state_.route.recording();
-    return !plays && !picture_old_ && !state_.probe.looking && overview_.done() && (settled() || jobs_.running());
+    return !plays && !picture_old_ && !state_.probe.looking && (settled() || jobs_.running());
 }
 
 double App::next_change_s() const {
@@ -100,7 +105,7 @@ void App::rest() {
             stir();
             break;
         }
-        if (dump_asked_for() || jobs_.news() || look_.news() || engine_.opening_done()) break;
+        if (dump_asked_for() || jobs_.news() || look_.news() || overview_.news() || engine_.opening_done()) break;
         update_file_state(state_); // what is not saved is kept at its time, frames or not
     }
     if (state_.now_s >= until_s) stirred_frame_ = state_.frame; // a tip takes a frame to find its size

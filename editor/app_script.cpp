@@ -83,7 +83,7 @@ bool App::run_script() {
     while (script_at_ < script_.size()) {
         if (state_.frame < wait_until_frame_) return true;
         if (waiting_settled_) {
-            if (!settled()) return true;
+            if (!settled() || !overview_.done()) return true;
             waiting_settled_ = false;
         }
         const ScriptLine& line = script_[script_at_++];

@@ -336,6 +336,7 @@ std::string dump(const State& state) {
                       {"longest_frame_us", state.longest_frame_us},
                       {"programs", state.programs},
                       {"half_draws", state.half_draws},
+                      {"band_draws", state.band_draws},
                       {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
                       {"rested_s", state.rested_s},
                       {"opening", state.opening},

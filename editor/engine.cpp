@@ -87,29 +87,50 @@ flight::FlightOptions Engine::options(const flight::Profile& profile) const {
 void Engine::open(const std::string& pack, const flight::Profile& profile) {
     flight::FlightOptions o = options(profile);
     o.pack = pack;
-    adopt(prepare(o, {}, nullptr), pack, profile);
+    adopt(prepare(o, {}, nullptr, nullptr), pack, profile);
 }
 
 void Engine::begin_opening(const std::string& pack, const State& state) {
-    if (opening()) throw io::Failure(2, opening_pack_ + ": is still being opened; wait for it");
-    opening_profile_ = state.document.profile();
-    opening_pack_ = pack;
-    flight::FlightOptions o = options(opening_profile_);
-    o.pack = pack;
-    opening_ = std::async(std::launch::async, [o = std::move(o), shown = picture_options(state),
-                                               context = second_context_] { return prepare(o, shown, context); });
+    Request request{pack, state.document.profile(), picture_options(state)};
+    if (!opening()) return start(std::move(request));
+    waiting_ = std::move(request);
+    abandoned_->store(true, std::memory_order_relaxed);
+}
+
+void Engine::start(Request request) {
+    request_ = std::move(request);
+    flight::FlightOptions o = options(request_.profile);
+    o.pack = request_.pack;
+    abandoned_ = std::make_shared<std::atomic<bool>>(false);
+    opening_ =
+        std::async(std::launch::async, [o = std::move(o), shown = request_.shown, context = second_context_,
+                                        abandoned = abandoned_] { return prepare(o, shown, context, abandoned); });
+}
+
+void Engine::abandon_opening() {
+    waiting_.reset();
+    if (abandoned_) abandoned_->store(true, std::memory_order_relaxed);
 }
 
 Engine::Opened Engine::prepare(const flight::FlightOptions& options, const gl::DrawOptions& shown,
-                               gl::SecondContext* context) {
+                               gl::SecondContext* context, const Abandoned& abandoned) {
+    const auto go_on = [&] { return !abandoned || !abandoned->load(std::memory_order_relaxed); };
     Opened opened;
+    if (!go_on()) return opened;
     opened.session = std::make_unique<flight::Session>();
     flight::open_session(options, *opened.session);
-    if (context == nullptr || !context->make_current()) return opened;
+    if (!go_on() || context == nullptr || !context->make_current()) return opened;
     const ContextInUse until_done(*context);
-    auto renderer = renderer_for(options, *opened.session);
+    std::unique_ptr<gl::Renderer> renderer;
+    try {
+        renderer = renderer_for(options, *opened.session);
+    } catch (
+        const io::Failure&) { // this context's, which may be lost: the frame's thread tries in its own, and says it
+        return opened;
+    }
     std::string error; // of a rehearsal: the first picture will say it
-    if (const auto target = gl::Target::create({16, 16, 1}, error)) error = renderer->rehearse(shown, *target);
+    if (const auto target = go_on() ? gl::Target::create({16, 16, 1}, error) : nullptr)
+        error = renderer->rehearse(shown, *target);
     renderer->leave_context();
     opened.renderer = std::move(renderer);
     return opened;
@@ -120,8 +141,19 @@ bool Engine::opening_done() const {
 }
 
 std::string Engine::finish_opening() {
-    adopt(opening_.get(), opening_pack_, opening_profile_);
-    return opening_pack_;
+    if (waiting_) {
+        try {
+            (void)opening_.get();         // its renderer, in this context, before its session
+        } catch (const std::exception&) { // nobody wants to know any more
+        }
+        start(*std::exchange(waiting_, {}));
+        return {};
+    }
+    Opened opened = opening_.get();
+    if (abandoned_->load(std::memory_order_relaxed))
+        throw io::Failure(2, request_.pack + ": is no longer being opened");
+    adopt(std::move(opened), request_.pack, request_.profile);
+    return request_.pack;
 }
 
 void Engine::adopt(Opened opened, const std::string& pack, const flight::Profile& profile) {
@@ -226,12 +258,18 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     options.error_lambda_px = lambda_px(refining);
 }
 
-void Engine::draw(const State& state, const gl::Target& target) {
+bool Engine::build_lines(const State& state) {
+    scene_lines_.build(state, *session_);
+    return !scene_lines_.empty();
+}
+
+void Engine::draw(const State& state, const gl::Target& target, PictureRows rows) {
     gl::DrawOptions options = picture_options(state);
     set_error_options(state, options);
+    options.first_row = rows.first;
+    options.end_row = rows.end;
     std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
-    scene_lines_.build(state, *session_);
-    if (error.empty() && !scene_lines_.empty()) {
+    if (error.empty() && rows.end == 0 && !scene_lines_.empty()) {
         if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
         if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
     }

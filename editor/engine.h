@@ -5,8 +5,10 @@
 // was open before stays open, as it was.
 #pragma once
 
+#include <atomic>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,11 @@ class SecondContext; // gl/window.h
 
 namespace fjell::editor {
 
+// Of a picture, from below; end 0: all.
+struct PictureRows {
+    std::uint32_t first = 0, end = 0;
+};
+
 class Engine {
 public:
     Engine();
@@ -37,14 +44,16 @@ public:
     void open(const std::string& pack, const flight::Profile& profile);
     // The same with the state's profile, by a thread that reads it and, where there is a second context, uploads its
     // maps and has the driver compile what the picture's mode takes: what is shown goes on until finish_opening()
-    // replaces it. Failure: io::Failure 2 while another one is read.
+    // replaces it. The latest is meant: one that is being read still is dropped when it has been, and this one follows.
     void begin_opening(const std::string& pack, const State& state);
     // Shares the objects of the frame's; null: there is none. Used until drop_graphics().
     void set_second_context(gl::SecondContext* context) { second_context_ = context; }
     [[nodiscard]] bool opening() const { return opening_.valid(); }
     [[nodiscard]] bool opening_done() const; // finish_opening() will not wait
-    // The pack that was opened.
+    // The pack that was opened; empty: another one was asked for meanwhile, and is being read now.
     std::string finish_opening();
+    // What is being read is not wanted any more: its thread does no more than it must. finish_opening() throws then.
+    void abandon_opening();
     void close();
     [[nodiscard]] bool is_open() const { return session_ != nullptr; }
     [[nodiscard]] const flight::Session& session() const { return *session_; }
@@ -55,8 +64,10 @@ public:
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
                                             double& upload_us);
-    // The terrain, and what lies over it.
-    void draw(const State& state, const gl::Target& target);
+    // Before draw(): the lines over the terrain. False: there are none.
+    bool build_lines(const State& state);
+    // The terrain, and those lines over it. rows: of the target, from below, these alone; then without lines.
+    void draw(const State& state, const gl::Target& target, PictureRows rows = {});
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
     [[nodiscard]] double heights_share() const { return heights_.problem().empty() ? heights_.share() : -1; }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }
@@ -75,8 +86,15 @@ private:
         std::unique_ptr<flight::Session> session;
         std::unique_ptr<gl::Renderer> renderer;
     };
+    using Abandoned = std::shared_ptr<std::atomic<bool>>; // the frame's thread says so, the one that reads looks
+    struct Request {
+        std::string pack;
+        flight::Profile profile;
+        gl::DrawOptions shown;
+    };
     static Opened prepare(const flight::FlightOptions& options, const gl::DrawOptions& shown,
-                          gl::SecondContext* context);
+                          gl::SecondContext* context, const Abandoned& abandoned);
+    void start(Request request);
     void drop_opened_graphics();
     [[nodiscard]] flight::FlightOptions options(const flight::Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
@@ -97,8 +115,9 @@ private:
     FullHeights heights_;
     SceneLines scene_lines_;
     std::unique_ptr<gl::Lines> lines_; // made when there are some
-    std::string opening_pack_;
-    flight::Profile opening_profile_;
+    Request request_;                  // of what is being read
+    std::optional<Request> waiting_;   // follows it, in its place
+    Abandoned abandoned_;
     std::future<Opened> opening_;
     gl::SecondContext* second_context_ = nullptr;
 };

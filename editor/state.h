@@ -182,6 +182,7 @@ struct State {
     double longest_frame_us = 0;     // since the frame of the last dump, that one counted
     std::uint64_t programs = 0;      // shaders that the frame's thread has had compiled and linked
     std::uint64_t half_draws = 0;    // of those, at half resolution
+    std::uint64_t band_draws = 0;    // of those, a band of the whole picture after one of half resolution
     std::uint32_t drawn_px[2] = {};  // of the last of these
     bool quit = false;
     bool headless = false;              // messages go to the terminal too

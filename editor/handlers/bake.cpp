@@ -101,7 +101,9 @@ void take_baked(const std::string& pack, HandlerContext context) {
     State& state = context.state;
     Dialog& dialog = state.interface.dialog;
     if (dialog == Dialog::bake) dialog = Dialog::none;
-    if (!std::exchange(state.bake.asks, false) || !state.scene.open()) return apply(OpenFile{pack}, context);
+    const bool asks = std::exchange(state.bake.asks, false);
+    // What is being opened is as good as flown.
+    if (state.opening.empty() && (!asks || !state.scene.open())) return apply(OpenFile{pack}, context);
     state.bake.ready = pack;
     if (dialog == Dialog::none) dialog = Dialog::baked;
 }

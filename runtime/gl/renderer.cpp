@@ -243,7 +243,7 @@ std::string Renderer::set_layers(const io::Materials& materials, std::span<const
     return error;
 }
 
-void Renderer::State::set_up(const Target& target) const {
+void Renderer::State::set_up(const Target& target, const DrawOptions& now) const {
     // All state we depend on: a user interface may have drawn in this context in between.
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer());
     glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
@@ -256,6 +256,11 @@ void Renderer::State::set_up(const Target& target) const {
     glDepthMask(GL_TRUE);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glDepthFunc(GL_GEQUAL);
+    if (now.end_row > now.first_row) { // clears keep to it too
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(0, static_cast<GLint>(now.first_row), static_cast<GLsizei>(target.width()),
+                  static_cast<GLsizei>(now.end_row - now.first_row));
+    }
     const float black[4] = {0, 0, 0, 1}, farthest = 0;
     glClearNamedFramebufferfv(target.framebuffer(), GL_COLOR, 0, black);
     glClearNamedFramebufferfv(target.framebuffer(), GL_DEPTH, 0, &farthest);
@@ -323,12 +328,13 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     s.upload_indices(mesh);
     s.drawn = true;
     const DrawData data = s.write_draw(mesh, view, options);
-    s.set_up(target);
+    s.set_up(target, options);
     s.bind_maps(options.mode);
     s.lighting.bind();
     if ((s.light_bits & light_layers) != 0) s.ground_layers.bind();
     s.draw_picture(data, mesh.topology == Topology::strip ? GL_TRIANGLE_STRIP : GL_TRIANGLES, options);
 
+    glDisable(GL_SCISSOR_TEST);
     glDepthMask(GL_TRUE);
     glDisable(GL_CULL_FACE);
     glDepthFunc(GL_LESS);

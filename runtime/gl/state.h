@@ -87,7 +87,7 @@ struct Renderer::State {
     [[nodiscard]] std::size_t draw_bytes(std::size_t ranges) const;
     std::string check(const MeshView& mesh, const View& view) const;
     std::string prepare(const DrawOptions& now);
-    void set_up(const Target& target) const;
+    void set_up(const Target& target, const DrawOptions& now) const;
     void bind_maps(Mode mode) const;
     void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now);
     // upload.cpp

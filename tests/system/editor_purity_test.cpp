@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "editor/app.h"
-#include "editor/names.h"
 #include "support/count_allocations.h"
 #include "support/editor_pack.h"
+#include "support/editor_sights.h"
 #include "support/rounds.h"
 #include "support/temporary_folder.h"
 
@@ -36,8 +36,8 @@ void watch(bool begins) {
 }
 
 // Flies through a list of sights; the worst frame of each once it is steady.
-std::vector<long> worst_of(const std::vector<std::string>& sights, const std::vector<std::string>& first) {
-    const TemporaryFolder folder;
+std::vector<long> worst_of(const TemporaryFolder& folder, const std::vector<Sight>& sights,
+                           const std::vector<std::string>& first) {
     for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"})
         setenv(name, folder.path.c_str(), 1);
     editor::Options options;
@@ -52,8 +52,8 @@ std::vector<long> worst_of(const std::vector<std::string>& sights, const std::ve
     options.commands.push_back("frames " + std::to_string(editor::measured_frames));
     options.commands.push_back("resize 320 360");
     options.commands.push_back("frames 16");
-    for (const std::string& sight : sights) {
-        options.commands.push_back(sight);
+    for (const Sight& sight : sights) {
+        options.commands.insert(options.commands.end(), sight.commands.begin(), sight.commands.end());
         options.commands.push_back("frames " + std::to_string(shown));
     }
     by_frame.assign(1 << 20, 0);
@@ -73,6 +73,17 @@ std::vector<long> worst_of(const std::vector<std::string>& sights, const std::ve
     return worst;
 }
 
+// No pixel is looked at: the light that software draws fastest.
+const std::vector<std::string> plain_light{"set light.air simple", "set light.detail false", "set light.dither false",
+                                           "set refine.error_px 50"};
+
+void check_nothing(const std::vector<Sight>& sights, const std::vector<long>& worst) {
+    for (std::size_t i = 0; i < sights.size(); ++i) {
+        INFO(sights[i].name);
+        CHECK(worst[i] == 0);
+    }
+}
+
 } // namespace
 
 TEST_CASE("with any panel or dialog open, a steady frame of the editor's own code allocates nothing") {
@@ -80,15 +91,24 @@ TEST_CASE("with any panel or dialog open, a steady frame of the editor's own cod
         WARN("skipped: a sanitizer has malloc to itself");
         return;
     }
-    std::vector<std::string> sights;
-    for (const char* panel : editor::panel_names) sights.push_back(std::string("panel ") + panel);
-    for (const char* dialog : editor::dialog_names) sights.push_back(std::string("dialog ") + dialog);
-    // No pixel is looked at: the light that software draws fastest.
-    const std::vector<long> worst = worst_of(
-        sights, {"set light.air simple", "set light.detail false", "set light.dither false", "set refine.error_px 50",
-                 "play-path on", "interface probe on", "probe 0.5 0.9", "mark 500 500", "mark 1500 900"});
-    for (std::size_t i = 0; i < sights.size(); ++i) {
-        INFO(sights[i]);
-        CHECK(worst[i] == 0);
+    const TemporaryFolder folder;
+    const std::vector<Sight> sights = panels_and_dialogs();
+    std::vector<std::string> first = plain_light;
+    first.insert(first.end(), {"play-path on", "interface probe on", "probe 0.5 0.9", "mark 500 500", "mark 1500 900"});
+    check_nothing(sights, worst_of(folder, sights, first));
+}
+
+TEST_CASE("with runs, heat, probe, marks and a compared picture shown, and with everything, it allocates nothing") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself");
+        return;
     }
+    const TemporaryFolder folder;
+    const std::vector<Sight> sights = overlays_in_turn();
+    std::vector<std::string> first = plain_light;
+    const std::vector<std::string> runs = flown_runs(folder.path.string());
+    first.insert(first.end(), runs.begin(), runs.end());
+    first.insert(first.end(), compared_picture.begin(), compared_picture.end());
+    first.push_back("play-path on");
+    check_nothing(sights, worst_of(folder, sights, first));
 }

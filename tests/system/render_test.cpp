@@ -193,6 +193,26 @@ TEST_CASE("an off-centre view draws its part of the whole picture", "[picture]")
     CHECK(bad < good / 20); // ridges
 }
 
+TEST_CASE("a picture that is drawn in bands is the picture, and a band leaves the rest alone", "[picture]") {
+    Scene scene(mountains(257), 6);
+    const View view = scene.camera(0.5, 0.9, 200, 10, -10), other = scene.camera(0.4, 0.8, 3000, 200, -60);
+    const MeshView mesh = scene.refined(view, 1);
+    const Picture whole = scene.draw(mesh, view), before = scene.draw(mesh, other);
+    REQUIRE(whole.colour.rgb != before.colour.rgb);
+    const std::uint32_t rows[] = {0, 1, height_px / 3, height_px / 2 + 1, height_px};
+    for (std::size_t i = 1; i < std::size(rows); ++i) {
+        const Picture bands = scene.draw(mesh, view, {.first_row = rows[i - 1], .end_row = rows[i]});
+        const auto limit = [&](std::size_t size) { return static_cast<std::ptrdiff_t>(size / height_px * rows[i]); };
+        // Rows of what is read count from above.
+        const auto depths = limit(whole.depth.size()), colours = limit(whole.colour.rgb.size());
+        CHECK(std::equal(bands.depth.rbegin(), bands.depth.rbegin() + depths, whole.depth.rbegin()));
+        CHECK(std::equal(bands.depth.rbegin() + depths, bands.depth.rend(), before.depth.rbegin() + depths));
+        CHECK(std::equal(bands.colour.rgb.rbegin(), bands.colour.rgb.rbegin() + colours, whole.colour.rgb.rbegin()));
+        CHECK(std::equal(bands.colour.rgb.rbegin() + colours, bands.colour.rgb.rend(),
+                         before.colour.rgb.rbegin() + colours));
+    }
+}
+
 TEST_CASE("no background shows between or inside tiles", "[picture]") {
     Scene scene(mountains(513), 5); // 16 x 16 tiles
     const auto holes = [](const Picture& picture) {

@@ -1,4 +1,4 @@
-// The editor's camera on a real terrain, by its commands; and the overview. Needs a headless OpenGL context.
+// The editor's camera on a real terrain, by its commands. Needs a headless OpenGL context.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <set>
 
 #include "editor/handlers/apply.h"
-#include "editor/scene/overview.h"
 #include "fjell/gl/context.h"
 #include "fjell/query.h"
 #include "support/program.h"
@@ -217,28 +216,4 @@ TEST_CASE("what cannot be done says so and changes nothing") {
     CHECK(place.state.eye.navigation == Navigation::fly);
     CHECK(length(place.state.eye.free.position_m - before.position_m) == 0);
     CHECK(place.state.route.empty());
-}
-
-TEST_CASE("the overview is painted in slices, all of it, and again while coarse terrain is still coming") {
-    CameraPlace place(9);
-    Overview overview;
-    overview.begin(place.terrain());
-    CHECK(overview.columns() == Overview::longer_texels); // 180 samples by 140
-    CHECK(overview.rows() < overview.columns());
-    CHECK(overview.rows() > overview.columns() / 2);
-    int frames = 0;
-    while (!overview.done() && frames < 1'000'000) overview.advance(place.terrain(), frames > 20, 0), ++frames;
-    CHECK(overview.done());
-    CHECK(frames > 100);
-    const std::set<std::uint32_t> colours(overview.texels().begin(), overview.texels().end());
-    CHECK(colours.size() > 100);
-    OverviewImage shown;
-    overview.upload(shown);
-    CHECK(shown.texture != 0);
-    CHECK(shown.share == 1);
-    overview.drop_graphics(shown);
-    CHECK(shown.texture == 0);
-    overview.upload(shown); // another context: from what was painted
-    CHECK(shown.texture != 0);
-    overview.end();
 }

@@ -104,6 +104,8 @@ struct DrawOptions {
     std::optional<Vec3> error_eye_m{}; // whose picture was refined; none: the view's
     double error_lambda_px = 0;        // that eye's; 0: the view's
     bool hatch = false;                // above it black and white stripes, not white
+    // Rows of the target from below, these alone: to spread a picture over frames, band by band. end_row 0: all.
+    std::uint32_t first_row = 0, end_row = 0;
 };
 
 // What uploads and draws have done.
