@@ -83,6 +83,13 @@ void draw_compare_picture(const State& state, Commands& commands) {
         ui::tip(i == 0 ? strings::compare_picture::on_the_left_the_profile
                        : strings::compare_picture::black_where_both_pictures_are);
     }
+    if (state.compared.view == CompareView::difference) return;
+    auto percent = static_cast<float>(100 * state.compared.divider);
+    ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
+    if (ImGui::SliderFloat(strings::compare_picture::divider, &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
+        commands.push(SetDivider{static_cast<double>(percent) / 100});
+    ui::mark("compare-picture", "divider");
+    ui::tip(strings::compare_picture::where_the_divider_stands);
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {
