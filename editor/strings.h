@@ -277,9 +277,9 @@ inline constexpr char where_the_divider_stands[] =
     "Where the divider stands, in percent of the picture's width. Or drag it.";
 inline constexpr char the_profile_alone[] = "The profile alone.";
 inline constexpr char this_profile_at_another_threshold[] = "This profile at another threshold, in the same picture.";
-inline constexpr char the_profile_chosen_with_tools[] =
-    "The profile chosen with Tools > Compare profiles, in the same picture.";
-inline constexpr char choose_a_profile_with_tools[] = "Choose a profile with Tools > Compare profiles first.";
+inline constexpr char the_profile_chosen_to_compare[] =
+    "The profile chosen with File > Compare profiles, in the same picture.";
+inline constexpr char choose_a_profile_to_compare[] = "Choose a profile with File > Compare profiles first.";
 inline constexpr char the_other_threshold_in_pixels[] = "The other threshold, in pixels. Enter applies it.";
 inline constexpr char px_triangles[] = "%.3g px, %s triangles";
 inline constexpr char px_opening[] = "%.3g px: opening";
@@ -348,6 +348,8 @@ inline constexpr char a_small_synthetic_landscape_baked[] =
     "A small synthetic landscape. Baked at its first use, which takes some seconds.";
 inline constexpr char open_a_file[] = "Open a file...";
 inline constexpr char a_pack_fjell_a_profile[] = "A pack (.fjell), a profile, or heights that GDAL reads, to be baked.";
+inline constexpr char makes_a_pack_from_heights[] =
+    "Makes a pack from a DEM: GeoTIFF, PNG, ASCII grid and whatever else GDAL reads.";
 inline constexpr char or_drop_a_file_onto[] = "Or drop a file onto the window.";
 inline constexpr char with_the_saved_profile[] = "With the saved profile";
 inline constexpr char or_with_another_profile[] = "or with another profile:";

@@ -470,10 +470,13 @@ void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     bool open = true;
     if (!ImGui::BeginPopupModal(title, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
     form.browser.nested = true;
-    const keyboard::TabStops stops;
     const bool output = form.browsing == BakeField::output;
     begin_file_browser(form.browser, state, output ? name_in(state.bake.pack.output) : "");
-    if (draw_file_browser(state, commands, form.browser, strings::bake::choose)) {
+    const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
+        const keyboard::TabStops stops;
+        return draw_file_browser(state, commands, form.browser, strings::bake::choose);
+    }();
+    if (chosen) {
         commands.push(
             GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing, form.browsing_another});
         open = false;

@@ -26,8 +26,8 @@ void draw_choice(const State& state, Commands& commands) {
         ui::mark("compare-picture", compare_with_names[i]);
         ui::tip(i == 0   ? strings::compare_picture::the_profile_alone
                 : i == 1 ? strings::compare_picture::this_profile_at_another_threshold
-                : can    ? strings::compare_picture::the_profile_chosen_with_tools
-                         : strings::compare_picture::choose_a_profile_with_tools);
+                : can    ? strings::compare_picture::the_profile_chosen_to_compare
+                         : strings::compare_picture::choose_a_profile_to_compare);
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;

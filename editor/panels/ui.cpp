@@ -165,9 +165,10 @@ bool button(const char* label, bool primary) {
     if (at) keyboard_at = ImGui::GetFrameCount();
     const auto struck = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
     // A list that is dropped down, or a question over the dialog, has the focus instead.
-    const bool enter = (struck(ImGuiKey_Enter) || struck(ImGuiKey_KeyPadEnter)) && !ImGui::IsWindowAppearing() &&
-                       ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows) &&
-                       (ImGui::GetStyle().Alpha > 0.99F); // not disabled
+    const bool enter =
+        (struck(ImGuiKey_Enter) || struck(ImGuiKey_KeyPadEnter)) && !ImGui::IsWindowAppearing() &&
+        ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows | ImGuiFocusedFlags_NoPopupHierarchy) &&
+        (ImGui::GetStyle().Alpha > 0.99F); // not disabled
     return pressed || (enter && (at || (primary && keyboard_at < ImGui::GetFrameCount() - 1)));
 }
 
