@@ -17,6 +17,7 @@
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
 #include "fjell/gl/image.h"
@@ -253,12 +254,7 @@ double App::interface() {
     surface_->size(state_.interface.width_px, state_.interface.height_px);
     const OwnCode own(watch_);
     const auto start = Clock::now();
-    // Arrows, Tab and Space move in panels and dialogs while those have the keyboard; otherwise they are the camera's.
-    int& flags = ImGui::GetIO().ConfigFlags;
-    const bool keys = !options_.headless && // which has no keyboard
-                      (state_.interface.panel_keys || is_modal(state_.interface.dialog) ||
-                       ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup));
-    flags = keys ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
+    keyboard::begin_frame(state_);
     ImGui::NewFrame();
     place_view();
     draw_panels(state_, commands_);

@@ -85,6 +85,11 @@ Command bake(Words& w) {
                {"memory_mb", [&](const std::string& v) { b.memory_mb = Words::count_of(v, "memory_mb"); }},
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
+               {"layers", [&](const std::string& v) { b.rules = v; }},
+               {"control", [&](const std::string& v) { b.control = v; }},
+               {"horizons", [&](const std::string& v) { b.horizons = v; }},
+               {"encoding", [&](const std::string& v) { b.encoding = v; }},
+               {"bbox", [&](const std::string& v) { b.bbox = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
                {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }},
                {"zoffset", [&](const std::string& v) { b.height_offset_m = Words::number_of(v, "zoffset"); }}});
@@ -144,17 +149,18 @@ std::vector<Verb> terrain_verbs() {
          }},
         {"bake",
          "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [zoffset=M] "
-         "[order=planar|hz|linear] "
+         "[layers=RULES] [control=full|half|quarter] [horizons=none|half|quarter] "
+         "[encoding=none|terrarium|terrain-rgb] [bbox=W,S,E,N] [order=planar|hz|linear] "
          "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
-        {"bake-file", "FILE [heights|another|output|texture|ramp]",
+        {"bake-file", "FILE [heights|another|output|texture|ramp|rules]",
          "puts a file into the dialog that bakes, and opens that; without a field, by the kind of the file",
          [](Words& w) {
              GiveBakeFile c{w.text("a file"), BakeField::none, false};
-             constexpr const char* places[] = {"", "heights", "output", "texture", "ramp", "another"};
+             constexpr const char* places[] = {"", "heights", "output", "texture", "ramp", "rules", "another"};
              if (!w.more()) return c;
              const int place = w.one_of<int>(places, "place");
-             c.another = place == 5;
+             c.another = place == 6;
              c.field = c.another ? BakeField::heights : static_cast<BakeField>(place);
              return c;
          }},

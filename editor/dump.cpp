@@ -39,11 +39,22 @@ json profile_json(const flight::Profile& profile) {
     return values;
 }
 
+json layers_of(const HeightFacts& f) {
+    json layers = json::object();
+    for (const RuleLayer& layer : f.layers) layers[layer.name] = layer.share;
+    return layers;
+}
+
 json bake_json(const BakeDraft& d) {
     const HeightFacts& f = d.facts;
     return {{"inputs", d.pack.inputs},
             {"output", d.pack.output},
             {"texture", d.pack.texture},
+            {"rules", d.pack.rules},
+            {"control", d.pack.control},
+            {"horizons", d.pack.horizons},
+            {"rule_count", f.rules},
+            {"layers", layers_of(f)},
             {"spacing_m", d.pack.spacing_m},
             {"looking", d.looking},
             {"looks", d.looks},
@@ -130,6 +141,7 @@ json interface_json(const State& state) {
             {"floating", floating_json(i.arrangement)},
             {"picture_only", i.picture_only},
             {"panel_keys", i.panel_keys},
+            {"focus", ui::marked_focus()},
             {"half_resolution", i.half_resolution},
             {"columns",
              {{{"width_px", i.arrangement.width_px[0]},

@@ -96,7 +96,7 @@ inline constexpr bool is_modal(Dialog dialog) {
 }
 
 // Which files a dialog lists.
-enum class FileFilter : std::uint8_t { everything, profiles, paths, heights, images, ramps, packs };
+enum class FileFilter : std::uint8_t { everything, profiles, paths, heights, images, ramps, rules, packs };
 
 // What the dialog that bakes asks for.
 enum class BakeField : std::uint8_t {
@@ -105,14 +105,18 @@ enum class BakeField : std::uint8_t {
     output,
     texture,
     ramp,
+    rules,
     spacing,
     height_scale,
     nodata,
     voids,
-    crs
+    crs,
+    encoding,
+    bbox
 };
-inline constexpr const char* bake_field_names[] = {"none",    "heights", "output", "texture", "ramp",
-                                                   "spacing", "zscale",  "nodata", "void",    "crs"};
+inline constexpr const char* bake_field_names[] = {"none",  "heights",  "output", "texture", "ramp",
+                                                   "rules", "spacing",  "zscale", "nodata",  "void",
+                                                   "crs",   "encoding", "bbox"};
 
 // To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };

@@ -72,7 +72,6 @@ inline constexpr char t[] = "T";
 inline constexpr char tab[] = "Tab";
 inline constexpr char f11[] = "F11";
 inline constexpr char f6[] = "F6";
-inline constexpr char f10[] = "F10";
 inline constexpr char ctrl_o[] = "Ctrl+O";
 inline constexpr char ctrl_s[] = "Ctrl+S";
 inline constexpr char f1[] = "F1";
@@ -133,10 +132,33 @@ inline constexpr char ramp[] = "Ramp";
 inline constexpr char by_height_from_meadows_to[] = "by height, from meadows to snow";
 inline constexpr char colours_by_height_and_slope[] =
     "Colours by height and slope where there is no image (JSON, as in content/ramps).";
+inline constexpr char rules[] = "Rules";
+inline constexpr char which_materials_lie_where[] = "Rules for control maps: which materials lie where, by height, "
+                                                    "slope, curvature, aspect, wetness and noise, by rasters "
+                                                    "and paint (JSON, as in content/materials/control).";
+inline constexpr char control_maps[] = "Control maps";
+inline constexpr char texels_of_the_maps_of[] =
+    "How fine the control maps of the rules are: full has a texel for each sample, half for 2 x 2, quarter for 4 x 4.";
+inline constexpr char horizons[] = "Horizons";
+inline constexpr char maps_for_shadows_at_any[] =
+    "Horizon maps, for shadows at any time of day: half has a texel for 2 x 2 samples, quarter for 4 x 4.";
+inline constexpr char rules_materials[] = "%zu, %zu materials";
+inline constexpr char others[] = "others";
+inline constexpr char without_a_material[] = "without a material";
+inline constexpr char extract[] = "Extract";
+inline constexpr char all_of_it[] = "all of it";
+inline constexpr char only_what_lies_in_it[] =
+    "Only what lies within west,south,east,north: units of the CRS after reprojection, or columns and rows from the "
+    "north-west where there are no coordinates.";
+inline constexpr char encoding[] = "Encoding";
+inline constexpr char heights_in_three_colours[] =
+    "How heights are packed into red, green and blue: terrarium or terrain-rgb (Mapbox). none: one band of heights.";
 inline constexpr char the_ramps_colours_from_the[] = "The ramp's colours, from the lowest height to the highest.";
 inline constexpr char the_heights_in_the_colours[] =
     "The heights in the colours of the ramp, and beside them the texture.";
-inline constexpr char the_heights_in_the_colours_that[] = "The heights in the colours that the terrain will have.";
+inline constexpr char the_heights_in_the_colours_that[] =
+    "The heights in the colours that the terrain will have; where rules lay materials, in the colours of the list "
+    "below.";
 inline constexpr char looking_at_the_heights[] = "Looking at the heights...";
 inline constexpr char size_heights_and_coordinates_of[] = "Size, heights and coordinates of the file are shown here.";
 inline constexpr char about[] = "about ";
@@ -250,11 +272,14 @@ inline constexpr char position[] = "Position";
 namespace compare_picture {
 inline constexpr char threshold[] = "threshold";
 inline constexpr char profile[] = "profile";
+inline constexpr char divider[] = "Divider";
+inline constexpr char where_the_divider_stands[] =
+    "Where the divider stands, in percent of the picture's width. Or drag it.";
 inline constexpr char the_profile_alone[] = "The profile alone.";
 inline constexpr char this_profile_at_another_threshold[] = "This profile at another threshold, in the same picture.";
-inline constexpr char the_profile_chosen_with_tools[] =
-    "The profile chosen with Tools > Compare profiles, in the same picture.";
-inline constexpr char choose_a_profile_with_tools[] = "Choose a profile with Tools > Compare profiles first.";
+inline constexpr char the_profile_chosen_to_compare[] =
+    "The profile chosen with File > Compare profiles, in the same picture.";
+inline constexpr char choose_a_profile_to_compare[] = "Choose a profile with File > Compare profiles first.";
 inline constexpr char the_other_threshold_in_pixels[] = "The other threshold, in pixels. Enter applies it.";
 inline constexpr char px_triangles[] = "%.3g px, %s triangles";
 inline constexpr char px_opening[] = "%.3g px: opening";
@@ -323,6 +348,8 @@ inline constexpr char a_small_synthetic_landscape_baked[] =
     "A small synthetic landscape. Baked at its first use, which takes some seconds.";
 inline constexpr char open_a_file[] = "Open a file...";
 inline constexpr char a_pack_fjell_a_profile[] = "A pack (.fjell), a profile, or heights that GDAL reads, to be baked.";
+inline constexpr char makes_a_pack_from_heights[] =
+    "Makes a pack from a DEM: GeoTIFF, PNG, ASCII grid and whatever else GDAL reads.";
 inline constexpr char or_drop_a_file_onto[] = "Or drop a file onto the window.";
 inline constexpr char with_the_saved_profile[] = "With the saved profile";
 inline constexpr char or_with_another_profile[] = "or with another profile:";
@@ -348,6 +375,7 @@ namespace graph {
 inline constexpr char frames_ago[] = "%zu frames ago";
 inline constexpr char click_its_report_drag_zoom[] = "click: its report; drag: zoom";
 inline constexpr char g[] = "%.3g G";
+inline constexpr char enter_its_highest_frame[] = "Enter: the report of its highest frame.";
 } // namespace graph
 
 namespace help {
@@ -379,13 +407,24 @@ inline constexpr char wireframe[] = "wireframe";
 inline constexpr char l_and_left_drag[] = "L and left drag";
 inline constexpr char the_sun_across_its_azimuth[] = "the sun: across its azimuth, up and down its elevation";
 inline constexpr char probe_the_ground_under_the[] =
-    "probe the ground under the pointer; a click marks a place, another one measures from there";
+    "probe the ground under the pointer, or where the camera looks; a click or Enter marks a place, another one "
+    "measures from there";
 inline constexpr char pause_graphs_and_times_again[] = "pause graphs and times; again: go on";
 inline constexpr char window[] = "Window";
 inline constexpr char hide_the_panels_or_show[] = "hide the panels, or show them";
 inline constexpr char the_picture_alone_again_or[] = "the picture alone; again or Esc: all of it";
-inline constexpr char keys_move_in_the_panels[] = "keys move in the panels (arrows, Tab, Space); again or Esc: back";
-inline constexpr char the_menu_again_the_next[] = "the menu, again: the next one (arrows, Space)";
+inline constexpr char keys_move_in_the_panels[] =
+    "keys move in the panels: Tab and arrows move, Enter presses, Space changes a value; again: the next panel, after "
+    "the last one the camera; Shift F6: the one before; Esc: the camera";
+inline constexpr char f10_alt_f[] = "F10, Alt F, Alt E, ...";
+inline constexpr char the_menu_again_the_next[] =
+    "the first menu, again: the next one; Alt and its first letter: any; arrows move, Enter chooses";
+inline constexpr char ctrl_page[] = "Ctrl+Page up, down";
+inline constexpr char the_panel_before_and_after[] = "turn to the panel before or after";
+inline constexpr char ctrl_tab_and_arrows[] = "Ctrl+Tab and arrows";
+inline constexpr char move_a_floating_panel[] = "with F6: move a floating panel; with Shift: resize it";
+inline constexpr char page_up_and_down[] = "Page up, down";
+inline constexpr char scroll_this_list[] = "scroll this list";
 inline constexpr char enter_esc[] = "Enter, Esc";
 inline constexpr char in_a_dialog_its_main[] = "in a dialog: its main button, or close it";
 inline constexpr char profile_and_program[] = "Profile and program";
@@ -501,6 +540,15 @@ inline constexpr char add_a_point[] = "Add a point";
 inline constexpr char play_the_path[] = "Play the path";
 inline constexpr char panels[] = "Panels";
 inline constexpr char floating_panels[] = "Floating panels";
+inline constexpr char columns[] = "Columns";
+inline constexpr char left_column[] = "Left column";
+inline constexpr char right_column[] = "Right column, in wide windows";
+inline constexpr char wider[] = "Wider";
+inline constexpr char narrower[] = "Narrower";
+inline constexpr char upper_panel_taller[] = "Upper panel taller";
+inline constexpr char upper_panel_shorter[] = "Upper panel shorter";
+inline constexpr char folded[] = "Folded";
+inline constexpr char cancel_the_job[] = "Cancel the job";
 inline constexpr char picture_only[] = "Picture only";
 inline constexpr char keys_move_in_panels[] = "Keys move in panels";
 inline constexpr char half_resolution_while_moving[] = "Half resolution while moving";
@@ -526,7 +574,8 @@ inline constexpr char pictures[] = "Pictures";
 inline constexpr char time[] = "Time";
 inline constexpr char budgets[] = "Budgets";
 inline constexpr char drag_it_onto_the_picture[] =
-    "Drag it onto the picture, or click it twice, and the panel floats there.";
+    "Drag it onto the picture, or click it twice, and the panel floats there. Ctrl+Page up and down turn to the panels "
+    "beside it.";
 inline constexpr char click_to_unfold_the_panels[] = "Click to unfold the panels (Tab shows and hides them all).";
 inline constexpr char drag_to_resize_the_panels[] =
     "Drag to resize the panels, click to fold them (Tab shows and hides them all).";
@@ -851,6 +900,11 @@ inline constexpr char pause[] = "Pause###hold";
 inline constexpr char measures_on_over_all_frames[] = "Measures on, over all frames again (T).";
 inline constexpr char graphs_and_times_stand_still[] = "Graphs and times stand still, to be looked at (T).";
 inline constexpr char zoom_out[] = "Zoom out";
+inline constexpr char zoom_in[] = "Zoom in";
+inline constexpr char half_as_many_frames_around[] =
+    "Pauses, and shows half as many frames, around the chosen one. Or drag over a graph.";
+inline constexpr char the_frame_before[] = "The report of the frame before it.";
+inline constexpr char the_frame_after[] = "The report of the frame after it.";
 inline constexpr char shows_all_frames_again_drag[] = "Shows all frames again. Drag over a graph to zoom in.";
 inline constexpr char paused[] = "paused";
 inline constexpr char no_frame_has_been_measured[] = "No frame has been measured yet: fly. A still view costs nothing.";

@@ -50,7 +50,9 @@ BakeField bake_field_of(const std::string& path, bool first) {
         if (path.ends_with(".fjell")) return BakeField::output;
         if (path.ends_with(".json")) {
             const json object = io::parse_json(io::read_text(path), path, io::JsonComments::yes);
-            return object.contains("stops") ? BakeField::ramp : BakeField::heights;
+            return object.contains("stops")   ? BakeField::ramp
+                   : object.contains("rules") ? BakeField::rules
+                                              : BakeField::heights;
         }
         if (first) return BakeField::heights;
         baker::GdalMessages messages;

@@ -29,7 +29,8 @@ std::span<const char* const> endings_of(FileFilter filter) {
     case FileFilter::paths: return path_files;
     case FileFilter::heights: return height_files;
     case FileFilter::images: return image_files;
-    case FileFilter::ramps: return ramp_files;
+    case FileFilter::ramps:
+    case FileFilter::rules: return ramp_files;
     case FileFilter::packs: return pack_files;
     case FileFilter::everything: break;
     }

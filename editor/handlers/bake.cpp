@@ -49,6 +49,7 @@ void give(BakeDraft& d, const GiveBakeFile& c) {
     switch (c.field) {
     case BakeField::texture: d.pack.texture = c.path; return;
     case BakeField::ramp: d.pack.ramp = c.path; return;
+    case BakeField::rules: d.pack.rules = c.path; return;
     case BakeField::output:
         d.pack.output = c.path.ends_with(".fjell") ? c.path : c.path + ".fjell";
         d.output_is_chosen = true;
@@ -63,6 +64,9 @@ void give(BakeDraft& d, const GiveBakeFile& c) {
     BakePack fresh;
     fresh.inputs = {c.path};
     fresh.ramp = d.pack.ramp;
+    fresh.rules = d.pack.rules;
+    fresh.control = d.pack.control;
+    fresh.horizons = d.pack.horizons;
     d.pack = std::move(fresh);
     d.output_is_chosen = false;
 }

@@ -50,6 +50,11 @@ baker::Recipe bake_recipe(const BakePack& b) {
     set_word(recipe.nodata, b.nodata, "nodata");
     if (!b.voids.empty()) baker::parse_voids(b.voids, recipe.voids);
     if (!b.crs.empty()) recipe.crs = b.crs;
+    if (!b.rules.empty()) recipe.layers = b.rules;
+    set_word(recipe.control, b.control, "control");
+    set_word(recipe.horizons, b.horizons, "horizons");
+    set_word(recipe.encoding, b.encoding, "encoding");
+    if (!b.bbox.empty()) recipe.bbox = baker::parse_bbox(b.bbox);
     if (b.memory_mb < 128 || b.memory_mb > 1u << 24)
         throw Failure(2, fmt::format("memory_mb={}: must be 128 to {}", b.memory_mb, 1u << 24));
     return recipe;
@@ -117,6 +122,7 @@ Jobs::Body bake_job(BakePack bake) {
     std::vector<std::string> inputs = recipe.inputs;
     inputs.push_back(bake.texture);
     inputs.push_back(bake.ramp);
+    inputs.push_back(bake.rules);
     io::refuse_overwriting({bake.output}, inputs);
     return [recipe, options = std::move(options)](JobControl& control) { run(recipe, options, control); };
 }

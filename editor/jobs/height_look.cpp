@@ -47,6 +47,10 @@ constexpr OptionWords option_words[] = {
     {"--zscale S", "the height scale", BakeField::height_scale},
     {"--zscale", "Height scale", BakeField::height_scale},
     {"--crs", "CRS", BakeField::crs},
+    {"--encoding terrarium or terrain-rgb", "their encoding (More options)", BakeField::encoding},
+    {"--encoding", "Encoding", BakeField::encoding},
+    {"--bbox", "Extract", BakeField::bbox},
+    {"--control", "Rules", BakeField::rules},
 };
 
 // The number behind the first --void, or the word behind --nodata.
@@ -58,6 +62,7 @@ std::string proposal_of(const std::string& message, BakeField field) {
 }
 
 void tell_problem(HeightFacts& f, std::string message, BakeField otherwise) {
+    if (!f.problem.empty()) return; // one at a time, the first first
     std::size_t first = std::string::npos;
     f.at = otherwise;
     for (const OptionWords& o : option_words)
@@ -173,8 +178,8 @@ std::uint32_t packed_rgb(const float (&rgb)[3], float light) {
     return value;
 }
 
-// In the colours that the bake would give it, lit from the north-west.
-void paint(HeightFacts& f, const SmallField& small, const std::string& ramp_path, double cell_m) {
+// In the colours that the bake would give it, lit from the north-west. That light.
+std::vector<float> paint(HeightFacts& f, const SmallField& small, const std::string& ramp_path, double cell_m) {
     const double least = f.least_m, most = std::max(f.most_m, f.least_m + 1e-3);
     const baker::Ramp ramp = baker::absolute(
         ramp_path.empty() ? baker::default_ramp(least, most) : baker::read_ramp(ramp_path), least, most);
@@ -186,6 +191,7 @@ void paint(HeightFacts& f, const SmallField& small, const std::string& ramp_path
     }
     // Steeper than it is where texels are wide, or relief would not show.
     const float exaggerated = 3 / static_cast<float>(std::max(cell_m, 1e-6));
+    std::vector<float> light(small.heights_m.size());
     for (std::uint32_t y = 0; y < small.rows; ++y)
         for (std::uint32_t x = 0; x < small.columns; ++x) {
             const auto height = [&](std::uint32_t column, std::uint32_t row) {
@@ -199,8 +205,11 @@ void paint(HeightFacts& f, const SmallField& small, const std::string& ramp_path
             const float dx = x > 0 ? rise(height(x - 1, y)) : 0, dz = y > 0 ? rise(height(x, y - 1)) : 0;
             const float steep = std::sqrt(dx * dx + dz * dz + 1);
             painter.paint(h, 1, rgb);
-            texel = packed_rgb(rgb, 0.4F + 0.85F * std::clamp((0.5F * (dx + dz) + 0.71F) / steep, 0.0F, 1.0F));
+            float& lit = light[std::size_t{y} * small.columns + x];
+            lit = 0.4F + 0.85F * std::clamp((0.5F * (dx + dz) + 0.71F) / steep, 0.0F, 1.0F);
+            texel = packed_rgb(rgb, lit);
         }
+    return light;
 }
 
 // To the right of the heights, as high as they are.
@@ -231,6 +240,27 @@ void add_image(HeightFacts& f, const std::string& path, std::uint32_t rows) {
     }
     f.texels = std::move(both);
     f.width_px = before + f.image_px;
+}
+
+// In the colours of their layers, as far as rules cover the ground, under the light that is there already.
+void lay_rules(HeightFacts& f, const BakePack& pack, const baker::HeightSource& source, const SmallField& small,
+               const std::vector<float>& light) {
+    if (pack.rules.empty()) return;
+    const RulesLook look = look_at_rules(pack.rules, source, small.columns, small.rows, small.heights_m);
+    f.rules = look.rules;
+    f.layers = look.layers;
+    f.bare_share = look.bare_share;
+    std::ranges::stable_sort(f.layers, [](const RuleLayer& a, const RuleLayer& b) { return a.share > b.share; });
+    for (std::size_t i = 0; i < look.covered.size(); ++i) {
+        std::uint32_t& texel = f.texels[i / small.columns * f.width_px + i % small.columns];
+        float rgb[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto ramp = static_cast<float>(texel >> (8 * k) & 255);
+            const auto layer = static_cast<float>(look.colour[i] >> (8 * k) & 255);
+            rgb[k] = ramp + look.covered[i] * (layer * light[i] - ramp);
+        }
+        if (look.covered[i] > 0) texel = packed_rgb(rgb, 1);
+    }
 }
 
 // As the bake opens it; where it asks for a spacing, with one that serves to look at the heights.
@@ -286,11 +316,18 @@ void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop) {
     f.texels.resize(std::size_t{f.width_px} * f.height_px);
     // Without a spacing relief is drawn as if it were the one that is proposed.
     const double spacing_m = f.has_spacing ? s.spacing_m[0] : f.proposed.empty() ? 1 : std::stod(f.proposed);
+    const double cell_m = spacing_m * s.columns / small.columns;
+    std::vector<float> light;
     try {
-        paint(f, small, pack.ramp, spacing_m * s.columns / small.columns);
+        light = paint(f, small, pack.ramp, cell_m);
     } catch (const Failure& failure) {
         tell_problem(f, failure.what(), BakeField::ramp);
-        paint(f, small, "", spacing_m * s.columns / small.columns);
+        light = paint(f, small, "", cell_m);
+    }
+    try {
+        lay_rules(f, pack, s, small, light);
+    } catch (const Failure& failure) {
+        tell_problem(f, failure.what(), BakeField::rules);
     }
     if (pack.texture.empty()) return;
     try {
@@ -306,6 +343,8 @@ BakePack looked_at(const BakePack& pack) {
     p.output.clear();
     p.tile = 0;
     p.order.clear();
+    p.horizons.clear();
+    p.control.clear();
     p.asks = false;
     return p;
 }
@@ -321,8 +360,10 @@ HeightFacts look_at_heights(const BakePack& pack, const std::atomic<bool>& stop)
         tell_problem(f, failure.what(), BakeField::heights);
     }
     // The field has the whole path.
-    for (const std::string& file : pack.inputs)
-        if (const std::size_t at = f.problem.find(file); at != std::string::npos)
+    std::vector<std::string> named = pack.inputs;
+    named.insert(named.end(), {pack.ramp, pack.rules, pack.texture});
+    for (const std::string& file : named)
+        if (const std::size_t at = f.problem.find(file); !file.empty() && at != std::string::npos)
             f.problem.replace(at, file.size(), fs::path(file).filename().string());
     return f;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "editor/command.h"
+#include "editor/jobs/rules_look.h"
 #include "fjell/gl/palette.h"
 
 namespace fjell::editor {
@@ -30,7 +31,10 @@ struct HeightFacts {
     bool unit_named = false;           // of the heights, by the file
     bool all_read = false;             // otherwise some rows, and what follows is about
     double least_m = 0, most_m = 0, void_share = 0;
-    std::string image; // what the texture is, for people; empty: there is none
+    std::string image;             // what the texture is, for people; empty: there is none
+    std::size_t rules = 0;         // in the file of rules; 0: there is none
+    std::vector<RuleLayer> layers; // of those, by share
+    double bare_share = 0;         // of the ground that no rule covers
 
     std::string problem;            // why this cannot be baked; empty: it can
     BakeField at = BakeField::none; // that would mend it

@@ -11,6 +11,7 @@
 #include "editor/number_text.h"
 #include "editor/panels/fields.h"
 #include "editor/panels/file_browser.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -21,18 +22,25 @@ namespace {
 constexpr const char* tile_names[] = {strings::common::auto_, "64", "128", "256", "512", "1024", "2048"};
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
 constexpr const char* nodata_names[] = {strings::bake::auto_holes_suspicious_values_refused, "hole", "fill", "refuse"};
+constexpr const char* control_names[] = {"full", "half", "quarter"};
+constexpr const char* horizon_names[] = {strings::common::none, "half", "quarter"};
+constexpr const char* encoding_names[] = {strings::common::none, "terrarium", "terrain-rgb"};
+constexpr int usual_control = 1; // fjell-bake's default
 
 constexpr double bytes_a_sample[] = {1.3, 3.0}; // of packs: smooth large fields, rough small ones; with maps
 constexpr double samples_a_second = 6e6, warped_a_second = 3e6; // on two cores; about
+// What maps add a sample, in the order of their names: docs/notes/horizons.md and materials.md.
+constexpr double control_bytes[] = {9.9, 2.6, 0.7}, control_a_second[] = {2e6, 6e6, 2e7};
+constexpr double horizon_bytes[] = {0, 2.7, 0.7}, horizons_a_second[] = {0, 6e6, 1.3e7};
 constexpr ImU32 marked = IM_COL32(104, 80, 24, 255);
 constexpr float picture_em = 10.5F; // high
 
 struct BakeForm {
     std::uint64_t given = ~std::uint64_t{0}; // BakeDraft::given that it holds
-    fields::PathText input = "", output = "", texture = "", ramp = "", voids = "", crs = "";
+    fields::PathText input = "", output = "", texture = "", ramp = "", rules = "", voids = "", crs = "", bbox = "";
     std::vector<std::string> more; // heights, beside the first
     bool output_is_chosen = false;
-    int tile = 0, order = 0, nodata = 0;
+    int tile = 0, order = 0, nodata = 0, control = usual_control, horizons = 0, encoding = 0;
     double spacing_m = 0, height_scale = 1, height_offset_m = 0;
     BakePack sent;
     BakeField browsing = BakeField::none; // for this one's file
@@ -55,6 +63,12 @@ void load(BakeForm& form, const BakeDraft& draft) {
     form.output_is_chosen = draft.output_is_chosen;
     fields::copy(form.texture, b.texture);
     fields::copy(form.ramp, b.ramp);
+    fields::copy(form.rules, b.rules);
+    fields::copy(form.bbox, b.bbox);
+    form.control =
+        b.control.empty() ? usual_control : index_of_name(b.control, control_names, std::size(control_names));
+    form.horizons = index_of_name(b.horizons, horizon_names, std::size(horizon_names));
+    form.encoding = index_of_name(b.encoding, encoding_names, std::size(encoding_names));
     fields::copy(form.voids, b.voids);
     fields::copy(form.crs, b.crs);
     form.tile = b.tile == 0 ? 0 : index_of_name(std::to_string(b.tile), tile_names, std::size(tile_names));
@@ -76,6 +90,11 @@ BakePack bake_of(const BakeForm& form) {
     b.tile = form.tile == 0 ? 0 : 32u << form.tile;
     b.order = order_names[form.order];
     b.nodata = form.nodata == 0 ? "" : nodata_names[form.nodata];
+    b.rules = form.rules;
+    if (!b.rules.empty()) b.control = control_names[form.control];
+    b.horizons = form.horizons == 0 ? "" : horizon_names[form.horizons];
+    b.encoding = form.encoding == 0 ? "" : encoding_names[form.encoding];
+    b.bbox = form.bbox;
     b.voids = form.voids;
     b.crs = form.crs;
     b.spacing_m = form.spacing_m;
@@ -145,7 +164,7 @@ void begin_row(const char* label, float room) {
 
 void browse(BakeForm& form, BakeField field, bool another, const char* beside, Commands& commands) {
     constexpr FileFilter filters[] = {FileFilter::everything, FileFilter::heights, FileFilter::packs,
-                                      FileFilter::images, FileFilter::ramps};
+                                      FileFilter::images,     FileFilter::ramps,   FileFilter::rules};
     form.browsing = field;
     form.browsing_another = another;
     commands.push(BrowseFor{filters[static_cast<std::size_t>(field)], beside});
@@ -206,10 +225,25 @@ void draw_more_heights(BakeForm& form) {
     }
 }
 
+void text_row(const char* label, BakeField field, fields::PathText& text, const char* hint, const char* about,
+              const State& state) {
+    begin_row(label, proposal_room(state.bake, field));
+    const char* const name = bake_field_names[static_cast<int>(field)];
+    {
+        const Marked warn(state.bake, field);
+        ImGui::PushID(name);
+        ImGui::InputTextWithHint("##text", hint, text, fields::path_bytes);
+        ImGui::PopID();
+    }
+    ui::mark("bake", name);
+    ui::tip(about);
+}
+
 void draw_options(BakeForm& form, const State& state) {
     const BakeField at = state.bake.looking ? BakeField::none : state.bake.facts.at;
     // What has to be decided is seen.
-    if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs)
+    if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs || at == BakeField::encoding ||
+        at == BakeField::bbox)
         ImGui::SetNextItemOpen(true, ImGuiCond_Always);
     const bool open = ImGui::TreeNodeEx(strings::bake::more_options, ImGuiTreeNodeFlags_NoTreePushOnOpen);
     ui::mark("bake", "more");
@@ -222,21 +256,18 @@ void draw_options(BakeForm& form, const State& state) {
     ui::mark("bake", "nodata");
     ui::tip(strings::bake::samples_without_a_height_a);
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
-    begin_row(strings::bake::voids, proposal_room(state.bake, BakeField::voids));
-    {
-        const Marked warn(state.bake, BakeField::voids);
-        ImGui::InputTextWithHint("##voids", strings::bake::what_the_file_marks, form.voids, fields::path_bytes);
-    }
-    ui::mark("bake", "void");
-    ui::tip(strings::bake::numbers_that_stand_for_no);
+    text_row(strings::bake::voids, BakeField::voids, form.voids, strings::bake::what_the_file_marks,
+             strings::bake::numbers_that_stand_for_no, state);
     if (draw_proposal(state.bake, BakeField::voids)) fields::copy(form.voids, state.bake.facts.proposed);
-    begin_row(strings::bake::crs, 0);
+    text_row(strings::bake::crs, BakeField::crs, form.crs, strings::bake::the_files_own_degrees_become,
+             strings::bake::another_coordinate_reference_system_to, state);
+    text_row(strings::bake::extract, BakeField::bbox, form.bbox, strings::bake::all_of_it,
+             strings::bake::only_what_lies_in_it, state);
     {
-        const Marked warn(state.bake, BakeField::crs);
-        ImGui::InputTextWithHint("##crs", strings::bake::the_files_own_degrees_become, form.crs, fields::path_bytes);
+        const Marked warn(state.bake, BakeField::encoding);
+        fields::choice(strings::bake::encoding, "bake", "encoding", form.encoding, encoding_names,
+                       static_cast<int>(std::size(encoding_names)), strings::bake::heights_in_three_colours);
     }
-    ui::mark("bake", "crs");
-    ui::tip(strings::bake::another_coordinate_reference_system_to);
     fields::choice(strings::bake::tile, "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
                    strings::bake::cells_along_a_side_of);
     fields::choice(strings::bake::order, "bake", "order", form.order, order_names,
@@ -262,6 +293,14 @@ void draw_form(BakeForm& form, const State& state, Commands& commands) {
                      strings::bake::an_ortho_image_placed_by, state, commands);
     (void)path_field(strings::bake::ramp, form, BakeField::ramp, form.ramp, strings::bake::by_height_from_meadows_to,
                      strings::bake::colours_by_height_and_slope, state, commands);
+    (void)path_field(strings::bake::rules, form, BakeField::rules, form.rules, strings::common::none,
+                     strings::bake::which_materials_lie_where, state, commands);
+    ImGui::BeginDisabled(form.rules[0] == '\0');
+    fields::choice(strings::bake::control_maps, "bake", "control", form.control, control_names,
+                   static_cast<int>(std::size(control_names)), strings::bake::texels_of_the_maps_of);
+    ImGui::EndDisabled();
+    fields::choice(strings::bake::horizons, "bake", "horizons", form.horizons, horizon_names,
+                   static_cast<int>(std::size(horizon_names)), strings::bake::maps_for_shadows_at_any);
     draw_options(form, state);
 }
 
@@ -309,6 +348,22 @@ void fact(const char* label, const char* format, ...) {
     ImGui::TextUnformatted(value);
 }
 
+// What the rules lay, the most first, in the picture's colours.
+void draw_layers(const HeightFacts& f) {
+    if (f.rules == 0) return;
+    constexpr std::size_t most = 5;
+    fact(strings::bake::rules, strings::bake::rules_materials, f.rules, f.layers.size());
+    for (std::size_t i = 0; i < std::min(f.layers.size(), most); ++i) {
+        ui::swatch(ui::colour(f.layers[i].rgb));
+        fact(f.layers[i].name.c_str(), "%s%.0f%%", strings::bake::about, 100 * f.layers[i].share);
+    }
+    double rest = 0;
+    for (std::size_t i = most; i < f.layers.size(); ++i) rest += f.layers[i].share;
+    if (f.layers.size() > most) fact(strings::bake::others, "%s%.0f%%", strings::bake::about, 100 * rest);
+    if (f.bare_share >= 0.005)
+        fact(strings::bake::without_a_material, "%s%.0f%%", strings::bake::about, 100 * f.bare_share);
+}
+
 void draw_facts(const BakeDraft& draft) {
     draw_pictures(draft);
     const HeightFacts& f = draft.facts;
@@ -333,6 +388,7 @@ void draw_facts(const BakeDraft& draft) {
     }
     fact(strings::bake::no_data, "%s%.3g%%", about, 100 * f.void_share);
     if (!f.image.empty()) fact(strings::bake::texture, "%s", f.image.c_str());
+    draw_layers(f);
     ImGui::PushTextWrapPos(0);
     if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, strings::bake::no_unit_is_named_1);
     ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s",
@@ -344,6 +400,24 @@ void draw_facts(const BakeDraft& draft) {
 const char* name_in(const std::string& path) {
     const std::size_t slash = path.rfind('/');
     return path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+}
+
+// What control maps and horizons add to the pack, a sample.
+double maps_bytes(const BakePack& b) {
+    double bytes = 0;
+    if (!b.rules.empty()) bytes += control_bytes[index_of_name(b.control, control_names, std::size(control_names))];
+    if (!b.horizons.empty()) bytes += horizon_bytes[index_of_name(b.horizons, horizon_names, std::size(horizon_names))];
+    return bytes;
+}
+
+double seconds_a_sample(const BakeDraft& d) {
+    const BakePack& b = d.pack;
+    double seconds = 1 / (d.facts.reprojected_from.empty() ? samples_a_second : warped_a_second);
+    if (!b.rules.empty())
+        seconds += 1 / control_a_second[index_of_name(b.control, control_names, std::size(control_names))];
+    if (!b.horizons.empty())
+        seconds += 1 / horizons_a_second[index_of_name(b.horizons, horizon_names, std::size(horizon_names))];
+    return seconds;
 }
 
 // In words: what is in the way or, where nothing is, what the button does.
@@ -366,7 +440,7 @@ void draw_plan(const State& state) {
         ImGui::PopStyleColor();
     } else {
         const double samples = static_cast<double>(f.columns) * f.rows;
-        const double seconds = samples / (f.reprojected_from.empty() ? samples_a_second : warped_a_second);
+        const double seconds = samples * seconds_a_sample(d);
         char time[48];
         if (seconds > 8)
             (void)std::snprintf(time, sizeof time, strings::bake::about_time, seconds < 90 ? seconds : seconds / 60,
@@ -374,7 +448,8 @@ void draw_plan(const State& state) {
         else
             (void)std::snprintf(time, sizeof time, strings::bake::some_seconds);
         ImGui::Text(strings::bake::writes_to_in_while_you, name_in(d.pack.output),
-                    byte_text(samples * bytes_a_sample[0]).text, byte_text(samples * bytes_a_sample[1]).text, time,
+                    byte_text(samples * (bytes_a_sample[0] + maps_bytes(d.pack))).text,
+                    byte_text(samples * (bytes_a_sample[1] + maps_bytes(d.pack))).text, time,
                     d.output_exists ? strings::bake::a_pack_of_that_name : "",
                     state.scene.open() ? strings::bake::when_it_is_done_you : strings::bake::then_it_is_opened,
                     state.scene.open() ? name_in(state.scene.path) : "", state.scene.open() ? "." : "");
@@ -388,6 +463,7 @@ void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     constexpr const char* title = strings::bake::choose_a_file;
     if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     const float em = ImGui::GetFontSize();
+    const keyboard::TabStops no_title(false); // its list brings its own
     const ImVec2 display = ImGui::GetIO().DisplaySize, from = ImGui::GetWindowPos();
     ImGui::SetNextWindowPos({std::min(from.x + 2 * em, 0.1F * display.x), from.y + 2 * em}, ImGuiCond_Appearing);
     ImGui::SetNextWindowSize({std::min(44 * em, 0.9F * display.x), std::min(30 * em, display.y - from.y - 3 * em)});
@@ -396,7 +472,11 @@ void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     form.browser.nested = true;
     const bool output = form.browsing == BakeField::output;
     begin_file_browser(form.browser, state, output ? name_in(state.bake.pack.output) : "");
-    if (draw_file_browser(state, commands, form.browser, strings::bake::choose)) {
+    const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
+        const keyboard::TabStops stops;
+        return draw_file_browser(state, commands, form.browser, strings::bake::choose);
+    }();
+    if (chosen) {
         commands.push(
             GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing, form.browsing_another});
         open = false;

@@ -26,8 +26,8 @@ void draw_choice(const State& state, Commands& commands) {
         ui::mark("compare-picture", compare_with_names[i]);
         ui::tip(i == 0   ? strings::compare_picture::the_profile_alone
                 : i == 1 ? strings::compare_picture::this_profile_at_another_threshold
-                : can    ? strings::compare_picture::the_profile_chosen_with_tools
-                         : strings::compare_picture::choose_a_profile_with_tools);
+                : can    ? strings::compare_picture::the_profile_chosen_to_compare
+                         : strings::compare_picture::choose_a_profile_to_compare);
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
@@ -83,6 +83,13 @@ void draw_compare_picture(const State& state, Commands& commands) {
         ui::tip(i == 0 ? strings::compare_picture::on_the_left_the_profile
                        : strings::compare_picture::black_where_both_pictures_are);
     }
+    if (state.compared.view == CompareView::difference) return;
+    auto percent = static_cast<float>(100 * state.compared.divider);
+    ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
+    if (ImGui::SliderFloat(strings::compare_picture::divider, &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
+        commands.push(SetDivider{static_cast<double>(percent) / 100});
+    ui::mark("compare-picture", "divider");
+    ui::tip(strings::compare_picture::where_the_divider_stands);
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {

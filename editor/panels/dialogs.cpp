@@ -1,3 +1,4 @@
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -89,7 +90,11 @@ void draw_dialog(const State& state, Commands& commands) {
         return;
     }
     const bool escaped = escapes(state);
-    window.draw(state, commands);
+    if (ImGui::IsWindowAppearing()) keyboard::show_focus();
+    {
+        const keyboard::TabStops stops;
+        window.draw(state, commands);
+    }
     const bool list = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId), active = ImGui::IsAnyItemActive();
     before = {dialog,
               ImGui::GetIO().DisplaySize,

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 #include "editor/number_text.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/ui.h"
 #include "editor/strings.h"
 
@@ -65,7 +67,8 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
 }
 
 // True: that file was chosen by a double click.
-bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands& commands, FileBrowserForm& form) {
+bool draw_entry(const FolderListing::Entry& entry, bool first, const State& state, Commands& commands,
+                FileBrowserForm& form) {
     const NumberText bytes = byte_text(static_cast<double>(entry.bytes));
     const char* const size = entry.folder ? strings::file_browser::folder : bytes.text;
     char label[300];
@@ -74,14 +77,17 @@ bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands&
     ImGui::TableNextColumn();
     ImGui::PushID(&entry);
     const bool selected = entry.name == form.name;
+    const keyboard::TabStops stop(selected || first); // the list is one stop; arrows move in it
     const bool clicked =
         ImGui::Selectable(label, selected, ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
     ImGui::PopID();
+    const bool moved = keyboard::arrived();
     ui::mark("file", entry.name.c_str());
     ImGui::TableNextColumn();
     const float width = ImGui::CalcTextSize(size).x;
     ImGui::SetCursorPosX(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x - width);
     ImGui::TextUnformatted(size);
+    if (moved) set_name(form, entry.name.c_str());
     if (!clicked) return false;
     const bool twice = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
     if (entry.folder && twice) {
@@ -95,18 +101,22 @@ bool draw_entry(const FolderListing::Entry& entry, const State& state, Commands&
 bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, float height) {
     const FolderListing& browser = state.files.browser;
     bool chosen = false;
-    if (!ImGui::BeginTable("files", 2, ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter, {0, height}))
+    ImGui::BeginChild("files", {0, height}, true, ImGuiWindowFlags_NavFlattened);
+    if (!ImGui::BeginTable("files", 2)) {
+        ImGui::EndChild();
         return false;
+    }
     ImGui::TableSetupColumn(strings::file_browser::name, ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn(strings::file_browser::size, ImGuiTableColumnFlags_WidthFixed,
                             ImGui::CalcTextSize("8.88 MB ").x);
     if (!browser.parent().empty()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
-        if (ImGui::Selectable("..", false,
-                              ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick) &&
-            ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
-            go(browser.parent(), commands, form);
+        const bool clicked =
+            ImGui::Selectable("..", std::strcmp(form.name, "..") == 0,
+                              ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
+        if (keyboard::arrived()) set_name(form, "..");
+        if (clicked && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) go(browser.parent(), commands, form);
         ui::mark("file", "..");
     }
     if (!browser.problem().empty() || browser.size() == 0) {
@@ -120,8 +130,11 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
     clipper.Begin(static_cast<int>(browser.size()));
     while (clipper.Step())
         for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
-            chosen = draw_entry(browser.entry(static_cast<std::size_t>(i)), state, commands, form) || chosen;
+            chosen = draw_entry(browser.entry(static_cast<std::size_t>(i)), i == 0 && browser.parent().empty(), state,
+                                commands, form) ||
+                     chosen;
     ImGui::EndTable();
+    ImGui::EndChild();
     return chosen;
 }
 

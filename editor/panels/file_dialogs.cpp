@@ -126,6 +126,8 @@ void draw_start(const State& state, Commands& commands) {
     ui::tip(strings::file_dialogs::a_small_synthetic_landscape_baked);
     if (wide_button(strings::file_dialogs::open_a_file, "open")) commands.push(ShowDialog{Dialog::open_file});
     ui::tip(strings::file_dialogs::a_pack_fjell_a_profile);
+    if (wide_button(strings::menu::bake_heights, "bake")) commands.push(ShowDialog{Dialog::bake});
+    ui::tip(strings::file_dialogs::makes_a_pack_from_heights);
     ImGui::TextDisabled(strings::file_dialogs::or_drop_a_file_onto);
     draw_sample_progress(state, commands);
     draw_recent_packs(state, commands);

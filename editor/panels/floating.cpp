@@ -7,6 +7,7 @@
 
 #include <imgui_internal.h> // StartMouseMovingWindow: a tab that is dragged out goes on as the window it has become
 
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 
 namespace fjell::editor {
@@ -108,7 +109,9 @@ void draw_float(Panel panel, const State& state, const ui::Layout& layout, Comma
     char name[64];
     (void)std::snprintf(name, sizeof name, "%s###floating-%s", title_of(panel), panel_names[i]);
     bool open = true;
+    keyboard::Pane pane(state);
     const bool shown = ImGui::Begin(name, &open, ImGuiWindowFlags_NoSavedSettings | key_flags(state));
+    pane.began();
     ui::mark("floating", panel_names[i]); // its title
     if (appears && ImGui::IsMouseDown(ImGuiMouseButton_Left)) go_on_dragging();
     if (shown) draw_panel(panel, state, commands);

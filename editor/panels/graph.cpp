@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "editor/number_text.h"
+#include "editor/panels/keyboard.h"
 #include "editor/strings.h"
 
 namespace fjell::editor::ui {
@@ -168,6 +169,18 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
     ImGui::EndTooltip();
 }
 
+// The frame of the largest value among those that are shown: what keys choose, which point at none.
+std::size_t highest(const Ring& values, const GraphSpan& shown) {
+    std::size_t best = no_frame;
+    float most = 0;
+    for (std::size_t ago = shown.newest; ago <= shown.oldest && ago < values.size(); ++ago)
+        if (const float value = values.value(values.size() - 1 - ago); best == no_frame || value > most) {
+            best = ago;
+            most = value;
+        }
+    return best;
+}
+
 // Of the graph's button, which is the last item: a click chooses a frame, a drag over some of them zooms.
 GraphInput follow_mouse(ImDrawList& list, const Scale& s, bool clicked) {
     const ImGuiIO& io = ImGui::GetIO();
@@ -195,6 +208,7 @@ GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const bool clicked = ImGui::InvisibleButton(graph.name, {width, height});
     mark("graph", graph.name);
+    const bool by_keys = keyboard::outline();
     if (!ImGui::IsItemVisible()) return {};
     Scale s = scale_of(graph, lines);
     s.low = {from.x + 3.6F * em, from.y + 1.9F * em};
@@ -212,6 +226,12 @@ GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     }
     list.PopClipRect();
     draw_budget(list, graph, s);
+    if (by_keys) {
+        GraphInput input;
+        if (clicked) input.clicked = highest(*lines.begin()->values, s.shown);
+        tip(strings::graph::enter_its_highest_frame);
+        return input;
+    }
     const GraphInput input = follow_mouse(list, s, clicked);
     if (ImGui::IsItemHovered() && !input.drags) hover(list, graph, s, lines);
     return input;

@@ -38,7 +38,9 @@ constexpr Key all_keys[] = {
     {strings::keys::tab, strings::help::hide_the_panels_or_show},
     {strings::keys::f11, strings::help::the_picture_alone_again_or},
     {strings::keys::f6, strings::help::keys_move_in_the_panels},
-    {strings::keys::f10, strings::help::the_menu_again_the_next},
+    {strings::help::ctrl_page, strings::help::the_panel_before_and_after},
+    {strings::help::ctrl_tab_and_arrows, strings::help::move_a_floating_panel},
+    {strings::help::f10_alt_f, strings::help::the_menu_again_the_next},
     {strings::help::enter_esc, strings::help::in_a_dialog_its_main},
     {strings::help::profile_and_program, nullptr},
     {"[  ]", strings::help::a_smaller_a_larger_threshold},
@@ -46,14 +48,24 @@ constexpr Key all_keys[] = {
     {strings::keys::ctrl_o, strings::help::open_a_pack_a_dem},
     {strings::keys::ctrl_s, strings::help::save_the_profile},
     {strings::help::ctrl_click_on_a_slider, strings::help::type_a_value},
+    {strings::help::page_up_and_down, strings::help::scroll_this_list},
     {strings::keys::f1, strings::help::this_list_of_keys},
     {strings::keys::ctrl_q, strings::help::quit},
 };
+
+// Arrows stay the camera's beside these lists.
+void scroll_by_keys() {
+    constexpr ImGuiKey keys[] = {ImGuiKey_PageUp, ImGuiKey_PageDown};
+    for (int i = 0; i < 2; ++i)
+        if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(keys[i])))
+            ImGui::SetScrollY(ImGui::GetScrollY() + (i == 0 ? -0.9F : 0.9F) * ImGui::GetWindowHeight());
+}
 
 } // namespace
 
 void draw_keys(const State&, Commands& commands) {
     ImGui::BeginChild("list", {0, -ImGui::GetFrameHeightWithSpacing()});
+    scroll_by_keys();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
                                 ImGui::CalcTextSize(strings::help::right_drag_shift_drag).x + ImGui::GetFontSize());
@@ -80,6 +92,7 @@ void draw_keys(const State&, Commands& commands) {
 void draw_messages(const State& state, Commands& commands) {
     const float button = ImGui::GetFrameHeightWithSpacing();
     ImGui::BeginChild("list", {0, -button});
+    scroll_by_keys();
     if (state.messages.all.empty()) ImGui::TextUnformatted(strings::help::no_messages_yet);
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
         const int seconds = static_cast<int>(message->at_s);

@@ -2,6 +2,9 @@
 #include <cstdio>
 #include <cstring>
 
+#include <imgui_internal.h> // a menu that stays open
+
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -10,6 +13,7 @@ namespace fjell::editor {
 namespace {
 
 constexpr double threshold_step = 1.25;
+constexpr double column_step_px = 24, split_step = 0.05;
 
 void item(const char* name, const char* label, const char* keys, bool enabled, Commands& commands, Command command) {
     if (ImGui::MenuItem(label, keys, false, enabled)) commands.push(std::move(command));
@@ -30,7 +34,7 @@ void change_threshold(const State& state, double factor, Commands& commands) {
 }
 
 namespace key {
-constexpr int escape = 256, tab = 258, f6 = 295, f10 = 299, f11 = 300;
+constexpr int escape = 256, tab = 258, f10 = 299, f11 = 300;
 }
 
 // ImGui 1.86 knows most letters by the window system's number only, GLFW's are those of ASCII.
@@ -41,9 +45,9 @@ bool pressed(int key, bool repeat) {
 // Keys that belong to the window rather than to the profile.
 void window_keys(const State& state, Commands& commands) {
     const Interface& i = state.interface;
-    if (pressed(key::tab, false) && !i.panel_keys) commands.push(SetSwitch{Switch::show_panels, !i.arrangement.panels});
+    if (pressed(key::tab, false) && !i.panel_keys && i.dialog != Dialog::start)
+        commands.push(SetSwitch{Switch::show_panels, !i.arrangement.panels});
     if (pressed(key::f11, false)) commands.push(SetSwitch{Switch::picture_only, !i.picture_only});
-    if (pressed(key::f6, false)) commands.push(SetSwitch{Switch::panel_keys, !i.panel_keys});
     if (pressed(key::escape, false) && i.dialog == Dialog::none && !ImGui::IsAnyItemActive()) {
         if (i.picture_only)
             commands.push(SetSwitch{Switch::picture_only, false});
@@ -121,6 +125,35 @@ void draw_camera_menu(const State& state, Commands& commands) {
          open && !route.empty(), commands, PlayPath{!route.playing()});
 }
 
+// What the strips beside the picture do by hand. The menu stays, so that a width is found step by step.
+void draw_column_items(const State& state, Commands& commands) {
+    if (ImGui::BeginMenu(strings::menu::columns)) {
+        ImGui::PushItemFlag(ImGuiItemFlags_SelectableDontClosePopup, true);
+        const Arrangement& a = state.interface.arrangement;
+        constexpr const char* names[] = {strings::menu::left_column, strings::menu::right_column};
+        for (std::size_t c = 0; c < columns; ++c) {
+            const auto column = static_cast<Column>(c);
+            const auto width = static_cast<double>(a.width_px[c]), split = static_cast<double>(a.split[c]);
+            if (c > 0) ImGui::Separator();
+            ImGui::PushID(names[c]);
+            const auto entry = [&](const char* name, const char* label, ColumnPart part, double value) {
+                item(name, label, "", true, commands, ArrangeColumn{column, part, value});
+            };
+            ImGui::TextDisabled("%s", names[c]);
+            entry("wider", strings::menu::wider, ColumnPart::width, width + column_step_px);
+            entry("narrower", strings::menu::narrower, ColumnPart::width, width - column_step_px);
+            entry("upper-taller", strings::menu::upper_panel_taller, ColumnPart::split, split + split_step);
+            entry("upper-shorter", strings::menu::upper_panel_shorter, ColumnPart::split, split - split_step);
+            if (ImGui::MenuItem(strings::menu::folded, "", a.folded[c]))
+                commands.push(ArrangeColumn{column, ColumnPart::folded, a.folded[c] ? 0.0 : 1.0});
+            ImGui::PopID();
+        }
+        ImGui::PopItemFlag();
+        ImGui::EndMenu();
+    }
+    ui::mark("menu", "columns");
+}
+
 void draw_window_items(const State& state, Commands& commands) {
     const Interface& i = state.interface;
     const auto entry = [&](const char* label, const char* keys, Switch which, bool on) {
@@ -138,6 +171,7 @@ void draw_window_items(const State& state, Commands& commands) {
         ImGui::EndMenu();
     }
     ui::mark("menu", "floating");
+    draw_column_items(state, commands);
     entry(strings::menu::picture_only, strings::keys::f11, Switch::picture_only, i.picture_only);
     entry(strings::menu::keys_move_in_panels, strings::keys::f6, Switch::panel_keys, i.panel_keys);
     entry(strings::menu::half_resolution_while_moving, "", Switch::half_resolution, i.half_resolution);
@@ -211,6 +245,7 @@ void draw_shortcuts(const State& state, Commands& commands) {
     release_held(state, commands);
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput || io.KeyAlt || io.KeySuper || is_modal(state.interface.dialog)) return;
+    if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) return; // a menu, or a list that is dropped down
     if (!io.KeyCtrl) {
         window_keys(state, commands);
         if (pressed('[', true)) change_threshold(state, 1 / threshold_step, commands);
@@ -227,12 +262,18 @@ void draw_shortcuts(const State& state, Commands& commands) {
 void draw_menu(const State& state, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
-    // F10 opens the first menu, and again the one after that which is open.
+    // F10 opens the first menu, and again the one after that which is open; Alt with its first letter opens any.
     static int shown = -1;
     constexpr const char* labels[] = {strings::common::file, strings::menu::edit,  strings::common::camera,
                                       strings::common::view, strings::menu::tools, strings::menu::help};
-    if (pressed(key::f10, false) && !is_modal(state.interface.dialog))
-        ImGui::OpenPopup(labels[(shown + 1) % static_cast<int>(std::size(labels))]);
+    constexpr int menus = static_cast<int>(std::size(labels));
+    int opens = pressed(key::f10, false) ? (shown + 1) % menus : -1;
+    for (int m = 0; ImGui::GetIO().KeyAlt && m < menus; ++m)
+        if (pressed(labels[m][0], false)) opens = m;
+    if (opens >= 0 && !is_modal(state.interface.dialog)) {
+        ImGui::OpenPopup(labels[opens]);
+        keyboard::show_focus();
+    }
     int i = 0;
     shown = -1;
     const auto menu = [&](const char* name, auto draw) {
@@ -248,9 +289,11 @@ void draw_menu(const State& state, Commands& commands) {
     menu("edit", draw_edit);
     menu("camera", draw_camera_menu);
     menu("view", draw_view_menu);
-    menu("tools", [open](const State&, Commands& c) {
+    menu("tools", [open](const State& s, Commands& c) {
         item("tune", strings::common::auto_tune, "", open, c, ShowPanel{Panel::auto_tune});
         item("benchmark", strings::common::benchmark, "", open, c, ShowPanel{Panel::benchmark});
+        ImGui::Separator();
+        item("cancel-job", strings::menu::cancel_the_job, "", s.job.running, c, CancelJob{});
     });
     menu("help", [](const State&, Commands& c) {
         item("keys", strings::common::keys, strings::keys::f1, true, c, ShowDialog{Dialog::keys});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/runs.h"
 #include "editor/strings.h"
@@ -133,7 +134,10 @@ void draw_overview(const State& state, Commands& commands) {
     frame.width_m = scene.width_m();
     frame.depth_m = scene.depth_m();
     ImGui::SetCursorScreenPos(frame.from);
-    ImGui::InvisibleButton("map", frame.size);
+    {
+        const keyboard::PointerOnly by_hand; // keys give the camera's place in its fields
+        ImGui::InvisibleButton("map", frame.size);
+    }
     ui::mark("map", "overview");
     const ImVec2 high{frame.from.x + frame.size.x, frame.from.y + frame.size.y};
     ImDrawList& list = *ImGui::GetWindowDrawList();

@@ -1,8 +1,8 @@
 #include "editor/panels/panels.h"
+#include "editor/panels/keyboard.h"
 #include "editor/strings.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace fjell::editor {
 
@@ -32,6 +32,7 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         first = false;
         const bool on = panel == shown;
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
+        const keyboard::TabStops stop(on); // the row is one stop; arrows move in it
         if (ImGui::Button(titles[i])) commands.push(ShowPanel{panel});
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
@@ -39,6 +40,17 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         ui::tip(strings::panels::drag_it_onto_the_picture);
     }
     ImGui::Separator();
+}
+
+// The panel of the section that stands before or after that one, around its ends.
+Panel neighbour(const ui::Section& section, Panel of, int way, const Arrangement& arrangement) {
+    int i = static_cast<int>(of);
+    for (int step = 0; step < panels; ++step) {
+        i = (i + way + panels) % panels;
+        const auto panel = static_cast<Panel>(i);
+        if ((section.groups & group_bit(panel)) != 0 && !arrangement.floats(panel)) return panel;
+    }
+    return of;
 }
 
 void draw_section(const char* name, const ui::Section& section, const State& state, Commands& commands) {
@@ -49,10 +61,13 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     const ImGuiStyle& style = ImGui::GetStyle();
     const float width = ImGui::GetContentRegionAvail().x + style.WindowPadding.x / 2;
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
-    static bool had_keys = false;
-    if (!std::exchange(had_keys, state.interface.panel_keys) && had_keys) ImGui::SetNextWindowFocus();
+    keyboard::Pane pane(state);
     // Each where it was scrolled to.
-    ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}, false, key_flags(state));
+    ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}, false,
+                      key_flags(state) | ImGuiWindowFlags_NavFlattened);
+    pane.began();
+    if (const int way = pane.turns(); way != 0)
+        commands.push(ShowPanel{neighbour(section, shown, way, state.interface.arrangement)});
     draw_panel(shown, state, commands);
     ImGui::EndChild();
     ImGui::End();
@@ -124,6 +139,7 @@ void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& 
 } // namespace
 
 void draw_panel(Panel panel, const State& state, Commands& commands) {
+    const keyboard::TabStops stops;
     draws[static_cast<int>(panel)](state, commands);
 }
 
@@ -139,6 +155,7 @@ ImGuiWindowFlags key_flags(const State& state) {
 void draw_panels(const State& state, Commands& commands) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const ui::Layout layout = ui::layout(display.x, display.y, state.interface);
+    keyboard::begin_panels(state, commands);
     draw_shortcuts(state, commands);
     if (layout.menu_height > 0) draw_menu(state, commands);
     for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, commands);

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "editor/number_text.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -74,7 +75,10 @@ void draw_flight(const State& state, Commands& commands) {
     ImGui::EndDisabled();
     ui::mark("path", "seek");
     ui::tip(strings::path::position_along_the_path_drag);
-    draw_timeline(state, commands);
+    {
+        const keyboard::PointerOnly by_hand; // keys have the slider above
+        draw_timeline(state, commands);
+    }
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
     if (ImGui::InputDouble(strings::path::duration, &seconds, 0, 0, seconds > 0 ? "%.1f s" : strings::common::auto_,
@@ -108,7 +112,7 @@ void draw_points(const Route& route, Commands& commands) {
     if (n == 0) return;
     const float line = ImGui::GetTextLineHeightWithSpacing();
     const float height = line * static_cast<float>(std::clamp<std::size_t>(n, 2, 7)) + 4;
-    ImGui::BeginChild("points", {0, height}, true);
+    ImGui::BeginChild("points", {0, height}, true, ImGuiWindowFlags_NavFlattened);
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(n));
     while (clipper.Step())

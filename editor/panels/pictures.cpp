@@ -6,6 +6,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/fields.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -24,6 +25,7 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     std::snprintf(name, sizeof name, strings::pictures::go, index);
     ui::mark("bookmark", name);
     const bool hovered = ImGui::IsItemHovered();
+    (void)keyboard::outline();
     ui::tip(strings::pictures::look_from_there);
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 high{at.x + width, at.y + height};

@@ -8,6 +8,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
+#include "editor/panels/keyboard.h"
 #include "editor/strings.h"
 #include "flight/log.h"
 
@@ -103,6 +104,7 @@ void tell_place(const State& state, double share, const Strip& strip) {
 void draw_strip(const Strip& strip, const State& state, Commands& commands) {
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 6 * em);
     const ImVec2 from = ImGui::GetCursorScreenPos();
+    const keyboard::PointerOnly by_hand; // keys have the lists of places below
     const bool clicked = ImGui::InvisibleButton(strip.name, {width, strip.height_em * em});
     ui::mark("run", strip.name);
     if (!ImGui::IsItemVisible()) return;

@@ -138,6 +138,27 @@ void draw_report(const State& state, Commands& commands) {
     if (ImGui::Button(strings::time::all_frames)) commands.push(ChooseFrame{});
     ui::mark("frame", "all");
     ui::tip(strings::time::shows_the_mean_of_all);
+    const auto step = [&](const char* label, const char* name, bool can, std::size_t to, const char* about) {
+        ImGui::SameLine();
+        ImGui::BeginDisabled(!can);
+        if (ImGui::Button(label)) commands.push(ChooseFrame{true, to});
+        ImGui::EndDisabled();
+        ui::mark("frame", name);
+        ui::tip(about);
+    };
+    const std::size_t size = state.measures.ring(Series::frame_us).size();
+    step("<", "older", ago + 1 < size, ago + 1, strings::time::the_frame_before);
+    step(">", "newer", ago > 0, ago - 1, strings::time::the_frame_after);
+}
+
+// Half of the frames that are shown, around the chosen one or else the newest.
+void zoom_in(const State& state, Commands& commands) {
+    const GraphSpan& shown = state.graphs;
+    const std::size_t half = std::max((shown.oldest - shown.newest + 1) / 2, least_graph_span);
+    std::size_t middle = shown.newest + half / 2;
+    if (state.chosen) middle = static_cast<std::size_t>(state.measures.recorded() - state.chosen->number);
+    const std::size_t newest = middle > half / 2 ? middle - half / 2 : 0;
+    commands.push(ZoomGraphs{std::min(newest + half - 1, measured_frames - 1), newest});
 }
 
 // Above everything, so that it stays under the hand.
@@ -152,6 +173,10 @@ void draw_hold(const State& state, Commands& commands) {
     ImGui::EndDisabled();
     ui::mark("graphs", "whole");
     ui::tip(strings::time::shows_all_frames_again_drag);
+    ImGui::SameLine();
+    if (ImGui::Button(strings::time::zoom_in)) zoom_in(state, commands);
+    ui::mark("graphs", "zoom-in");
+    ui::tip(strings::time::half_as_many_frames_around);
     if (!held) return;
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();

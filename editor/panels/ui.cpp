@@ -14,6 +14,7 @@ constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.t
 constexpr double font_px = 14;
 
 std::vector<Mark> all_marks;
+std::string keyboard_mark;
 bool recording = false;
 
 constexpr double tip_rest_s = 0.45;
@@ -80,11 +81,19 @@ void mark(const char* group, const char* name) {
     if (!recording) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     all_marks.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
+    if (ImGui::IsItemFocused() && ImGui::GetIO().NavVisible) keyboard_mark = all_marks.back().name;
 }
 
 void record_marks(bool on) {
     recording = on;
-    if (on) all_marks.clear();
+    if (on) {
+        all_marks.clear();
+        keyboard_mark.clear();
+    }
+}
+
+const std::string& marked_focus() {
+    return keyboard_mark;
 }
 
 const std::vector<Mark>& marks() {
@@ -146,7 +155,7 @@ void begin_column(const char* name, const Rect& rect, ImGuiWindowFlags more) {
     ImGui::Begin(name, nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                     ImGuiWindowFlags_NoSavedSettings | more);
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | more);
 }
 
 bool button(const char* label, bool primary) {
@@ -156,9 +165,10 @@ bool button(const char* label, bool primary) {
     if (at) keyboard_at = ImGui::GetFrameCount();
     const auto struck = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
     // A list that is dropped down, or a question over the dialog, has the focus instead.
-    const bool enter = (struck(ImGuiKey_Enter) || struck(ImGuiKey_KeyPadEnter)) && !ImGui::IsWindowAppearing() &&
-                       ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows) &&
-                       (ImGui::GetStyle().Alpha > 0.99F); // not disabled
+    const bool enter =
+        (struck(ImGuiKey_Enter) || struck(ImGuiKey_KeyPadEnter)) && !ImGui::IsWindowAppearing() &&
+        ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows | ImGuiFocusedFlags_NoPopupHierarchy) &&
+        (ImGui::GetStyle().Alpha > 0.99F); // not disabled
     return pressed || (enter && (at || (primary && keyboard_at < ImGui::GetFrameCount() - 1)));
 }
 

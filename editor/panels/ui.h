@@ -32,6 +32,7 @@ struct Mark {
 void mark(const char* group, const char* name);
 void record_marks(bool on); // starts again
 [[nodiscard]] const std::vector<Mark>& marks();
+[[nodiscard]] const std::string& marked_focus(); // the mark that the keyboard is at; empty: at none
 
 // The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the
 // pointer, and not again after a click before the pointer has left.

@@ -17,7 +17,7 @@ constexpr double fast = 5; // with Shift
 // ImGui 1.86 knows most keys by the window system's number only; the GLFW back end passes those through. Letters and
 // digits are their ASCII codes.
 namespace key {
-constexpr int right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290;
+constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290;
 }
 
 double axis(int plus, int minus) {
@@ -61,6 +61,8 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('F')) commands.push(FreezeRefinement{!state.eye.frozen});
     if (pressed('P')) commands.push(PlayPath{!state.route.playing()});
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
+    if (pressed(key::enter) && state.probe.on && state.probe.ground)
+        commands.push(MarkPlace{state.probe.ground->position_m.x, state.probe.ground->position_m.z});
     if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
     if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
@@ -90,9 +92,10 @@ void plate(const ui::Rect& view, float x, float y, ImU32 colour, const char* tex
 void aim_probe(const State& state, const ui::Rect& view, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     if (!state.probe.on || io.WantCaptureMouse) return;
-    const PointProbe at{static_cast<double>((io.MousePos.x - view.x) / view.width),
-                        static_cast<double>((io.MousePos.y - view.y) / view.height)};
-    if (!(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1)) return;
+    PointProbe at{static_cast<double>((io.MousePos.x - view.x) / view.width),
+                  static_cast<double>((io.MousePos.y - view.y) / view.height)};
+    // Without a pointer it looks where the camera does.
+    if (!(at.x >= 0 && at.x <= 1 && at.y >= 0 && at.y <= 1)) at = {0.5, 0.5};
     if (!state.probe.pointer || (*state.probe.pointer)[0] != at.x || (*state.probe.pointer)[1] != at.y)
         commands.push(at);
     const float moved = std::max(std::abs(io.MousePos.x - io.MouseClickedPos[ImGuiMouseButton_Left].x),

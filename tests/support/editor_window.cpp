@@ -8,6 +8,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <thread>
@@ -317,12 +318,28 @@ nlohmann::json EditorWindow::hold(const std::string& name, const std::string& wh
     return reached;
 }
 
+void EditorWindow::go_to(const std::string& mark, const std::string& by) {
+    std::string passed;
+    for (int i = 0; i < 120; ++i) {
+        const std::string at = state()["interface"]["focus"];
+        if (at == mark) return;
+        passed += " " + (at.empty() ? "-" : at);
+        key(by);
+    }
+    FAIL(by << " does not come to " << mark << ", but to" << passed);
+}
+
 // One by one: the same letter twice within some milliseconds is a repeat to GLFW.
 void EditorWindow::type(const std::string& text) {
+    static const std::map<char, std::string> names{
+        {'.', "period"}, {'/', "slash"}, {'-', "minus"}, {'_', "underscore"}};
     for (const char c : text) {
-        const std::string name = c == '.' ? "period" : std::string(1, c);
+        const auto named = names.find(c);
+        const std::string name = named == names.end() ? std::string(1, c) : named->second;
         const std::uint64_t before = input_["characters"];
-        send_unsettled("key " + name, "keys", 2);
+        // An underscore comes with Shift, and so do capitals.
+        const bool shifted = c == '_' || (c >= 'A' && c <= 'Z');
+        send_unsettled("key " + name, "keys", shifted ? 4 : 2);
         until("the character " + name, [&](const nlohmann::json& s) { return s["input"]["characters"] > before; });
     }
     settle();

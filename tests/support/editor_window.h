@@ -74,7 +74,9 @@ public:
     void key(const std::string& name); // as xdotool has them: "ctrl+z", "Return"
     // Holds a key down until that is so.
     nlohmann::json hold(const std::string& name, const std::string& what, const Condition& holds);
-    void type(const std::string& text); // letters, digits and dots
+    void type(const std::string& text); // letters, digits and . / - _
+    // Presses the key until the keyboard's focus is at that control, as many times as a window may have controls.
+    void go_to(const std::string& mark, const std::string& by = "Tab");
     void wheel(int notches);            // up is positive
     void resize(std::uint32_t width, std::uint32_t height);
 

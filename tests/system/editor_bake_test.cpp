@@ -29,6 +29,7 @@ TEST_CASE("heights are baked by browsing: what is missing is marked and proposed
     const VirtualDisplay display(600, 320);
     const TemporaryFolder home;
     spit(home / "hills_30m.png", grey_map());
+    spit(home / "rules.json", R"({"rules": [{"layer": "grass"}]})");
     EditorWindow editor(display, home.path,
                         {small_pack(), "--size", "600x320", "--scale", "0.5", "--do", "browse " + home.path.string()});
     const auto baking = [](const json& s) { return s["files"]["bake"]; };
@@ -50,6 +51,15 @@ TEST_CASE("heights are baked by browsing: what is missing is marked and proposed
     editor.until("no problem", [&](const json& s) {
         return baking(s)["spacing_m"] == 30 && baking(s)["looking"] == false && baking(s)["problem"] == "";
     });
+    // Enter in the browser chooses a file, and does not reach the button beneath, which could bake now.
+    editor.click("browse.rules");
+    editor.click("file.rules.json");
+    editor.key("Return");
+    editor.until("a look at the rules", [&](const json& s) {
+        return baking(s)["rule_count"] == 1 && baking(s)["looking"] == false && baking(s)["problem"] == "";
+    });
+    CHECK(editor.state()["job"]["kind"] == "none");
+    CHECK(baking(editor.state())["layers"]["grass"] == 1.0);
     editor.click("bake.start");
     const json ready = editor.until("the question", [](const json& s) { return s["interface"]["dialog"] == "baked"; });
     CHECK(ready["scene"]["path"] == small_pack());

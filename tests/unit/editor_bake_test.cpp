@@ -7,6 +7,8 @@
 #include "editor/command.h"
 #include "editor/files/file_kind.h"
 #include "editor/handlers/handlers.h"
+#include "editor/jobs/factories.h"
+#include "fjell/io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -106,6 +108,65 @@ TEST_CASE("numbers that look like voids, missing files and images that are none 
     CHECK(pictured.texels.size() == std::size_t{pictured.width_px} * pictured.height_px);
     const std::atomic<bool> stop{true};
     CHECK_FALSE(look_at_heights(mosaic, stop).known);
+}
+
+TEST_CASE("rules are looked at before the bake: what they lay where, and a fault with its file, line and rule") {
+    const TemporaryFolder folder;
+    spit(folder / "west.asc", ascii_grid(0, "101")); // 100 to 119 m, rising by 1 m a column of 10 m
+    spit(folder / "rules.json", R"({"rules": [
+        {"layer": "grass"},
+        {"layer": "snow", "height_m": [109.5, null], "ragged": 0},
+        {"layer": "basalt", "slope_deg": [80, null], "ragged": 0}]})");
+    BakePack pack = pack_of({folder / "west.asc"});
+    const HeightFacts bare = facts_of(pack);
+    CHECK(bare.rules == 0);
+    pack.rules = folder / "rules.json";
+    const HeightFacts laid = facts_of(pack);
+    CHECK(laid.problem.empty());
+    CHECK(laid.rules == 3);
+    REQUIRE(laid.layers.size() == 3);
+    CHECK(laid.layers[0].share + laid.layers[1].share == Approx(1));
+    // 10 of 20 columns are higher than 109.5 m, give or take the cell at the edge.
+    for (const RuleLayer& layer : laid.layers)
+        CHECK(layer.share == Approx(layer.name == "basalt" ? 0 : 0.5).margin(0.051));
+    CHECK(laid.bare_share == Approx(0).margin(1e-6));
+    CHECK(laid.texels != bare.texels);
+    spit(folder / "rules.json",
+         "{\"rules\": [\n  {\"layer\": \"grass\"},\n  {\"layer\": \"snow\", \"hight_m\": [1, 2]}]}");
+    const HeightFacts wrong = facts_of(pack);
+    CHECK(wrong.at == BakeField::rules);
+    CHECK(wrong.problem.starts_with("rules.json:3: rule 1 (snow): unknown field \"hight_m\""));
+    CHECK(wrong.known); // and the heights are still shown
+    pack.rules = folder / "none.json";
+    CHECK(facts_of(pack).at == BakeField::rules);
+    CHECK(facts_of(pack).problem.starts_with("none.json"));
+}
+
+TEST_CASE("options of fjell-bake that a command names, the bake has, and the dialog finds the file of rules") {
+    const TemporaryFolder folder;
+    spit(folder / "west.asc", ascii_grid(0, "101"));
+    spit(folder / "rules.json", R"({"rules": [{"layer": "grass"}]})");
+    const auto command = parse_command("bake a.tif a.fjell layers=r.json control=full horizons=quarter "
+                                       "encoding=terrarium bbox=1,2,3,4");
+    const fjell::baker::Recipe recipe = bake_recipe(std::get<BakePack>(*command));
+    CHECK(recipe.layers == "r.json");
+    CHECK(recipe.control == "full");
+    CHECK(recipe.horizons == "quarter");
+    CHECK(recipe.encoding == "terrarium");
+    REQUIRE(recipe.bbox);
+    CHECK((*recipe.bbox)[3] == 4);
+    for (const char* wrong : {"control=fine", "horizons=full", "encoding=png", "bbox=1,2,3"}) {
+        INFO(wrong);
+        const auto refused = parse_command("bake a.tif a.fjell layers=r.json " + std::string(wrong));
+        CHECK_THROWS_AS(bake_recipe(std::get<BakePack>(*refused)), fjell::io::Failure);
+    }
+    BakeDialog d;
+    d.run("open " + folder / "west.asc");
+    d.run("bake-file " + folder / "rules.json");
+    CHECK(d.state.bake.pack.rules == folder / "rules.json");
+    CHECK(d.state.bake.pack.inputs.size() == 1);
+    d.run("bake-file " + folder / "west.asc" + " heights");
+    CHECK(d.state.bake.pack.rules == folder / "rules.json"); // of no file in particular
 }
 
 TEST_CASE("files that are given find their fields, other heights begin another bake, and the pack follows them") {
