@@ -47,7 +47,7 @@ CameraPath spline_through(std::vector<ControlPoint> points, std::vector<double> 
     path.name = "camera path";
     path.seconds = seconds;
     std::vector<double> knots = flight::chord_knots(points, path.name);
-    path.kind = flight::SplinePath{flight::NaturalSpline<9>(std::move(knots), std::move(points)), std::move(times_s)};
+    path.kind = flight::SplinePath{flight::CubicSpline<9>(std::move(knots), std::move(points)), std::move(times_s)};
     return path;
 }
 

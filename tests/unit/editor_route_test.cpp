@@ -73,7 +73,7 @@ TEST_CASE("a path's text reads back to the last bit") {
         path.name = "laid";
         path.seconds = pick(random, 0, 1) == 1 ? uniform(random, 0.001, 3600) : 0;
         std::vector<double> knots = flight::chord_knots(points, path.name);
-        path.kind = flight::SplinePath{flight::NaturalSpline<9>(knots, points)};
+        path.kind = flight::SplinePath{flight::CubicSpline<9>(knots, points)};
         const std::string text = flight::path_text(path);
         const flight::CameraPath back = flight::parse_path(text, "back");
         CHECK(points_in(back) == points);
