@@ -77,9 +77,16 @@ void apply_style(double scale) {
 }
 
 void mark(const char* group, const char* name) {
-    if (!recording) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    all_marks.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
+    mark_at(group, name, {low.x, low.y, high.x - low.x, high.y - low.y});
+}
+
+void mark_at(const char* group, const char* name, const Rect& rect) {
+    if (recording) all_marks.push_back({std::string(group) + "." + name, rect});
+}
+
+bool recording_marks() {
+    return recording;
 }
 
 void record_marks(bool on) {

@@ -30,7 +30,9 @@ struct Mark {
     Rect rect;
 };
 void mark(const char* group, const char* name);
-void record_marks(bool on); // starts again
+void mark_at(const char* group, const char* name, const Rect& rect); // of what is no item
+[[nodiscard]] bool recording_marks();                                // for names that cost something to make
+void record_marks(bool on);                                          // starts again
 [[nodiscard]] const std::vector<Mark>& marks();
 
 // The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the

@@ -364,7 +364,7 @@ TEST_CASE("a path is shown from its beginning to its end, however long, and its 
             if (!middle) continue;
             ++before;
             REQUIRE(lines.size() >= at + 4);
-            const double side_px = k == points.size() ? 12 : 7;
+            const double side_px = k == points.size() ? 14 : 10;
             for (std::size_t i = 0; i < 4; ++i, ++at) {
                 const auto from = project(view, lines[at].from), to = project(view, lines[at].to);
                 REQUIRE((from && to));

@@ -115,8 +115,8 @@ TEST_CASE("a closed spline passes its points, and both derivatives go on across 
             for (std::size_t d = 0; d < 2; ++d) {
                 // The slope at a piece's end, from its points and second derivatives; some dozens of operations round.
                 const double h = before - inside;
-                const double slope = (s.at(before)[d] - s.at(inside)[d]) / h +
-                                     h / 6 * (s.at(inside, 2)[d] + 2 * s.at(before, 2)[d]);
+                const double slope =
+                    (s.at(before)[d] - s.at(inside)[d]) / h + h / 6 * (s.at(inside, 2)[d] + 2 * s.at(before, 2)[d]);
                 CHECK(slope == Approx(s.at(after, 1)[d]).margin(1e-11 * (1 + largest * h)));
                 CHECK(s.at(before, 2)[d] == Approx(s.at(after, 2)[d]).margin(1e-12 * largest));
             }
@@ -201,7 +201,8 @@ TEST_CASE("the camera looks at its target all along a stretch, turns smoothly in
         }
         // A direction that jumped would be as uneven as a step is long, and one whose turning jumped nearly so.
         double step = 0;
-        for (std::size_t i = 1; i < frames; ++i) step = std::max(step, length(poses[i].direction - poses[i - 1].direction));
+        for (std::size_t i = 1; i < frames; ++i)
+            step = std::max(step, length(poses[i].direction - poses[i - 1].direction));
         CHECK(unevenness(poses, direction_of).within < 0.05 * step);
     }
 }
