@@ -16,7 +16,7 @@ struct SelectPoint {
     std::size_t point = 0;
     bool looks = true; // from there
 };
-struct InsertPoint { // on the path, where it is at that share of its time
+struct InsertPoint {                  // on the path, where it is at that share of its time
     std::optional<double> share = {}; // none: where it is being played
 };
 struct PlacePoint { // over that place: at that height, or as high above the ground as it was

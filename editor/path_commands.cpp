@@ -54,9 +54,10 @@ std::vector<Verb> path_verbs() {
          }},
         {"insert-point", "[SHARE]",
          "adds a point on the path, at a fraction of its duration, or where it is being played", insert_point},
-        {"place-point", "N X Z [Y]", "moves a point over that place, as high above the ground as it was, or to height Y",
-         place_point},
-        {"time-point", "N SECONDS", "when the camera passes a point, between its neighbours; the last one: the duration",
+        {"place-point", "N X Z [Y]",
+         "moves a point over that place, as high above the ground as it was, or to height Y", place_point},
+        {"time-point", "N SECONDS",
+         "when the camera passes a point, between its neighbours; the last one: the duration",
          [](Words& w) {
              const std::size_t point = w.count(a_point);
              return TimePoint{point, w.number("seconds"), false};

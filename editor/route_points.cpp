@@ -116,8 +116,7 @@ CameraPath Route::path_of(const Content& content, double seconds) {
 }
 
 void Route::complete(Content& next, const flight::Ground& ground) {
-    if (std::ranges::none_of(next.targets, [](const auto& target) { return target.has_value(); }))
-        next.targets.clear();
+    if (std::ranges::none_of(next.targets, [](const auto& target) { return target.has_value(); })) next.targets.clear();
     for (std::size_t i = 0; i < next.targets.size(); ++i) {
         const ControlPoint& p = next.points[i];
         if (next.targets[i]) next.points[i] = route_parts::looking({p[0], p[1], p[2]}, *next.targets[i]);
@@ -137,9 +136,9 @@ void Route::complete(Content& next, const flight::Ground& ground) {
     next.unsaved = !next.points.empty() || !next.path.empty();
     if (next.points.size() < 2) return;
     const double cruising_m_s = ground.longer_m() / 60;
-    const double seconds = next.seconds > 0 ? next.seconds
-                                            : std::clamp(route_parts::length_m(next.points) / cruising_m_s, 2.0,
-                                                         flight::max_path_seconds);
+    const double seconds =
+        next.seconds > 0 ? next.seconds
+                         : std::clamp(route_parts::length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
     const CameraPath path = path_of(next, seconds);
     next.poses = flight::resample(path, ground, route_parts::frames_for(seconds));
     next.shares = flight::shares(std::get<flight::SplinePath>(path.kind));

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double sun_deg_a_pixel = 0.25;
 constexpr float drag_begins_px = 4;
+constexpr std::size_t most_looked_at = 2000; // points, in every frame and not only when the button is pressed
 
 struct Held {
     std::optional<std::size_t> point; // of the path
@@ -147,7 +148,8 @@ void drag_sun(const State& state, bool ends, Commands& commands) {
 bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     mark_points_in(state, view);
-    const auto under = taken.point ? taken.point : point_under(state, view);
+    auto under = taken.point;
+    if (!under && state.route.points().size() <= most_looked_at) under = point_under(state, view);
     if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) {
         taken = {};
         if (io.KeysDown[static_cast<int>('L')] && !io.WantTextInput)

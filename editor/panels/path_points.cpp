@@ -33,7 +33,8 @@ void draw_list_edits(const Route& route, Commands& commands) {
     const bool selected = route.selected().has_value();
     if (act(strings::common::add, "add", true, strings::path::a_point_where_the_camera)) commands.push(AddPoint{});
     next_beside(strings::path_points::insert);
-    if (act(strings::path_points::insert, "insert", !route.empty(), strings::path_points::about_insert)) commands.push(InsertPoint{});
+    if (act(strings::path_points::insert, "insert", !route.empty(), strings::path_points::about_insert))
+        commands.push(InsertPoint{});
     next_beside(strings::path::replace);
     if (act(strings::path::replace, "replace", selected, strings::path::puts_the_selected_point_where))
         commands.push(ReplacePoint{at});
@@ -50,10 +51,12 @@ void draw_list_edits(const Route& route, Commands& commands) {
 
 void draw_speeds(const Route& route, Commands& commands) {
     row_of(strings::camera::speed);
-    if (act(strings::path_points::constant, "constant", route.points().size() > 1, strings::path_points::about_constant))
+    if (act(strings::path_points::constant, "constant", route.points().size() > 1,
+            strings::path_points::about_constant))
         commands.push(PacePath{Pace::constant});
     next_beside(strings::path_points::ease);
-    if (act(strings::path_points::ease, "ease", route.points().size() > 1, strings::path_points::about_ease)) commands.push(PacePath{Pace::ease});
+    if (act(strings::path_points::ease, "ease", route.points().size() > 1, strings::path_points::about_ease))
+        commands.push(PacePath{Pace::ease});
 }
 
 // Where the probe's marks are, or else the terrain's middle.
@@ -64,9 +67,11 @@ void draw_targets(const State& state, Commands& commands) {
     if (state.probe.marks > 1) target = (state.probe.mark_m[0] + state.probe.mark_m[1]) * 0.5;
     const bool there = state.scene.open() && !route.points().empty();
     row_of(strings::path_points::target);
-    if (act(strings::path_points::all, "aim", there, strings::path_points::about_all)) commands.push(AimPath{target.x, target.z});
+    if (act(strings::path_points::all, "aim", there, strings::path_points::about_all))
+        commands.push(AimPath{target.x, target.z});
     next_beside(strings::path_points::selected);
-    if (act(strings::path_points::selected, "aim-point", there && route.selected(), strings::path_points::about_selected))
+    if (act(strings::path_points::selected, "aim-point", there && route.selected(),
+            strings::path_points::about_selected))
         commands.push(AimPath{target.x, target.z, *route.selected(), *route.selected()});
     next_beside(strings::path_points::none);
     if (act(strings::path_points::none, "free", !route.targets().empty(), strings::path_points::about_none)) {

@@ -220,11 +220,9 @@ void draw_speed_curve(ImDrawList& list, const Route& route, const TimelineScale&
 
 // The lines that points are drawn to, and where the camera keeps to a target.
 void draw_paper(ImDrawList& list, const Route& route, const TimelineScale& scale) {
-    list.AddRectFilled(scale.low, scale.high, timeline_paper);
-    list.AddRectFilled({scale.low.x, scale.foot}, scale.high, timeline_lane);
     const double tick = tick_s(scale);
     for (int i = 1; i * tick < scale.seconds; ++i)
-        list.AddLine({scale.x(i * tick), scale.low.y}, {scale.x(i * tick), scale.high.y}, timeline_tick);
+        list.AddLine({scale.x(i * tick), scale.head}, {scale.x(i * tick), scale.high.y}, timeline_tick);
     const auto& targets = route.targets();
     for (std::size_t i = 1; i < targets.size(); ++i) {
         if (!targets[i - 1] || !targets[i] || length(*targets[i] - *targets[i - 1]) != 0) continue;
@@ -247,7 +245,7 @@ void write_head(ImDrawList& list, const Route& route, const TimelineScale& scale
     else
         std::snprintf(text, sizeof text, strings::timeline::speed_up_to,
                       speed_text(static_cast<double>(speeds.most)).text);
-    list.AddText({scale.low.x + 0.3F * scale.em, scale.low.y}, holds ? IM_COL32_WHITE : ui::quiet, text);
+    list.AddText({scale.low.x, scale.low.y}, holds ? IM_COL32_WHITE : ui::quiet, text);
 }
 
 void explain_timeline(const Route& route, const TimelineScale& scale, const Speeds& speeds, const TimelineGrip& shown) {
@@ -277,24 +275,28 @@ void draw_timeline(const State& state, Commands& commands) {
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 4 * em);
     const ImVec2 low = ImGui::GetCursorScreenPos(), high{low.x + width, low.y + 5.4F * em};
     ImGui::InvisibleButton("timeline", {width, high.y - low.y});
-    ui::mark("path", "timeline");
+    const float edge = std::min(0.7F * em, width / 4); // where half of the first and the last mark have room
+    ui::mark_at("path", "timeline", {low.x + edge, low.y, width - 2 * edge, high.y - low.y});
     const bool ends = ImGui::IsItemDeactivated();
     if (!ImGui::IsItemVisible() && !ImGui::IsItemActive() && !ends) return;
     const Speeds speeds = speeds_of(route);
     const bool holds =
         timeline_held.part != TimelinePart::nothing && (ImGui::IsItemActive() || ends) && !ImGui::IsItemActivated();
-    TimelineScale scale{low, high, em, low.y + 1.3F * em, high.y - 1.4F * em, route.seconds(), 1};
+    TimelineScale scale{{low.x + edge, low.y}, {high.x - edge, high.y}, em, low.y + 1.3F * em,
+                        high.y - 1.4F * em,    route.seconds(),         1};
     scale.m_s = std::max(static_cast<double>(speeds.most), 1e-6);
     if (holds) scale.seconds = timeline_held.seconds, scale.m_s = timeline_held.most;
     TimelineGrip shown = timeline_held;
     if (!holds) shown = ImGui::IsItemHovered() ? under_pointer(route, scale, speeds) : TimelineGrip{};
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.PushClipRect(low, high, true);
+    list.AddRectFilled(low, high, timeline_paper);
+    list.AddRectFilled({low.x, scale.foot}, high, timeline_lane);
     draw_paper(list, route, scale);
     draw_speed_curve(list, route, scale, speeds, shown);
     draw_point_marks(list, route, scale, shown);
     const float x = scale.x(route.share() * route.seconds());
-    list.AddLine({x, low.y}, {x, high.y}, IM_COL32_WHITE, std::max(1.0F, em / 10));
+    list.AddLine({x, scale.head - 0.2F * em}, {x, high.y}, IM_COL32_WHITE, std::max(1.0F, em / 10));
     if (holds)
         follow_hand(route, scale, ends, commands);
     else if (ImGui::IsItemActivated())

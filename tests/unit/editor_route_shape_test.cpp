@@ -187,7 +187,8 @@ TEST_CASE("a stretch flies at the mean speed that it is given; points before it 
         for (std::size_t i = 0; i < after.size(); ++i)
             CHECK(after[i] - before[i] == Approx(i <= at ? 0 : after[at + 1] - before[at + 1]).margin(1e-9));
         CHECK_THROWS_AS(route.set_mean_speed(at, 0, false, plain()), io::Failure);
-        CHECK_THROWS_WITH(route.set_mean_speed(after.size() - 1, 50, false, plain()), Catch::Contains("no stretch begins"));
+        CHECK_THROWS_WITH(route.set_mean_speed(after.size() - 1, 50, false, plain()),
+                          Catch::Contains("no stretch begins"));
         CHECK_THROWS_WITH(route.set_mean_speed(at, 0.001, false, plain()), Catch::Contains("longer than 3600 seconds"));
     }
 }
@@ -207,12 +208,15 @@ TEST_CASE("a constant pace flies every stretch as fast, an easing one from rest 
         const double whole_m = points.back()[0] - points.front()[0];
         for (std::size_t i = 0; i < poses.size(); ++i) // the way by trapezia of 64 a stretch: to a thousandth of it
             CHECK(poses[i].position_m.x ==
-                  Approx(whole_m * static_cast<double>(i) / static_cast<double>(poses.size() - 1)).margin(1e-3 * whole_m));
+                  Approx(whole_m * static_cast<double>(i) / static_cast<double>(poses.size() - 1))
+                      .margin(1e-3 * whole_m));
         route.set_pace(Pace::ease, plain());
         CHECK(route.times_s().back() == 50);
         CHECK(route.eases());
         CHECK(route.points() == points);
-        const auto step = [&](std::size_t i) { return length(route.poses()[i + 1].position_m - route.poses()[i].position_m); };
+        const auto step = [&](std::size_t i) {
+            return length(route.poses()[i + 1].position_m - route.poses()[i].position_m);
+        };
         const std::size_t n = route.poses().size();
         const double mean_m = whole_m / static_cast<double>(n - 1);
         CHECK(step(0) < 0.02 * mean_m);
@@ -272,11 +276,9 @@ TEST_CASE("a drag is one step however often it changes something, and none when 
     drags([&](double share, bool dragging) { route.set_time(2, between(share), dragging, plain()); }, -1);
     const ControlPoint p = before.points[2];
     const auto off = [](double share) { return share == -1 ? 0 : 900 * share; };
-    drags(
-        [&](double share, bool dragging) {
-            route.place(2, p[0] + off(share), p[2] + off(share), dragging, plain(), p[1]);
-        },
-        -1);
+    drags([&](double share,
+              bool dragging) { route.place(2, p[0] + off(share), p[2] + off(share), dragging, plain(), p[1]); },
+          -1);
 }
 
 TEST_CASE("an undo in the middle of a drag ends it: what the hand still says is not heard until it lets go") {
@@ -369,7 +371,8 @@ TEST_CASE("a path keeps times, targets, closing and easing through a file, and s
     }
 }
 
-TEST_CASE("closing leads back to the first point, whose changes the last one follows, and opening takes that leg away") {
+TEST_CASE(
+    "closing leads back to the first point, whose changes the last one follows, and opening takes that leg away") {
     Random random(11);
     Route route = ring_of(random, 5);
     route.set_time(2, route.time_of(2), false, plain());
