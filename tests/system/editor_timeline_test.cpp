@@ -41,12 +41,14 @@ struct PathWindow {
 
     static std::vector<std::string> arguments(const TemporaryFolder& home) {
         spit(home / "zigzag.json", zigzag);
-        return {small_pack(),         "--size", "1000x680",     "--scale", "0.7", "--path",
+        return {small_pack(),         "--size", "1000x840",     "--scale", "0.7", "--path",
                 home / "zigzag.json", "--do",   "panel camera", "--do",    "home"};
     }
     [[nodiscard]] std::vector<double> times() { return (state = editor.state())["route"]["times_s"]; }
-    // The middle of what has that mark.
+    // The middle of what has that mark. What is in the picture can be taken while the pointer is there.
     [[nodiscard]] std::array<double, 2> middle(const std::string& mark) {
+        const Place view = view_of(state);
+        if (mark.starts_with("view.")) editor.move(view.x + 5, view.y + 5);
         const Place p = editor.place(mark);
         return {p.x + p.width / 2, p.y + p.height / 2};
     }
@@ -58,7 +60,7 @@ struct PathWindow {
         CHECK(state["camera"]["heading_rad"] == camera["heading_rad"]);
     }
 
-    VirtualDisplay display{1024, 700};
+    VirtualDisplay display{1024, 860};
     TemporaryFolder home;
     EditorWindow editor;
     json state, camera; // camera: at first
