@@ -128,7 +128,7 @@ std::vector<Verb> terrain_verbs() {
          with_path_and_discard<OpenFile>()},
         {"sample", "", "the sample terrain, baked at its first use", plain<OpenSample>()},
         {"set", "KEY VALUE", "a value of the profile: set refine.error_px 2", set_key},
-        {"undo", "", "reverts the last change of the profile", plain<Undo>()},
+        {"undo", "", "reverts the last change of the profile or the camera path", plain<Undo>()},
         {"redo", "", "repeats what was undone", plain<Redo>()},
         {"defaults", "", "resets the profile to its defaults", plain<ResetProfile>()},
         {"open-profile", "FILE [discard]", "another profile; asks about unsaved changes, or not",
@@ -193,7 +193,6 @@ std::vector<Verb> camera_verbs() {
         {"add-point", "", "adds the camera's pose after the selected point", plain<AddPoint>()},
         {"replace-point", "N", "replaces a point with the camera's pose", with_point<ReplacePoint>()},
         {"remove-point", "N", "removes a point", with_point<RemovePoint>()},
-        {"select-point", "N", "selects a point and looks from there", with_point<SelectPoint>()},
         {"move-point", "N TO", "moves a point to index TO",
          [](Words& w) {
              const std::size_t point = w.count("a point, from 0");
@@ -315,7 +314,7 @@ std::vector<Verb> program_verbs() {
 const std::vector<Verb>& verbs() {
     static const std::vector<Verb> all = [] {
         std::vector<Verb> list = terrain_verbs();
-        for (auto* const more : {camera_verbs, picture_verbs, program_verbs, study_verbs})
+        for (auto* const more : {camera_verbs, path_verbs, picture_verbs, program_verbs, study_verbs})
             for (Verb& verb : more()) list.push_back(std::move(verb));
         return list;
     }();

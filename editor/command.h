@@ -16,6 +16,7 @@
 
 #include "editor/jobs/tune_settings.h"
 #include "editor/names.h"
+#include "editor/path_command.h"
 #include "editor/study_command.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
@@ -34,7 +35,7 @@ struct SetKey {
     double value = 0;
     bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };
-struct Undo {};
+struct Undo {}; // the last change of the profile or of the camera path, the later one
 struct Redo {};
 struct ResetProfile {};
 struct OpenProfile {
@@ -109,9 +110,6 @@ struct ReplacePoint {
     std::size_t point = 0; // by where the camera is
 };
 struct RemovePoint {
-    std::size_t point = 0;
-};
-struct SelectPoint { // and look from there
     std::size_t point = 0;
 };
 struct MovePoint { // so that it becomes the to-th
@@ -254,16 +252,18 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command = std::variant<
-    OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile, StopComparing,
-    BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed,
-    SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
-    RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace,
-    ClearMarks, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel,
-    SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor,
-    BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow,
-    DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPictures, CirclePath,
-    AimPath, PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+using Command =
+    std::variant<OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile,
+                 StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
+                 JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
+                 SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
+                 SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
+                 ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
+                 ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold,
+                 RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState,
+                 LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPictures,
+                 InsertPoint, TimePoint, PaceStretch, PacePath, CirclePath, AimPath, FreePath, ClosePath, PlacePoint,
+                 AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

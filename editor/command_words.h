@@ -134,5 +134,7 @@ std::function<Command(Words&)> with_point() {
 
 // study_commands.cpp: runs that were flown, pictures rendered beside the frame, bookmarks, comparison.
 [[nodiscard]] std::vector<Verb> study_verbs();
+// path_commands.cpp: points of the camera path, their times and targets.
+[[nodiscard]] std::vector<Verb> path_verbs();
 
 } // namespace fjell::editor

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "editor/edit_stamp.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -36,11 +37,11 @@ bool Document::unsaved() const {
 }
 
 const char* Document::undo_label() const {
-    return undo_.empty() ? "" : changed_label(undo_.back(), profile_);
+    return undo_.empty() ? "" : changed_label(undo_.back().profile, profile_);
 }
 
 const char* Document::redo_label() const {
-    return redo_.empty() ? "" : changed_label(profile_, redo_.back());
+    return redo_.empty() ? "" : changed_label(profile_, redo_.back().profile);
 }
 
 void Document::changing() {
@@ -50,7 +51,7 @@ void Document::changing() {
 
 void Document::step() {
     if (undo_.size() == most_steps) undo_.erase(undo_.begin());
-    undo_.push_back(profile_);
+    undo_.push_back({profile_, next_edit_stamp()});
     redo_before_drag_ = std::exchange(redo_, {});
 }
 
@@ -58,7 +59,7 @@ void Document::step() {
 void Document::end_drag() {
     if (!dragging()) return;
     held_ = nullptr;
-    if (undo_.empty() || !same(profile_, undo_.back())) return;
+    if (undo_.empty() || !same(profile_, undo_.back().profile)) return;
     undo_.pop_back();
     redo_ = std::exchange(redo_before_drag_, {});
 }
@@ -103,7 +104,7 @@ void Document::undo() {
     ignore_rest_of_drag();
     if (undo_.empty()) return;
     changing();
-    redo_.push_back(std::exchange(profile_, undo_.back()));
+    redo_.push_back({std::exchange(profile_, undo_.back().profile), undo_.back().stamp});
     undo_.pop_back();
 }
 
@@ -111,7 +112,7 @@ void Document::redo() {
     ignore_rest_of_drag();
     if (redo_.empty()) return;
     changing();
-    undo_.push_back(std::exchange(profile_, redo_.back()));
+    undo_.push_back({std::exchange(profile_, redo_.back().profile), redo_.back().stamp});
     redo_.pop_back();
 }
 

@@ -28,6 +28,9 @@ public:
     [[nodiscard]] const flight::ProfileKey* held() const { return held_; } // the control; null: none
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
+    // Of the next step back, or forward (edit_stamp.h); 0: there is none.
+    [[nodiscard]] std::uint64_t undo_stamp() const { return undo_.empty() ? 0 : undo_.back().stamp; }
+    [[nodiscard]] std::uint64_t redo_stamp() const { return redo_.empty() ? 0 : redo_.back().stamp; }
     // What one step back, or forward, would change: the key's label, "several values", or empty.
     [[nodiscard]] const char* undo_label() const;
     [[nodiscard]] const char* redo_label() const;
@@ -58,13 +61,17 @@ public:
     void stop_comparing();
 
 private:
+    struct Step {
+        flight::Profile profile;
+        std::uint64_t stamp = 0;
+    };
     struct File {
         flight::Profile saved;
         std::string path, heading;
     };
     struct Past {
         flight::Profile profile;
-        std::vector<flight::Profile> undo, redo;
+        std::vector<Step> undo, redo;
         File file;
     };
     void changing(); // before any change: what accept() and revert() go by
@@ -77,8 +84,8 @@ private:
     File file_;
     std::string compared_path_;
     std::optional<flight::Profile> compared_;
-    std::vector<flight::Profile> undo_, redo_;
-    std::vector<flight::Profile> redo_before_drag_;
+    std::vector<Step> undo_, redo_;
+    std::vector<Step> redo_before_drag_;
     const flight::ProfileKey* held_ = nullptr;
     bool ignoring_drag_ = false; // what the held control says is not wanted any more
     std::optional<Past> accepted_;

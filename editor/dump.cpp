@@ -1,5 +1,6 @@
 #include "editor/dump.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "editor/panels/ui.h"
@@ -105,6 +106,11 @@ json camera_json(const Eye& eye) {
 }
 
 json route_json(const Route& r) {
+    json selected_m;
+    if (r.selected()) {
+        const flight::ControlPoint& p = r.points()[*r.selected()];
+        selected_m = {p[0], p[1], p[2]};
+    }
     return {{"path", r.path()},
             {"unsaved", r.unsaved()},
             {"points", r.points().size()},
@@ -118,6 +124,12 @@ json route_json(const Route& r) {
             {"loops", r.loops()},
             {"as_read", r.as_read()},
             {"can_restore", r.can_restore()},
+            {"undo", r.undo_steps()},
+            {"redo", r.redo_steps()},
+            {"closed", r.closed()},
+            {"eases", r.eases()},
+            {"targets", std::ranges::count_if(r.targets(), [](const auto& target) { return target.has_value(); })},
+            {"selected_m", selected_m},
             {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
 

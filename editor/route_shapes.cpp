@@ -1,4 +1,4 @@
-// Edits of a camera path that move or turn points: dragged, aimed at a place, laid in a circle.
+// Edits of a camera path that move or turn points: dragged, aimed at a place, closed, laid in a circle.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "editor/route.h"
+#include "editor/route_parts.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -18,45 +19,67 @@ using io::Failure;
 
 constexpr std::size_t circle_points = 24;
 
-// From there to that place, upright.
-ControlPoint looking(const Vec3& from, const Vec3& at) {
-    const Vec3 direction = normalised(at - from);
-    const Vec3 right = cross(direction, {0, 1, 0});
-    if (length(direction) < 0.5 || length(right) < 1e-3)
-        throw Failure(2, "a point lies straight above or below that place; choose another place to look at");
-    const Vec3 up = normalised(cross(normalised(right), direction));
-    return flight::unit_point({from.x, from.y, from.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
-}
-
 } // namespace
 
-void Route::place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground) {
-    require(point);
-    const bool continues = dragged_ == point;
-    dragged_.reset();
+void Route::place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground,
+                  std::optional<double> y_m) {
     Content next = now_;
-    ControlPoint& p = next.points[point];
+    ControlPoint& p = next.points[require(point)];
     const double above_m = p[1] - ground.height_m(p[0], p[2]);
     p[0] = std::clamp(x_m, 0.0, ground.extent_x_m);
     p[2] = std::clamp(z_m, 0.0, ground.extent_z_m);
-    p[1] = ground.height_m(p[0], p[2]) + above_m;
+    const double ground_m = ground.height_m(p[0], p[2]);
+    // What was below the ground, on purpose or by another terrain, may stay as deep.
+    p[1] = y_m ? std::max(*y_m, ground_m + std::min(above_m, ground.cell_m)) : ground_m + above_m;
     next.selected = point;
-    Content before = continues ? std::move(before_) : Content{}; // of the whole drag
-    try {
-        edit(std::move(next), ground);
-    } catch (...) {
-        if (continues) before_ = std::move(before);
-        throw;
-    }
-    if (continues) before_ = std::move(before);
-    if (dragging) dragged_ = point;
+    drag(std::move(next), {Grip::place, point}, dragging, ground);
 }
 
-void Route::aim(double x_m, double z_m, const flight::Ground& ground) {
-    require(0);
+void Route::aim(double x_m, double z_m, const flight::Ground& ground, std::size_t first, std::size_t last) {
+    (void)require(first);
     Content next = now_;
-    const Vec3 at{x_m, ground.height_m(x_m, z_m), z_m};
-    for (ControlPoint& p : next.points) p = looking({p[0], p[1], p[2]}, at);
+    next.targets.resize(next.points.size());
+    last = std::min(last, next.points.size() - 1);
+    const Vec3 target{x_m, ground.height_m(x_m, z_m), z_m};
+    for (std::size_t i = first; i <= last; ++i) next.targets[i] = target;
+    if (next.closed && last + 1 == next.points.size()) next.targets.front() = target;
+    edit(std::move(next), ground);
+}
+
+void Route::free(const flight::Ground& ground, std::size_t first, std::size_t last) {
+    (void)require(first);
+    if (now_.targets.empty()) throw Failure(2, "the camera path has no targets to be freed from");
+    Content next = now_;
+    last = std::min(last, next.points.size() - 1);
+    for (std::size_t i = first; i <= last; ++i) next.targets[i].reset();
+    if (next.closed && last + 1 == next.points.size()) next.targets.front().reset();
+    edit(std::move(next), ground);
+}
+
+void Route::close(bool on, const flight::Ground& ground) {
+    if (on == now_.closed) return;
+    Content next = now_;
+    if (!on) {
+        next.points.pop_back();
+        if (!next.targets.empty()) next.targets.pop_back();
+        if (!next.times_s.empty()) next.times_s.pop_back();
+        if (next.selected == next.points.size()) next.selected = 0;
+    } else if (next.points.size() < 2) {
+        throw Failure(2, "a closed camera path goes through at least 2 points; add some");
+    } else if (!route_parts::same_place(next.points.front(), next.points.back())) {
+        const std::vector<double>& t = next.times_s;
+        const double before_m = route_parts::length_m(next.points);
+        next.points.push_back(next.points.front());
+        if (!next.targets.empty()) next.targets.push_back(next.targets.front());
+        // At the mean speed of the others, and of a flight that only turns, as long as one of those takes in the mean.
+        if (!t.empty())
+            next.times_s.push_back(
+                t.back() + t.back() * (before_m > 0 ? std::max(route_parts::length_m(next.points) / before_m - 1, 0.01)
+                                                    : 1 / static_cast<double>(t.size() - 1)));
+    } else if (next.points.size() < 3) {
+        throw Failure(2, "a closed camera path goes through at least 2 points; add some");
+    }
+    next.closed = on;
     edit(std::move(next), ground);
 }
 
@@ -81,8 +104,10 @@ void Route::circle(const Vec3& centre_m, const Vec3& from_m, double seconds, dou
     }
     for (Vec3& p : places) {
         p.y = highest_m;
-        next.points.push_back(looking(p, centre_m));
+        next.points.push_back(route_parts::looking(p, centre_m));
     }
+    next.closed = true;
+    next.targets.assign(next.points.size(), centre_m);
     edit(std::move(next), ground);
     share_ = 0;
 }

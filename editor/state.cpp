@@ -26,6 +26,7 @@ namespace {
 
 constexpr std::size_t most_messages = 200;
 constexpr double shown_s = 8;
+constexpr char of_path[] = "camera path"; // an undo step
 
 } // namespace
 
@@ -33,6 +34,15 @@ void refuse_overwriting_open_files(const State& state, const std::string& output
     std::vector<std::string> inputs{state.scene.path, state.document.path(), state.route.path(), state.files.script};
     if (!own.empty()) std::erase(inputs, own);
     io::refuse_overwriting({output}, inputs);
+}
+
+const char* undo_label(const State& state) {
+    return state.route.undo_stamp() > state.document.undo_stamp() ? of_path : state.document.undo_label();
+}
+
+const char* redo_label(const State& state) {
+    const std::uint64_t path = state.route.redo_stamp(), profile = state.document.redo_stamp();
+    return path != 0 && (profile == 0 || path < profile) ? of_path : state.document.redo_label();
 }
 
 void post_message(State& state, Severity severity, std::string text) {

@@ -200,6 +200,10 @@ struct State {
 // script. own: the one of these that it may replace, as what is saved replaces what it came from.
 void refuse_overwriting_open_files(const State& state, const std::string& output, const std::string& own = "");
 
+// What one step back, or forward, would change: a key's label, several values or the camera path; empty: there is none.
+[[nodiscard]] const char* undo_label(const State& state);
+[[nodiscard]] const char* redo_label(const State& state);
+
 // Appends a message and shows it in the status line; a headless run prints it too.
 void post_message(State& state, Severity severity, std::string text);
 // What was thrown, as an error. before: the line's beginning.

@@ -399,7 +399,8 @@ inline constexpr char freeze_refinement_to_look_at[] = "freeze refinement, to lo
 inline constexpr char record_the_flight_again_stop[] = "record the flight; again: stop";
 inline constexpr char add_a_point_where_the[] = "add a point where the camera is";
 inline constexpr char left_drag_on_a_point[] = "Left drag on a point";
-inline constexpr char move_it_in_the_picture[] = "move it, in the picture or on the overview; a click selects it";
+inline constexpr char move_it_in_the_picture[] =
+    "move it, in the picture (Shift: up and down) or on the overview; a click selects it";
 inline constexpr char play_again_pause[] = "play; again: pause";
 inline constexpr char m_shift_m[] = "M, Shift M";
 inline constexpr char next_and_previous_picture_mode[] = "next and previous picture mode";
@@ -612,9 +613,6 @@ inline constexpr char down[] = "Down";
 inline constexpr char swaps_the_selected_point_with_the[] = "Swaps the selected point with the one after.";
 inline constexpr char turntable[] = "Turntable";
 inline constexpr char another_path_once_around_what[] = "Another path: once around what the camera looks at.";
-inline constexpr char look_at_centre[] = "Look at centre";
-inline constexpr char all_points_look_at_the[] =
-    "All points look at the middle between the probe's marks, at its mark, or else at the terrain's middle.";
 inline constexpr char a_camera_path_from_a[] = "A camera path from a file.";
 inline constexpr char save[] = "Save...";
 inline constexpr char the_camera_path_to_a[] = "The camera path to a file, as control points in metres.";
@@ -622,6 +620,38 @@ inline constexpr char clear[] = "Clear";
 inline constexpr char removes_the_path_restore_brings[] = "Removes the path; Restore brings it back.";
 inline constexpr char the_path_as_it_was[] = "The path as it was before it was last changed.";
 } // namespace path
+
+namespace path_points {
+inline constexpr char closed[] = "Closed";
+inline constexpr char about_closed[] = "Leads back to the first point, and on from there without a jump in position, "
+                                       "direction or speed.";
+inline constexpr char insert[] = "Insert";
+inline constexpr char about_insert[] = "A point on the path, where it is being played (Insert).";
+inline constexpr char constant[] = "Constant";
+inline constexpr char about_constant[] = "Times of the points for one speed all along, in the same duration.";
+inline constexpr char ease[] = "Ease";
+inline constexpr char about_ease[] = "Times of the points from rest to rest, in the same duration.";
+inline constexpr char target[] = "Look at";
+inline constexpr char all[] = "From all";
+inline constexpr char about_all[] = "The camera looks at a target all along: the middle between the probe's marks, its "
+                                    "mark, or else the terrain's middle.";
+inline constexpr char selected[] = "From selected";
+inline constexpr char about_selected[] =
+    "The camera looks at that target from the selected point, and from one point to "
+    "the next if both have the same.";
+inline constexpr char none[] = "Nothing";
+inline constexpr char about_none[] = "The selected point has no target any more; if none is selected, all points.";
+} // namespace path_points
+
+namespace hands {
+inline constexpr char point_drag[] = "Point %zu. Drag: level; with Shift: up and down. Click twice: look from there. "
+                                     "Delete: remove it.";
+inline constexpr char point_on_map[] =
+    "Point %zu. Drag: elsewhere, at the same height above the ground. Click: select it; "
+    "twice: look from there.";
+inline constexpr char insert_delete[] = "Insert  Delete";
+inline constexpr char insert_or_remove_a_point[] = "a point where the path is being played; remove the selected point";
+} // namespace hands
 
 namespace picture {
 inline constexpr char shaded[] = "Shaded";
@@ -919,7 +949,17 @@ inline constexpr char mesh[] = "mesh";
 
 namespace timeline {
 inline constexpr char speed_up_to[] = "speed, up to %s";
-inline constexpr char s_click_go_there_a[] = "%.1f s: %s. Click: go there; a point's mark: select it.";
+inline constexpr char point_at[] = "point %zu: %.2f s";
+inline constexpr char stretch_at[] = "from point %zu: %s on average";
+inline constexpr char speed_mark[] = "speed.%zu";
+inline constexpr char playhead_drag[] =
+    "%.1f s: %s. Click or drag: go there; clicked twice on the lower edge: a new point there.";
+inline constexpr char first_point_drag[] = "Point %zu, where times begin. Click: select it; twice: look from there.";
+inline constexpr char point_drag[] = "Point %zu at %.2f s. Drag: another time, between its neighbours; with Shift not "
+                                     "drawn to the lines and the playhead. Click: select it; twice: look from there.";
+inline constexpr char speed_drag[] =
+    "%s; %s on average from point %zu to %zu. Drag up or down: faster or slower there; the "
+    "times of the points after it follow.";
 } // namespace timeline
 
 namespace tune {

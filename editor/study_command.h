@@ -32,17 +32,6 @@ struct RenderPictures {
     std::uint32_t width = 3840, height = 2160;
     double fps = 30; // of the path
 };
-struct CirclePath { // a path once around what the camera looks at: a turntable
-    double seconds = 20;
-};
-struct AimPath { // all points look at that place on the ground
-    double x_m = 0, z_m = 0;
-};
-struct PlacePoint { // over that place, as high above the ground as it was
-    std::size_t point = 0;
-    double x_m = 0, z_m = 0;
-    bool dragging = false; // more of the same follows: one step for Restore
-};
 
 // --- bookmarks ---
 struct AddBookmark {

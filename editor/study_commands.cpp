@@ -24,12 +24,6 @@ Command compare_pictures(Words& w) {
                                                                     flight::min_error_px, flight::max_error_px)};
 }
 
-Command place_point(Words& w) {
-    const std::size_t point = w.count("a point, from 0");
-    const double x = w.number("x in metres");
-    return PlacePoint{point, x, w.number("z in metres"), false};
-}
-
 } // namespace
 
 std::vector<Verb> study_verbs() {
@@ -45,14 +39,6 @@ std::vector<Verb> study_verbs() {
          [](Words& w) { return SetHeat{w.one_of<Heat>(heat_names, "heat")}; }},
         {"render", "FILE.png|FOLDER [still|path] [width=W] [height=H] [fps=N]",
          "a picture of any size of what the camera sees, or one for each frame of the path", render},
-        {"circle-path", "[SECONDS]", "a camera path once around what the camera looks at",
-         [](Words& w) { return CirclePath{w.number_or(20, "seconds")}; }},
-        {"aim-path", "X Z", "turns all points of the path to look at that place",
-         [](Words& w) {
-             const double x = w.number("x in metres");
-             return AimPath{x, w.number("z in metres")};
-         }},
-        {"place-point", "N X Z", "moves a point over that place, as high above the ground as it was", place_point},
         {"add-bookmark", "[NAME]", "keeps the camera's pose, with a thumbnail",
          [](Words& w) { return AddBookmark{w.text_or("")}; }},
         {"bookmark", "N", "looks from a bookmark, 0 the first",

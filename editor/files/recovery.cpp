@@ -1,6 +1,7 @@
 #include "editor/files/recovery.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -57,6 +58,13 @@ std::uint64_t hash_of(const Route& route) {
     for (const flight::ControlPoint& point : route.points())
         for (const double value : point) add(value);
     for (const double time_s : route.times_s()) add(time_s);
+    for (const std::optional<Vec3>& target : route.targets()) {
+        add(target ? 1 : 0);
+        if (!target) continue;
+        for (const double value : {target->x, target->y, target->z}) add(value);
+    }
+    add(route.closed() ? 1 : 0);
+    add(route.eases() ? 1 : 0);
     add(route.requested_seconds());
     return hash;
 }
@@ -72,6 +80,17 @@ Unsaved parse(const std::string& text) {
     u.times_s = j.value("times_s", u.times_s);
     if (!u.times_s.empty() && (u.times_s.size() != u.points.size() || flight::first_bad_time(u.times_s)))
         throw io::Failure(1, "times do not suit the points");
+    const json targets = j.value("targets", json::array());
+    for (const json& target : targets) {
+        u.targets.emplace_back();
+        if (target.is_null()) continue;
+        const auto at = target.get<std::array<double, 3>>();
+        u.targets.back() = Vec3{at[0], at[1], at[2]};
+    }
+    if (!u.targets.empty() && u.targets.size() != u.points.size())
+        throw io::Failure(1, "targets do not suit the points");
+    u.closed = j.value("closed", false);
+    u.eases = j.value("ease", false);
     u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, flight::max_path_seconds);
     return u;
 }
@@ -194,6 +213,10 @@ void Recovery::write(const Document& document, const Route& route, const std::st
         if (route.unsaved()) {
             j["points"] = route.points();
             if (!route.times_s().empty()) j["times_s"] = route.times_s();
+            for (const std::optional<Vec3>& target : route.targets())
+                j["targets"].push_back(target ? json{target->x, target->y, target->z} : json());
+            j["closed"] = route.closed();
+            j["ease"] = route.eases();
             j["path_seconds"] = route.requested_seconds();
         }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");

@@ -76,9 +76,18 @@ void handle(const ClearPath& c, HandlerContext context);
 void handle(const RestorePath& c, HandlerContext context);
 void handle(const SetPathSeconds& c, HandlerContext context);
 void handle(const LoopPath& c, HandlerContext context);
+void handle(const InsertPoint& c, HandlerContext context);
+void handle(const TimePoint& c, HandlerContext context);
+void handle(const PaceStretch& c, HandlerContext context);
+void handle(const PacePath& c, HandlerContext context);
 void handle(const CirclePath& c, HandlerContext context);
 void handle(const AimPath& c, HandlerContext context);
+void handle(const FreePath& c, HandlerContext context);
+void handle(const ClosePath& c, HandlerContext context);
 void handle(const PlacePoint& c, HandlerContext context);
+// One step of undo, or of redo, of the path.
+void undo_path(HandlerContext context);
+void redo_path(HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 

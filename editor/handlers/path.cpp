@@ -13,6 +13,14 @@ flight::Ground whole_ground(HandlerContext context) {
     return open_engine(context).session().ground();
 }
 
+// The path has changed under a camera that follows it: it sees what is there now.
+void follow_edit(State& state) {
+    if (state.eye.navigation != Navigation::path) return;
+    if (state.route.empty()) return take_from_path(state);
+    state.eye.on_path = state.route.pose();
+    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
+}
+
 } // namespace
 
 // What is being recorded becomes the path: then it can be saved, asked about and restored.
@@ -76,11 +84,13 @@ void handle(const ReplacePoint& c, HandlerContext context) {
 
 void handle(const RemovePoint& c, HandlerContext context) {
     context.state.route.remove(c.point, whole_ground(context));
+    follow_edit(context.state);
 }
 
 void handle(const SelectPoint& c, HandlerContext context) {
     State& state = context.state;
     const flight::Pose pose = state.route.select(c.point);
+    if (!c.looks) return;
     take_from_path(state);
     state.eye.free = flight::free_camera(pose, state.eye.free.speed_m_s);
     state.eye.on_path = pose; // with its roll, until a hand moves the camera
@@ -101,8 +111,18 @@ void handle(const ClearPath&, HandlerContext context) {
 }
 
 void handle(const RestorePath&, HandlerContext context) {
-    take_from_path(context.state);
     context.state.route.restore();
+    follow_edit(context.state);
+}
+
+void undo_path(HandlerContext context) {
+    context.state.route.undo();
+    follow_edit(context.state);
+}
+
+void redo_path(HandlerContext context) {
+    context.state.route.redo();
+    follow_edit(context.state);
 }
 
 // A path once around what the camera looks at.
@@ -117,11 +137,44 @@ void handle(const CirclePath& c, HandlerContext context) {
 }
 
 void handle(const AimPath& c, HandlerContext context) {
-    context.state.route.aim(c.x_m, c.z_m, whole_ground(context));
+    context.state.route.aim(c.x_m, c.z_m, whole_ground(context), c.first, c.last);
+    follow_edit(context.state);
+}
+
+void handle(const FreePath& c, HandlerContext context) {
+    context.state.route.free(whole_ground(context), c.first, c.last);
+    follow_edit(context.state);
+}
+
+void handle(const ClosePath& c, HandlerContext context) {
+    context.state.route.close(c.on, whole_ground(context));
+    follow_edit(context.state);
 }
 
 void handle(const PlacePoint& c, HandlerContext context) {
-    context.state.route.place(c.point, c.x_m, c.z_m, c.dragging, whole_ground(context));
+    context.state.route.place(c.point, c.x_m, c.z_m, c.dragging, whole_ground(context), c.y_m);
+    follow_edit(context.state);
+}
+
+void handle(const InsertPoint& c, HandlerContext context) {
+    Route& route = context.state.route;
+    route.insert(c.share.value_or(route.share()), whole_ground(context));
+    follow_edit(context.state);
+}
+
+void handle(const TimePoint& c, HandlerContext context) {
+    context.state.route.set_time(c.point, c.time_s, c.dragging, whole_ground(context));
+    follow_edit(context.state);
+}
+
+void handle(const PaceStretch& c, HandlerContext context) {
+    context.state.route.set_mean_speed(c.point, c.m_s, c.dragging, whole_ground(context));
+    follow_edit(context.state);
+}
+
+void handle(const PacePath& c, HandlerContext context) {
+    context.state.route.set_pace(c.pace, whole_ground(context));
+    follow_edit(context.state);
 }
 
 void handle(const SetPathSeconds& c, HandlerContext context) {

@@ -16,11 +16,15 @@ void handle(const SetKey& c, HandlerContext context) {
 }
 
 void handle(const Undo&, HandlerContext context) {
-    context.state.document.undo();
+    State& state = context.state;
+    state.route.undo_stamp() > state.document.undo_stamp() ? undo_path(context) : state.document.undo();
 }
 
 void handle(const Redo&, HandlerContext context) {
-    context.state.document.redo();
+    State& state = context.state;
+    const std::uint64_t of_path = state.route.redo_stamp(), of_profile = state.document.redo_stamp();
+    const bool path = of_path != 0 && (of_profile == 0 || of_path < of_profile);
+    path ? redo_path(context) : state.document.redo();
 }
 
 void handle(const ResetProfile&, HandlerContext context) {

@@ -49,8 +49,12 @@ std::string written_path(const Unsaved& unsaved, const std::string& folder) {
         points.push_back(
             {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
     for (std::size_t i = 0; i < unsaved.times_s.size(); ++i) points[i]["time_s"] = unsaved.times_s[i];
+    for (std::size_t i = 0; i < unsaved.targets.size(); ++i)
+        if (const std::optional<Vec3>& at = unsaved.targets[i]) points[i]["look_at"] = {at->x, at->y, at->z};
     nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
     if (unsaved.times_s.empty()) path["seconds"] = unsaved.path_seconds;
+    if (unsaved.closed) path["closed"] = true;
+    if (unsaved.eases) path["ease"] = true;
     const std::string text = path.dump(1) + "\n";
     std::string name = folder + "/recovered-path.json";
     std::error_code ignored;

@@ -26,6 +26,7 @@ constexpr Key all_keys[] = {
     {strings::common::camera_path, nullptr},
     {strings::keys::r, strings::help::record_the_flight_again_stop},
     {strings::keys::n, strings::help::add_a_point_where_the},
+    {strings::hands::insert_delete, strings::hands::insert_or_remove_a_point},
     {strings::help::left_drag_on_a_point, strings::help::move_it_in_the_picture},
     {strings::keys::p, strings::help::play_again_pause},
     {strings::common::picture, nullptr},

@@ -90,10 +90,11 @@ void draw_file(const State& state, Commands& commands) {
 void draw_edit(const State& state, Commands& commands) {
     const Document& document = state.document;
     char label[96]; // what follows ### tells it from others, whatever it is called
-    (void)std::snprintf(label, sizeof label, strings::menu::undo, document.undo_label());
-    item("undo", label, strings::keys::ctrl_z, document.undo_steps() > 0, commands, Undo{});
-    (void)std::snprintf(label, sizeof label, strings::menu::redo, document.redo_label());
-    item("redo", label, strings::keys::ctrl_shift_z, document.redo_steps() > 0, commands, Redo{});
+    (void)std::snprintf(label, sizeof label, strings::menu::undo, undo_label(state));
+    item("undo", label, strings::keys::ctrl_z, document.undo_steps() + state.route.undo_steps() > 0, commands, Undo{});
+    (void)std::snprintf(label, sizeof label, strings::menu::redo, redo_label(state));
+    item("redo", label, strings::keys::ctrl_shift_z, document.redo_steps() + state.route.redo_steps() > 0, commands,
+         Redo{});
     ImGui::Separator();
     item("defaults", strings::menu::reset_all_values, "", true, commands, ResetProfile{});
     if (ImGui::MenuItem(strings::menu::lower_threshold, strings::keys::bracket_left))

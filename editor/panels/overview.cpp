@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <optional>
 
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
@@ -68,7 +70,7 @@ void draw_route(ImDrawList& list, const Frame& frame, const Route& route) {
     const auto& points = route.points();
     const std::size_t step = points.size() / most_segments + 1;
     for (std::size_t i = 0; i < points.size(); i += step)
-        list.AddCircleFilled(frame.at(points[i][0], points[i][2]), 0.17F * em, path_colour, 8);
+        list.AddCircleFilled(frame.at(points[i][0], points[i][2]), 0.22F * em, path_colour, 8);
     if (route.selected()) {
         const flight::ControlPoint& p = points[*route.selected()];
         list.AddCircle(frame.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);
@@ -91,35 +93,65 @@ void draw_tiles(ImDrawList& list, const Frame& frame, const Scene& scene) {
     }
 }
 
+// The point of the path under the pointer; of a closing one and the first, the first.
+std::optional<std::size_t> point_on(const Frame& frame, const Route& route) {
+    const ImVec2 mouse = ImGui::GetMousePos();
+    std::optional<std::size_t> found;
+    float nearest = 0.7F * ImGui::GetFontSize();
+    for (std::size_t i = 0; i < route.points().size(); ++i) {
+        const ImVec2 at = frame.at(route.points()[i][0], route.points()[i][2]);
+        const float away = std::max(std::abs(at.x - mouse.x), std::abs(at.y - mouse.y));
+        if (away >= nearest) continue;
+        nearest = away;
+        found = i;
+    }
+    return found;
+}
+
 // A point of the path that was pressed, which follows the mouse. False: the press is none of a point.
 bool drag_point_on(const Frame& frame, const Route& route, Commands& commands) {
-    static bool dragging = false;
-    static std::size_t point = 0;
+    static std::optional<std::size_t> point;
+    static ImVec2 from;  // where it was pressed
+    static ImVec2 apart; // from there to the point
+    static bool far = false;
     const ImVec2 mouse = ImGui::GetMousePos();
     if (ImGui::IsItemActivated()) {
-        dragging = false;
-        float nearest = 0.5F * ImGui::GetFontSize();
-        for (std::size_t i = 0; i < route.points().size(); ++i) {
-            const ImVec2 at = frame.at(route.points()[i][0], route.points()[i][2]);
-            const float away = std::max(std::abs(at.x - mouse.x), std::abs(at.y - mouse.y));
-            if (away > nearest) continue;
-            nearest = away;
-            point = i;
-            dragging = true;
-        }
-        if (dragging) return true;
+        point = point_on(frame, route);
+        far = false;
+        if (!point) return false;
+        const flight::ControlPoint& p = route.points()[*point];
+        const ImVec2 at = frame.at(p[0], p[2]);
+        from = mouse;
+        apart = {at.x - mouse.x, at.y - mouse.y};
+        const bool twice = ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+        commands.push(SelectPoint{*point, twice});
+        return true;
     }
-    if (!dragging) return false;
+    if (!point) return false;
     const bool ends = ImGui::IsItemDeactivated();
-    if (!ends && !ImGui::IsItemActive()) return dragging = false;
+    if (!ends && !ImGui::IsItemActive()) {
+        point.reset();
+        return false;
+    }
     const bool moved = ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0;
-    const bool far = ImGui::GetIO().MouseDragMaxDistanceSqr[0] > 9;
-    if (ends && !far) commands.push(SelectPoint{point}); // a click
+    far = far || std::max(std::abs(mouse.x - from.x), std::abs(mouse.y - from.y)) > 3;
     if (far && (moved || ends))
-        commands.push(PlacePoint{point, static_cast<double>((mouse.x - frame.from.x) / frame.size.x) * frame.width_m,
-                                 static_cast<double>((mouse.y - frame.from.y) / frame.size.y) * frame.depth_m, !ends});
-    if (ends) dragging = false;
+        commands.push(
+            PlacePoint{*point, static_cast<double>((mouse.x + apart.x - frame.from.x) / frame.size.x) * frame.width_m,
+                       static_cast<double>((mouse.y + apart.y - frame.from.y) / frame.size.y) * frame.depth_m, !ends});
+    if (ends) point.reset();
     return true;
+}
+
+void mark_points(const Frame& frame, const Route& route) {
+    if (!ui::recording_marks()) return;
+    const std::size_t count = std::min<std::size_t>(route.points().size(), 64);
+    for (std::size_t i = 0; i < count; ++i) {
+        const ImVec2 at = frame.at(route.points()[i][0], route.points()[i][2]);
+        char name[32];
+        std::snprintf(name, sizeof name, strings::path::point, i);
+        ui::mark_at("map", name, {at.x - 3, at.y - 3, 6, 6});
+    }
 }
 
 } // namespace
@@ -152,6 +184,14 @@ void draw_overview(const State& state, Commands& commands) {
     draw_heat(state, list, frame.from, frame.size);
     if (state.eye.refining) draw_eye(list, frame, *state.eye.refining, frozen_colour);
     draw_eye(list, frame, state.eye.view, camera_colour);
+    mark_points(frame, state.route);
+    const std::optional<std::size_t> under =
+        ImGui::IsItemHovered() ? point_on(frame, state.route) : std::optional<std::size_t>();
+    if (under) {
+        const flight::ControlPoint& p = state.route.points()[*under];
+        list.AddCircle(frame.at(p[0], p[2]), 0.45F * ImGui::GetFontSize(), path_colour, 0, 2);
+        ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    }
     list.PopClipRect();
     if (drag_point_on(frame, state.route, commands)) return;
     if (ImGui::IsItemActive()) {
@@ -161,8 +201,11 @@ void draw_overview(const State& state, Commands& commands) {
         // Held still it asks for nothing.
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
-    } else {
+    } else if (!under) {
         ui::tip(strings::overview::click_or_drag_to_fly);
+    } else if (ui::begin_tip()) {
+        ImGui::Text(strings::hands::point_on_map, *under);
+        ui::end_tip();
     }
 }
 

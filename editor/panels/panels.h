@@ -58,6 +58,7 @@ void draw_overview(const State& state, Commands& commands);
 void draw_path(const State& state, Commands& commands);
 // Inside that: the path over its time.
 void draw_timeline(const State& state, Commands& commands);
+void draw_path_edits(const State& state, Commands& commands); // below the list of points
 
 // A graph over the frames that are shown: a click on it chooses one, a drag over it zooms.
 void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,

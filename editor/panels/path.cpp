@@ -92,6 +92,13 @@ void draw_flight(const State& state, Commands& commands) {
     if (ImGui::Checkbox(strings::path::loop, &loops)) commands.push(LoopPath{loops});
     ui::mark("path", "loop");
     ui::tip(strings::path::starts_again_at_the_end);
+    ImGui::SameLine();
+    bool closed = route.closed();
+    ImGui::BeginDisabled(route.points().size() < 2);
+    if (ImGui::Checkbox(strings::path_points::closed, &closed)) commands.push(ClosePath{closed});
+    ImGui::EndDisabled();
+    ui::mark("path", "closed");
+    ui::tip(strings::path_points::about_closed);
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
@@ -121,46 +128,6 @@ void draw_points(const Route& route, Commands& commands) {
     ImGui::EndChild();
 }
 
-void draw_editing(const State& state, Commands& commands) {
-    const Route& route = state.route;
-    const std::size_t at = route.selected().value_or(0), n = route.points().size();
-    const bool selected = route.selected().has_value();
-    if (button(strings::common::add, "add", true, strings::path::a_point_where_the_camera)) commands.push(AddPoint{});
-    beside(strings::path::replace);
-    if (button(strings::path::replace, "replace", selected, strings::path::puts_the_selected_point_where))
-        commands.push(ReplacePoint{at});
-    beside(strings::common::remove);
-    if (button(strings::common::remove, "remove", selected, strings::path::removes_the_selected_point))
-        commands.push(RemovePoint{at});
-    beside(strings::common::up);
-    if (button(strings::common::up, "up", selected && at > 0, strings::path::swaps_the_selected_point_with))
-        commands.push(MovePoint{at, at - 1});
-    beside(strings::path::down);
-    if (button(strings::path::down, "down", selected && at + 1 < n, strings::path::swaps_the_selected_point_with_the))
-        commands.push(MovePoint{at, at + 1});
-    if (button(strings::path::turntable, "circle", state.scene.open(), strings::path::another_path_once_around_what))
-        commands.push(CirclePath{});
-    beside(strings::path::look_at_centre);
-    if (button(strings::path::look_at_centre, "aim", n > 0 && state.scene.open(),
-               strings::path::all_points_look_at_the)) {
-        Vec3 centre{state.scene.width_m() / 2, 0, state.scene.depth_m() / 2};
-        if (state.probe.marks > 0) centre = state.probe.mark_m[0];
-        if (state.probe.marks > 1) centre = (state.probe.mark_m[0] + state.probe.mark_m[1]) * 0.5;
-        commands.push(AimPath{centre.x, centre.z});
-    }
-    if (button(strings::common::open_more, "open", true, strings::path::a_camera_path_from_a))
-        commands.push(ShowDialog{Dialog::open_file});
-    beside(strings::path::save);
-    if (button(strings::path::save, "save", n >= 2, strings::path::the_camera_path_to_a))
-        commands.push(ShowDialog{Dialog::save_path});
-    beside(strings::path::clear);
-    if (button(strings::path::clear, "clear", n > 0, strings::path::removes_the_path_restore_brings))
-        commands.push(ClearPath{});
-    beside(strings::common::restore);
-    if (button(strings::common::restore, "restore", route.can_restore(), strings::path::the_path_as_it_was))
-        commands.push(RestorePath{});
-}
-
 } // namespace
 
 void draw_path(const State& state, Commands& commands) {
@@ -168,7 +135,7 @@ void draw_path(const State& state, Commands& commands) {
     draw_name(state.route);
     draw_flight(state, commands);
     draw_points(state.route, commands);
-    draw_editing(state, commands);
+    draw_path_edits(state, commands);
 }
 
 } // namespace fjell::editor

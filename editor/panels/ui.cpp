@@ -78,10 +78,17 @@ void apply_style(double scale) {
 }
 
 void mark(const char* group, const char* name) {
-    if (!recording) return;
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    all_marks.push_back({std::string(group) + "." + name, {low.x, low.y, high.x - low.x, high.y - low.y}});
-    if (ImGui::IsItemFocused() && ImGui::GetIO().NavVisible) keyboard_mark = all_marks.back().name;
+    mark_at(group, name, {low.x, low.y, high.x - low.x, high.y - low.y});
+    if (recording && ImGui::IsItemFocused() && ImGui::GetIO().NavVisible) keyboard_mark = all_marks.back().name;
+}
+
+void mark_at(const char* group, const char* name, const Rect& rect) {
+    if (recording) all_marks.push_back({std::string(group) + "." + name, rect});
+}
+
+bool recording_marks() {
+    return recording;
 }
 
 void record_marks(bool on) {

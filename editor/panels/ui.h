@@ -30,7 +30,9 @@ struct Mark {
     Rect rect;
 };
 void mark(const char* group, const char* name);
-void record_marks(bool on); // starts again
+void mark_at(const char* group, const char* name, const Rect& rect); // of what is no item
+[[nodiscard]] bool recording_marks();                                // for names that cost something to make
+void record_marks(bool on);                                          // starts again
 [[nodiscard]] const std::vector<Mark>& marks();
 [[nodiscard]] const std::string& marked_focus(); // the mark that the keyboard is at; empty: at none
 

@@ -17,7 +17,7 @@ constexpr double fast = 5; // with Shift
 // ImGui 1.86 knows most keys by the window system's number only; the GLFW back end passes those through. Letters and
 // digits are their ASCII codes.
 namespace key {
-constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290;
+constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290, insert = 260, remove = 261;
 }
 
 double axis(int plus, int minus) {
@@ -66,6 +66,8 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
     if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
+    if (pressed(key::insert) && !state.route.empty()) commands.push(InsertPoint{});
+    if (pressed(key::remove) && state.route.selected()) commands.push(RemovePoint{*state.route.selected()});
     if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {

@@ -8,7 +8,7 @@ namespace fjell::editor {
 namespace {
 
 constexpr gl::Rgba8 path_rgba{255, 120, 200, 210}, selected_rgba{255, 255, 255, 255}, recorded_rgba{240, 105, 95, 230};
-constexpr double point_px = 7, selected_px = 12;
+constexpr double point_px = 10, selected_px = 14;
 
 Vec3 place_of(const flight::ControlPoint& p) {
     return {p[0], p[1], p[2]};

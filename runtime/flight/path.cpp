@@ -36,7 +36,7 @@ Vec3 up_of(const ControlPoint& p) {
 // look no farther than `reach`; so the envelope never lies below the ground's value at the station.
 class Envelope {
 public:
-    Envelope(const NaturalSpline<9>& spline, const Ground& ground) : first_(spline.knots().front()) {
+    Envelope(const CubicSpline<9>& spline, const Ground& ground) : first_(spline.knots().front()) {
         step_ = (spline.knots().back() - first_) / (stations - 1);
         std::vector<double> height(stations);
         for (std::size_t i = 0; i < stations; ++i) {
@@ -125,21 +125,43 @@ std::vector<double> knots_at(const CameraPath& path, const SplinePath& kind, con
         for (std::size_t i = 0; i < at.size(); ++i) at[i] = first + (last - first) * share[i];
         return at;
     }
-    const PathTiming timing(kind.spline, kind.times_s, unit_m(path.units, ground));
+    const PathTiming timing(kind.spline, kind.times_s, unit_m(path.units, ground), kind.eases);
     for (std::size_t i = 0; i < at.size(); ++i) at[i] = timing.knot_at(share[i] * kind.times_s.back());
     return at;
 }
 
+// What the camera looks along and its upward axis, there on the spline, where p is the spline's own.
+struct Facing {
+    Vec3 direction, up;
+};
+Facing facing_at(const SplinePath& path, double t, const ControlPoint& p) {
+    const Facing own{direction_of(p), up_of(p)};
+    if (path.targets.empty()) return own;
+    const std::vector<double>& knots = path.spline.knots();
+    const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, t);
+    const auto i = static_cast<std::size_t>(above - knots.begin()) - 1;
+    const auto facing = [&](const std::optional<Vec3>& target) {
+        return target ? Facing{normalised(*target - position_of(p)), {0, 1, 0}} : own;
+    };
+    const std::optional<Vec3>&from = path.targets[i], &to = path.targets[i + 1];
+    const Facing a = facing(from);
+    if (from.has_value() == to.has_value() && (!from || length(*from - *to) == 0)) return a;
+    const Facing b = facing(to);
+    const double f = std::clamp((t - knots[i]) / (knots[i + 1] - knots[i]), 0.0, 1.0), w = f * f * (3 - 2 * f);
+    return {a.direction * (1 - w) + b.direction * w, a.up * (1 - w) + b.up * w};
+}
+
 std::vector<Pose> resample_spline(const CameraPath& path, const SplinePath& kind, const Ground& ground,
                                   std::span<const double> share) {
-    const NaturalSpline<9>& spline = kind.spline;
+    const CubicSpline<9>& spline = kind.spline;
     const std::vector<double> knots = knots_at(path, kind, ground, share);
     std::vector<Pose> poses;
     poses.reserve(share.size());
     const auto add = [&](const auto& place) {
         for (const double t : knots) {
             const ControlPoint p = spline.at(t);
-            poses.push_back(make_pose(place(position_of(p), t), direction_of(p), up_of(p), path, poses.size()));
+            const Facing facing = facing_at(kind, t, p);
+            poses.push_back(make_pose(place(position_of(p), t), facing.direction, facing.up, path, poses.size()));
         }
     };
     switch (path.units) {
@@ -263,7 +285,7 @@ std::vector<double> chord_knots(std::span<const ControlPoint> points, const std:
 
 CameraPath still_path(const ControlPoint& point, const std::string& name) {
     const ControlPoint unit = unit_point(point);
-    return {name, Units::metres, SplinePath{NaturalSpline<9>({0, 1}, {unit, unit})}};
+    return {name, Units::metres, SplinePath{CubicSpline<9>({0, 1}, {unit, unit})}};
 }
 
 CameraPath random_path(std::uint64_t seed) {
@@ -286,7 +308,7 @@ CameraPath random_path(std::uint64_t seed) {
     path.name = fmt::format("random path {}", seed);
     path.units = Units::terrain;
     std::vector<double> knots = chord_knots(points, path.name);
-    path.kind = SplinePath{NaturalSpline<9>(std::move(knots), std::move(points))};
+    path.kind = SplinePath{CubicSpline<9>(std::move(knots), std::move(points))};
     return path;
 }
 

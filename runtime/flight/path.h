@@ -2,7 +2,9 @@
 //
 // A path is one of
 //   points    a spline over control points of position, direction and up: nine dimensions, C2; one point, or two equal
-//             ones, are a still camera; points may have times, at which the camera passes them (path_timing.h);
+//             ones, are a still camera; points may have times, at which the camera passes them (path_timing.h), and
+//             a place that the camera looks at; a closed path's last point is its first, and it goes on there as
+//             anywhere else;
 //   orbit     a circle around a point, looking at it;
 //   straight  a line, at a given speed in cells a frame or from end to end;
 //   recorded  frames that another program wrote down (lines `F level 3x4-matrix zoom`).
@@ -22,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -62,8 +65,12 @@ struct Ground {
 using ControlPoint = std::array<double, 9>;
 
 struct SplinePath {
-    NaturalSpline<9> spline;
+    CubicSpline<9> spline;
     std::vector<double> times_s = {}; // of the points: from 0 on, increasing; empty: none, and the speed is even
+    bool eases = false;               // from rest at the first time, to rest at the last
+    // Of the points, in metres: what the camera looks at there, upright, and all the way to the next point if that has
+    // the same. Otherwise its direction blends, by a smooth step: it never jumps, nor does its turning. Empty: nothing.
+    std::vector<std::optional<Vec3>> targets = {};
 };
 struct Orbit {
     double centre_x = 0.5, centre_z = 0.5;

@@ -1,5 +1,6 @@
 // Camera paths from text and to it: our JSON, and frames recorded by G3dOGL (H. Hoppe's terrain viewer), one line
 // `F level  view(3)  left(3)  up(3)  position(3)  zoom` each.
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <optional>
@@ -67,6 +68,11 @@ public:
         }
         return result;
     }
+    bool flag(const char* key) {
+        const json* value = find(key);
+        if (value && !value->is_boolean()) bad(key, "must be true or false");
+        return value && value->get<bool>();
+    }
     Vec3 vector(const char* key) {
         const std::vector<double> v = numbers(key, 3);
         return {v[0], v[1], v[2]};
@@ -89,12 +95,22 @@ std::string place_of(std::size_t point) {
     return fmt::format("points[{}]", point);
 }
 
-ControlPoint control_point(const json& value, const std::string& name, std::size_t index,
-                           std::optional<double>& time_s) {
+// What a point may have beside its nine numbers.
+struct Extras {
+    std::vector<std::optional<double>> times_s;
+    std::vector<std::optional<Vec3>> targets;
+};
+
+ControlPoint control_point(const json& value, const std::string& name, std::size_t index, Extras& extras) {
     Fields fields(value, name, place_of(index));
     const Vec3 position = fields.vector("position"), direction = fields.vector("direction");
     const Vec3 up = fields.find("up") ? fields.vector("up") : Vec3{0, 1, 0};
-    if (fields.find("time_s")) time_s = fields.number("time_s", 0, 0, max_path_seconds);
+    if (fields.find("time_s")) extras.times_s[index] = fields.number("time_s", 0, 0, max_path_seconds);
+    if (fields.find("look_at")) {
+        extras.targets[index] = fields.vector("look_at");
+        if (length(*extras.targets[index] - position) == 0)
+            fields.bad("look_at", "is where the camera is; give another");
+    }
     fields.refuse_others();
     if (!(length(direction) > 1e-9)) fields.bad("direction", "is zero; give the way the camera looks");
     if (!(length(up) > 1e-9)) fields.bad("up", "is zero; give the camera's upward axis, e.g. [0, 1, 0]");
@@ -123,17 +139,43 @@ std::vector<double> times_of(const std::vector<std::optional<double>>& given, co
     return times_s;
 }
 
-SplinePath spline_path(const json& value, const std::string& name) {
+// The last point is the first, with another time.
+void require_closed(const std::vector<ControlPoint>& points, const std::vector<std::optional<Vec3>>& targets,
+                    const std::string& name) {
+    const auto same = [](const std::optional<Vec3>& a, const std::optional<Vec3>& b) {
+        return a.has_value() == b.has_value() && (!a || length(*a - *b) == 0);
+    };
+    if (points.size() < 3) fail(name, "closed", "needs at least 3 points, of which the last is the first again");
+    if (points.front() != points.back() || !same(targets.front(), targets.back()))
+        fail(name, place_of(points.size() - 1), "must be the first point again, because the path is closed");
+}
+
+SplinePath spline_path(const json& value, const std::string& name, Units units, bool closed, bool eases) {
     if (!value.is_array()) fail(name, "points", "must be an array of control points");
     if (value.empty()) fail(name, "points", "a path needs a control point; add some");
     if (value.size() > most_points) fail(name, "points", "more than 1,000,000 control points; thin them out");
     std::vector<ControlPoint> points;
     points.reserve(value.size());
-    std::vector<std::optional<double>> times_s(value.size());
-    for (const json& point : value) points.push_back(control_point(point, name, points.size(), times_s[points.size()]));
-    if (points.size() == 1) points.push_back(points[0]);
+    Extras extras;
+    extras.times_s.resize(value.size());
+    extras.targets.resize(value.size());
+    for (const json& point : value) points.push_back(control_point(point, name, points.size(), extras));
+    if (closed) require_closed(points, extras.targets, name);
+    const auto looks = std::ranges::find_if(extras.targets, [](const auto& t) { return t.has_value(); });
+    if (looks == extras.targets.end())
+        extras.targets.clear();
+    else if (units != Units::metres)
+        fail(name, place_of(static_cast<std::size_t>(looks - extras.targets.begin())) + ".look_at",
+             "is for units \"metres\" only; remove it, or give the path in metres");
+    if (points.size() == 1) {
+        points.push_back(points[0]);
+        if (!extras.targets.empty()) extras.targets.push_back(extras.targets[0]);
+    }
     std::vector<double> knots = chord_knots(points, name);
-    return {NaturalSpline<9>(std::move(knots), std::move(points)), times_of(times_s, name)};
+    SplinePath path{CubicSpline<9>(std::move(knots), std::move(points), closed), times_of(extras.times_s, name), eases,
+                    std::move(extras.targets)};
+    if (eases && path.times_s.empty()) fail(name, "ease", "is for points with time_s; give them times, or remove it");
+    return path;
 }
 
 Orbit orbit(const json& value, const std::string& name, Units units) {
@@ -184,9 +226,11 @@ CameraPath parse_json(std::string_view text, const std::string& name) {
     const json *points = fields.find("points"), *around = fields.find("orbit"), *line = fields.find("straight");
     if ((points != nullptr) + (around != nullptr) + (line != nullptr) != 1)
         fields.bad("a path has exactly one of points, orbit and straight");
+    const bool closed = fields.flag("closed"), eases = fields.flag("ease");
+    if (!points && (closed || eases)) fields.bad(closed ? "closed" : "ease", "is for points only; remove it");
     fields.refuse_others();
     if (points) {
-        SplinePath spline = spline_path(*points, name);
+        SplinePath spline = spline_path(*points, name, path.units, closed, eases);
         if (!spline.times_s.empty()) {
             const double last_s = spline.times_s.back();
             if (path.seconds != 0 && path.seconds != last_s)
@@ -218,9 +262,11 @@ std::string points_text(const SplinePath& path) {
         const ControlPoint p = unit_point(path.spline.at(knots[i]));
         const std::span<const double> all(p);
         const std::string time = path.times_s.empty() ? "" : fmt::format("\"time_s\": {}, ", path.times_s[i]);
-        text += fmt::format("{}\n    {{{}\"position\": {}, \"direction\": {}, \"up\": {}}}", i == 0 ? "" : ",", time,
+        const bool looks = !path.targets.empty() && path.targets[i];
+        const std::string target = looks ? fmt::format(", \"look_at\": {}", vector_text(*path.targets[i])) : "";
+        text += fmt::format("{}\n    {{{}\"position\": {}, \"direction\": {}, \"up\": {}{}}}", i == 0 ? "" : ",", time,
                             numbers_text(all.subspan(0, 3)), numbers_text(all.subspan(3, 3)),
-                            numbers_text(all.subspan(6, 3)));
+                            numbers_text(all.subspan(6, 3)), target);
     }
     return text + "\n  ]";
 }
@@ -253,7 +299,7 @@ CameraPath parse_recorded(std::string_view text, const std::string& name) {
     CameraPath path;
     path.name = name;
     path.units = Units::recorded;
-    path.kind = SplinePath{NaturalSpline<9>(std::move(knots), std::move(points))};
+    path.kind = SplinePath{CubicSpline<9>(std::move(knots), std::move(points))};
     return path;
 }
 
@@ -281,6 +327,8 @@ std::string path_text(const CameraPath& path) {
     const bool timed = spline != nullptr && !spline->times_s.empty(); // which say how long it takes
     if (path.seconds > 0 && !timed) text += fmt::format("  \"seconds\": {},\n", path.seconds);
     if (spline != nullptr) {
+        if (spline->spline.closed()) text += "  \"closed\": true,\n";
+        if (spline->eases) text += "  \"ease\": true,\n";
         text += "  " + points_text(*spline);
     } else if (const auto* o = std::get_if<Orbit>(&path.kind)) {
         text += fmt::format("  \"orbit\": {{\"centre\": {}, \"radius\": {}, \"height\": {}, \"turns\": {}}}",

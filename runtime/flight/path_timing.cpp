@@ -14,7 +14,7 @@ struct Rates {
     double moving_m, turning;
 };
 
-Rates rates_at(const NaturalSpline<9>& spline, double t, const Vec3& unit_m) {
+Rates rates_at(const CubicSpline<9>& spline, double t, const Vec3& unit_m) {
     const std::array<double, 9> d = spline.at(t, 1);
     return {length(Vec3{d[0] * unit_m.x, d[1] * unit_m.y, d[2] * unit_m.z}),
             length(Vec3{d[3], d[4], d[5]}) + length(Vec3{d[6], d[7], d[8]})};
@@ -30,11 +30,11 @@ std::optional<std::size_t> first_bad_time(std::span<const double> times_s) {
     return {};
 }
 
-PathTiming::PathTiming(const NaturalSpline<9>& spline, std::span<const double> times_s, const Vec3& unit_m)
+PathTiming::PathTiming(const CubicSpline<9>& spline, std::span<const double> times_s, const Vec3& unit_m, bool eases)
     : knots_(spline.knots()), times_s_(times_s.begin(), times_s.end()) {
     steps_ = std::clamp<std::size_t>(most_stations / (knots_.size() - 1), 4, 64);
     measure(spline, unit_m);
-    choose_speeds();
+    choose_speeds(spline.closed(), eases);
 }
 
 double PathTiming::station(std::size_t i) const {
@@ -44,7 +44,7 @@ double PathTiming::station(std::size_t i) const {
     return knots_[piece] + (knots_[piece + 1] - knots_[piece]) * part;
 }
 
-void PathTiming::measure(const NaturalSpline<9>& spline, const Vec3& unit_m) {
+void PathTiming::measure(const CubicSpline<9>& spline, const Vec3& unit_m) {
     const std::size_t stations = (knots_.size() - 1) * steps_ + 1;
     std::vector<double> turning(stations);
     rate_.resize(stations);
@@ -69,18 +69,24 @@ void PathTiming::measure(const NaturalSpline<9>& spline, const Vec3& unit_m) {
         way_[i] = way_[i - 1] + (station(i) - station(i - 1)) / 2 * (rate_[i] + rate_[i - 1]);
 }
 
-void PathTiming::choose_speeds() {
+void PathTiming::choose_speeds(bool closed, bool eases) {
     const std::size_t last = knots_.size() - 1;
     const auto seconds = [&](std::size_t piece) { return times_s_[piece + 1] - times_s_[piece]; };
     const auto mean = [&](std::size_t piece) {
         return (way_[(piece + 1) * steps_] - way_[piece * steps_]) / seconds(piece);
     };
-    speed_.assign(knots_.size(), 0);
     // A weighted harmonic mean of the pieces' mean speeds is at most three times the slower one, which is what keeps
     // both cubics from turning back.
-    for (std::size_t i = 1; i < last; ++i) {
-        const double before = mean(i - 1), after = mean(i), s = seconds(i - 1), r = seconds(i);
-        if (before > 0 && after > 0) speed_[i] = 3 * (s + r) / ((2 * r + s) / before + (r + 2 * s) / after);
+    const auto between = [&](std::size_t piece, std::size_t next) {
+        const double before = mean(piece), after = mean(next), s = seconds(piece), r = seconds(next);
+        return before > 0 && after > 0 ? 3 * (s + r) / ((2 * r + s) / before + (r + 2 * s) / after) : 0;
+    };
+    speed_.assign(knots_.size(), 0);
+    for (std::size_t i = 1; i < last; ++i) speed_[i] = between(i - 1, i);
+    if (eases) return;
+    if (closed) {
+        speed_[0] = speed_[last] = between(last - 1, 0);
+        return;
     }
     // No second derivative at an end: between 0 and 1.5 times the mean, because its neighbour is between 0 and 3 times.
     speed_[0] = last == 1 ? mean(0) : (3 * mean(0) - speed_[1]) / 2;

@@ -2,7 +2,9 @@
 //
 // The way along the spline is interpolated over time by a monotone cubic (F. N. Fritsch, J. Butland: A Method for
 // Constructing Local Monotone Piecewise Cubic Interpolants, 1984): the camera passes each point at its time, its speed
-// is continuous, and it never flies backwards. At both ends the second derivative is zero, as the spline's is.
+// is continuous, and it never flies backwards. At both ends the second derivative is zero, as a natural spline's is; a
+// closed spline's last piece is followed by its first, so that the speed is continuous there too; and where the camera
+// eases, its speed is zero at both ends.
 //
 // Units: seconds; the way is in metres of position, with a hundredth for turning, so that a camera that only turns
 // moves on too. In units of the terrain the rise of the ground under the flight is not counted. Thread: immutable.
@@ -29,15 +31,17 @@ inline constexpr double least_between_times_s = 0.001;
 class PathTiming {
 public:
     // times_s: without a bad one, as many as knots. unit_m: metres of one unit of position, along x, y and z.
-    PathTiming(const NaturalSpline<9>& spline, std::span<const double> times_s, const Vec3& unit_m);
+    PathTiming(const CubicSpline<9>& spline, std::span<const double> times_s, const Vec3& unit_m, bool eases = false);
 
     // Where on the spline, in its knots' measure. Exactly a knot at its time; before and after all times the ends.
     [[nodiscard]] double knot_at(double time_s) const;
+    // Along the spline from its first knot to that one.
+    [[nodiscard]] double way_to(std::size_t knot) const { return way_[knot * steps_]; }
 
 private:
     [[nodiscard]] double station(std::size_t i) const; // its place on the spline
-    void measure(const NaturalSpline<9>& spline, const Vec3& unit_m);
-    void choose_speeds();
+    void measure(const CubicSpline<9>& spline, const Vec3& unit_m);
+    void choose_speeds(bool closed, bool eases);
 
     std::vector<double> knots_, times_s_;
     std::vector<double> speed_;      // of the way, at the knots, a second

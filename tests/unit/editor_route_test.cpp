@@ -73,7 +73,7 @@ TEST_CASE("a path's text reads back to the last bit") {
         path.name = "laid";
         path.seconds = pick(random, 0, 1) == 1 ? uniform(random, 0.001, 3600) : 0;
         std::vector<double> knots = flight::chord_knots(points, path.name);
-        path.kind = flight::SplinePath{flight::NaturalSpline<9>(knots, points)};
+        path.kind = flight::SplinePath{flight::CubicSpline<9>(knots, points)};
         const std::string text = flight::path_text(path);
         const flight::CameraPath back = flight::parse_path(text, "back");
         CHECK(points_in(back) == points);
@@ -364,7 +364,7 @@ TEST_CASE("a path is shown from its beginning to its end, however long, and its 
             if (!middle) continue;
             ++before;
             REQUIRE(lines.size() >= at + 4);
-            const double side_px = k == points.size() ? 12 : 7;
+            const double side_px = k == points.size() ? 14 : 10;
             for (std::size_t i = 0; i < 4; ++i, ++at) {
                 const auto from = project(view, lines[at].from), to = project(view, lines[at].to);
                 REQUIRE((from && to));

@@ -169,6 +169,42 @@ TEST_CASE("the times of an unsaved path's points survive a crash, also when they
     finish_persistence(next.state, true);
 }
 
+TEST_CASE("targets, closing and easing of an unsaved path survive a crash, also when they alone have changed") {
+    const Home home;
+    {
+        Editor editor;
+        start_persistence(editor.state, true);
+        flight::Ground ground;
+        ground.extent_x_m = ground.extent_z_m = 9000;
+        ground.cell_m = 30;
+        Route& route = editor.state.route;
+        double now_s = 0;
+        const auto keep = [&] { editor.state.files.recovery.keep(editor.state.document, route, "", now_s += 10); };
+        for (int i = 0; i < 4; ++i) route.add({{1000.0 * i, 500, 300.0 * i * i}, {0, 0, -1}, {0, 1, 0}}, ground);
+        keep();
+        route.set_pace(Pace::ease, ground);
+        route.close(true, ground);
+        keep();
+        route.aim(4000, 2000, ground, 1, 2);
+        keep();
+    } // it crashed
+    Editor next;
+    start_persistence(next.state, true);
+    REQUIRE(next.state.files.recovery.found());
+    next.run("recover restore");
+    const flight::CameraPath path = flight::read_path(home.folder / "state/fjell/recovered-path.json");
+    const auto& spline = std::get<flight::SplinePath>(path.kind);
+    CHECK(spline.spline.closed());
+    CHECK(spline.eases);
+    REQUIRE(spline.targets.size() == 5);
+    CHECK_FALSE(spline.targets[0]);
+    for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
+        REQUIRE(spline.targets[i]);
+        CHECK(length(*spline.targets[i] - Vec3{4000, 0, 2000}) == 0);
+    }
+    finish_persistence(next.state, true);
+}
+
 TEST_CASE("changes that are saved or undone are kept no longer") {
     const TemporaryFolder folder;
     Document document;

@@ -53,7 +53,7 @@ void check_orthonormal(const std::vector<Pose>& poses) {
     CHECK(worst < 1e-14);
 }
 
-NaturalSpline<9> spline_of(const CameraPath& path) {
+CubicSpline<9> spline_of(const CameraPath& path) {
     return std::get<SplinePath>(path.kind).spline;
 }
 
@@ -62,7 +62,7 @@ NaturalSpline<9> spline_of(const CameraPath& path) {
 TEST_CASE("a spline through three points is the natural cubic computed by hand") {
     // Knots 0, 1, 2 and values 0, 1, 0: the one inner equation 2 (1 + 1) m = 6 (-1 - 1) gives m = -3, so
     // s(1/2) = 1/2 + ((1/2)^3 - 1/2) (-3) / 6 = 11/16, s'(0) = 1 + 3/6 = 3/2 and s''(1/2) = -3/2.
-    const NaturalSpline<1> s({0, 1, 2}, {{0}, {1}, {0}});
+    const CubicSpline<1> s({0, 1, 2}, {{0}, {1}, {0}});
     CHECK(s.at(0.5)[0] == Approx(11.0 / 16).epsilon(1e-14));
     CHECK(s.at(1.5)[0] == Approx(11.0 / 16).epsilon(1e-14));
     CHECK(s.at(0, 1)[0] == Approx(1.5).epsilon(1e-14));
@@ -72,7 +72,7 @@ TEST_CASE("a spline through three points is the natural cubic computed by hand")
 }
 
 TEST_CASE("a spline through points on a line is the line, whatever the knots") {
-    const NaturalSpline<2> s({0, 0.1, 2, 2.5, 7}, {{1, 0}, {1.2, -0.1}, {5, -2}, {6, -2.5}, {15, -7}});
+    const CubicSpline<2> s({0, 0.1, 2, 2.5, 7}, {{1, 0}, {1.2, -0.1}, {5, -2}, {6, -2.5}, {15, -7}});
     double worst = 0;
     for (int i = 0; i <= 700; ++i) {
         const double t = i * 0.01;
@@ -83,7 +83,7 @@ TEST_CASE("a spline through points on a line is the line, whatever the knots") {
 
 TEST_CASE("a path's spline passes through every control point, in all nine dimensions") {
     const CameraPath path = parse_path(points(four), "p.json");
-    const NaturalSpline<9> s = spline_of(path);
+    const CubicSpline<9> s = spline_of(path);
     REQUIRE(s.knots().size() == 4);
     const ControlPoint second = s.at(s.knots()[1]);
     const double r = std::sqrt(0.5), u = std::sqrt(4.04);
@@ -94,7 +94,7 @@ TEST_CASE("a path's spline passes through every control point, in all nine dimen
 }
 
 TEST_CASE("position, first and second derivative of a path are continuous at every control point") {
-    const NaturalSpline<9> s = spline_of(parse_path(points(four), "p.json"));
+    const CubicSpline<9> s = spline_of(parse_path(points(four), "p.json"));
     constexpr double h = 1e-9; // the third derivative is at most about 1e6 here: 2 h of it stays below the tolerances
     for (const double knot : {s.knots()[1], s.knots()[2]})
         for (int derivative = 0; derivative <= 2; ++derivative) {

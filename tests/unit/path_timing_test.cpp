@@ -49,7 +49,7 @@ CameraPath random_timed(Random& random, Units units, bool turns = true) {
     path.units = units;
     path.seconds = times_s.back();
     std::vector<double> knots = chord_knots(points, path.name);
-    path.kind = SplinePath{NaturalSpline<9>(std::move(knots), std::move(points)), std::move(times_s)};
+    path.kind = SplinePath{CubicSpline<9>(std::move(knots), std::move(points)), std::move(times_s)};
     return path;
 }
 

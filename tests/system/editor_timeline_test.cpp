@@ -1,0 +1,186 @@
+// The camera path under the mouse, in the real window: its points in the timeline, in the picture and on the overview,
+// and the curve of its speed.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/editor_pack.h"
+#include "support/editor_window.h"
+#include "support/program.h"
+#include "support/rounds.h"
+
+using namespace fjell;
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+// In brief rounds the commands' tests stand for these.
+bool left_out() {
+    if (!full_rounds()) return true;
+    const std::string why = why_no_windows();
+    if (!why.empty()) WARN("skipped: " << why);
+    return !why.empty();
+}
+
+// Over the small pack's 30 km, above its highest summit; 40 s, ten a stretch.
+constexpr const char* zigzag = R"({"points": [
+  {"time_s": 0, "position": [6000, 4000, 15000], "direction": [1, -0.2, 0]},
+  {"time_s": 10, "position": [11000, 4000, 19000], "direction": [1, -0.2, 0]},
+  {"time_s": 20, "position": [16000, 4000, 15000], "direction": [1, -0.2, 0]},
+  {"time_s": 30, "position": [21000, 4000, 19000], "direction": [1, -0.2, 0]},
+  {"time_s": 40, "position": [26000, 4000, 15000], "direction": [1, -0.2, 0]}]})";
+
+struct PathWindow {
+    PathWindow() : editor(display, home.path, arguments(home)) {
+        state = editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
+        camera = state["camera"];
+    }
+
+    static std::vector<std::string> arguments(const TemporaryFolder& home) {
+        spit(home / "zigzag.json", zigzag);
+        return {small_pack(),         "--size", "1000x840",     "--scale", "0.7", "--path",
+                home / "zigzag.json", "--do",   "panel camera", "--do",    "home"};
+    }
+    [[nodiscard]] std::vector<double> times() { return (state = editor.state())["route"]["times_s"]; }
+    // The middle of what has that mark. What is in the picture can be taken while the pointer is there.
+    [[nodiscard]] std::array<double, 2> middle(const std::string& mark) {
+        const Place view = view_of(state);
+        if (mark.starts_with("view.")) editor.move(view.x + 5, view.y + 5);
+        const Place p = editor.place(mark);
+        return {p.x + p.width / 2, p.y + p.height / 2};
+    }
+    // That many steps more than at first, and the camera where it was.
+    void check_steps(int steps) {
+        state = editor.state();
+        CHECK(state["route"]["undo"] == steps);
+        CHECK(state["camera"]["position_m"] == camera["position_m"]);
+        CHECK(state["camera"]["heading_rad"] == camera["heading_rad"]);
+    }
+
+    VirtualDisplay display{1024, 860};
+    TemporaryFolder home;
+    EditorWindow editor;
+    json state, camera; // camera: at first
+};
+
+} // namespace
+
+TEST_CASE(
+    "a point's mark is dragged along the timeline: its time follows, no other's does, and one undo takes it back") {
+    if (left_out()) return;
+    PathWindow w;
+    const std::vector<double> before = w.times();
+    REQUIRE(before.size() == 5);
+    const gl::Image bare = w.display.picture();
+    const Place line = w.editor.place("path.timeline");
+    const auto at = w.middle("timeline.point.2");
+    const double to = w.middle("timeline.point.3")[0] - 0.2 * (w.middle("timeline.point.3")[0] - at[0]);
+    w.editor.drag_at(at[0], at[1], to, at[1]);
+    const std::vector<double> after = w.times();
+    const double pixel_s = 40 / line.width;
+    CHECK(after[2] == Approx(20 + (to - at[0]) * pixel_s).margin(0.5 * 0.7 * 16 * pixel_s)); // drawn to a line
+    CHECK(w.editor.state()["route"]["selected"] == 2);
+    for (const std::size_t i : {0u, 1u, 3u, 4u}) CHECK(after[i] == before[i]);
+    w.check_steps(1);
+    CHECK(changed(bare, w.display.picture(), line) > 0.02);
+    CHECK(std::abs(w.middle("timeline.point.2")[0] - to) <= 0.5 * 0.7 * 16 + 1);
+    // Beyond its neighbour it stays before it.
+    const auto now = w.middle("timeline.point.2");
+    w.editor.drag_at(now[0], now[1], line.x + line.width - 2, now[1]);
+    const std::vector<double> pushed = w.times();
+    CHECK(pushed[2] < pushed[3]);
+    CHECK(pushed[2] > pushed[3] - 0.1);
+    w.check_steps(2);
+    w.editor.key("ctrl+z");
+    CHECK(w.times() == after);
+    w.editor.key("ctrl+z");
+    CHECK(w.times() == before);
+    w.editor.key("ctrl+shift+z");
+    CHECK(w.times() == after);
+}
+
+TEST_CASE("the curve is dragged down: its stretch lasts longer, and the times of the points after it follow") {
+    if (left_out()) return;
+    PathWindow w;
+    const std::vector<double> before = w.times();
+    const auto at = w.middle("timeline.speed.1");
+    const Place line = w.editor.place("path.timeline");
+    w.editor.drag_at(at[0], at[1], at[0], at[1] + 0.2 * line.height);
+    const std::vector<double> after = w.times();
+    CHECK(after[1] == before[1]);
+    CHECK(after[2] > before[2] + 1);
+    for (const std::size_t i : {3u, 4u}) CHECK(after[i] - before[i] == Approx(after[2] - before[2]).margin(1e-6));
+    w.check_steps(1);
+    w.editor.key("ctrl+z");
+    CHECK(w.times() == before);
+}
+
+TEST_CASE("a point is dragged in the picture: level under the pointer, with Shift up and down, and the camera stays") {
+    if (left_out()) return;
+    PathWindow w;
+    const gl::Image bare = w.display.picture();
+    const auto at = w.middle("view.point.1");
+    const double to_x = at[0] + 50, to_y = at[1] + 15;
+    w.editor.drag_at(at[0], at[1], to_x, to_y);
+    w.check_steps(1);
+    const json level = w.state["route"]["selected_m"];
+    CHECK(w.state["route"]["selected"] == 1);
+    CHECK(level[1] == 4000);
+    CHECK(level[0].get<double>() > 11500);
+    CHECK(level[2].get<double>() > 19000);
+    const auto moved = w.middle("view.point.1");
+    CHECK(std::abs(moved[0] - to_x) < 1.5); // pointers move by whole pixels
+    CHECK(std::abs(moved[1] - to_y) < 1.5);
+    CHECK(changed(bare, w.display.picture(), view_of(w.state)) > 0.001);
+    bool dragged = false;
+    w.editor.hold("shift", "the point elsewhere", [&](const json& s) {
+        if (!dragged) w.editor.drag_at(moved[0], moved[1], moved[0], moved[1] - 40);
+        dragged = true;
+        return s["route"]["selected_m"] != level;
+    });
+    w.check_steps(2);
+    const json high = w.state["route"]["selected_m"];
+    CHECK(high[0] == level[0]);
+    CHECK(high[2] == level[2]);
+    CHECK(high[1].get<double>() > 4100);
+    CHECK(std::abs(w.middle("view.point.1")[1] - (moved[1] - 40)) < 1.5);
+    w.editor.key("ctrl+z");
+    CHECK(w.editor.state()["route"]["selected_m"] == level);
+    w.editor.key("ctrl+z");
+    w.check_steps(0);
+    CHECK(w.state["route"]["unsaved"] == false);
+}
+
+TEST_CASE("a point is dragged on the overview, selected by a click in all three places, removed and inserted by keys") {
+    if (left_out()) return;
+    PathWindow w;
+    const auto at = w.middle("map.point.3");
+    w.editor.drag_at(at[0], at[1], at[0] - 12, at[1] + 9);
+    w.check_steps(1);
+    CHECK(w.state["route"]["selected"] == 3);
+    CHECK(w.state["route"]["selected_m"][0].get<double>() < 21000);
+    CHECK(w.state["route"]["selected_m"][2].get<double>() > 19000);
+    for (const auto& [mark, point] : {std::pair{"timeline.point.4", 4}, {"view.point.0", 0}, {"map.point.2", 2}}) {
+        const auto there = w.middle(mark);
+        w.editor.click_at(there[0], there[1]);
+        w.check_steps(1); // and the camera has not moved
+        CHECK(w.state["route"]["selected"] == point);
+    }
+    w.editor.key("Delete");
+    w.state = w.editor.state();
+    CHECK(w.state["route"]["points"] == 4);
+    CHECK(w.times() == std::vector<double>{0, 10, 30, 40});
+    const Place line = w.editor.place("path.timeline");
+    w.editor.click_at(line.x + 0.5 * line.width, line.y + 0.72 * line.height); // below the curve: the playhead
+    w.editor.key("Insert");
+    w.state = w.editor.state();
+    CHECK(w.state["route"]["points"] == 5);
+    CHECK(w.state["route"]["selected"] == 2);
+    CHECK(w.times()[2] == Approx(20).margin(40 * 1.5 / line.width));
+    for (int i = 0; i < 3; ++i) w.editor.key("ctrl+z");
+    CHECK(w.editor.state()["route"]["undo"] == 0);
+    CHECK(w.times() == std::vector<double>{0, 10, 20, 30, 40});
+}
