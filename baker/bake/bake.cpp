@@ -370,8 +370,21 @@ std::vector<std::string> remarks(const BakeSummary& s) {
     return lines;
 }
 
+namespace {
+
+// Programs that go on after a bake want the memory for other things.
+struct MemoryReleased {
+    MemoryReleased() = default;
+    MemoryReleased(const MemoryReleased&) = delete;
+    MemoryReleased& operator=(const MemoryReleased&) = delete;
+    ~MemoryReleased() { release_kept(); }
+};
+
+} // namespace
+
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {
     check(options);
+    const MemoryReleased at_the_end;
     try {
         return Bake(source, options, out_path).run();
     } catch (const DamagedWork&) { // its folder is gone by now
