@@ -68,7 +68,7 @@ private:
         if (spool_ && !context_.in_memory) checkpoint_.state.spool = spool_->state();
         checkpoint_.set_complete(id);
 #ifdef __GLIBC__
-        malloc_trim(0); // what this stage's threads kept for themselves the next one's need
+        if (!context_.in_memory) malloc_trim(0); // what this stage's threads kept for themselves the next one's need
 #endif
     }
     [[nodiscard]] bool complete(StageId id) const {

@@ -192,6 +192,20 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
     blend(sums, {run_x.first, run_y.first, x.count, y.count}, light);
 }
 
+// The ramp alone.
+TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
+    const TexelPlanes ground = filtered(plan, MapKind::colour, heights, texels, {HeightRows::height, HeightRows::up});
+    const LightOfSrgb& table = LightOfSrgb::table();
+    RampPainter painter(*plan.ramp);
+    TexelPlanes light(texels, 3);
+    for (std::size_t i = 0; i < texels.area(); ++i) {
+        float rgb[3];
+        painter.paint(ground.channel[0][i], ground.channel[1][i], rgb);
+        for (std::size_t c = 0; c < 3; ++c) light.channel[c][i] = table.at(rgb[c]);
+    }
+    return light;
+}
+
 // The ramp where images leave something open.
 void lay_under(const MapPlan& plan, const HeightWindow& heights, TexelPlanes& light) {
     constexpr float opaque = 0.9999f; // weights add up to 1 but for rounding
@@ -216,9 +230,11 @@ TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& heights, const
 }
 
 TexelPlanes base_colours(const MapPlan& plan, const HeightWindow& heights, const Window& texels, ImageReader* reader) {
+    const bool images = plan.image && reader;
+    if (!images && plan.ramp) return paint_ground(plan, heights, texels);
     TexelPlanes light(texels, 4); // three colours times alpha, alpha
     light.clear();
-    if (plan.image && reader)
+    if (images)
         for (std::size_t layer = 0; layer < plan.image->layers.size(); ++layer) lay_image(plan, *reader, layer, light);
     if (plan.ramp) lay_under(plan, heights, light);
     light.channel.pop_back();
