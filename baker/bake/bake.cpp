@@ -68,7 +68,7 @@ private:
         if (spool_ && !context_.in_memory) checkpoint_.state.spool = spool_->state();
         checkpoint_.set_complete(id);
 #ifdef __GLIBC__
-        malloc_trim(0); // what this stage's threads kept for themselves the next one's need
+        if (!context_.in_memory) malloc_trim(0); // what this stage's threads kept for themselves the next one's need
 #endif
     }
     [[nodiscard]] bool complete(StageId id) const {
@@ -370,8 +370,21 @@ std::vector<std::string> remarks(const BakeSummary& s) {
     return lines;
 }
 
+namespace {
+
+// Programs that go on after a bake want the memory for other things.
+struct MemoryReleased {
+    MemoryReleased() = default;
+    MemoryReleased(const MemoryReleased&) = delete;
+    MemoryReleased& operator=(const MemoryReleased&) = delete;
+    ~MemoryReleased() { release_kept(); }
+};
+
+} // namespace
+
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {
     check(options);
+    const MemoryReleased at_the_end;
     try {
         return Bake(source, options, out_path).run();
     } catch (const DamagedWork&) { // its folder is gone by now

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "baker/store/memory.h"
 #include "tree/tree.h"
 
 namespace fjell::baker {
@@ -31,8 +31,8 @@ void scan_row_scalar(const VertexRow& row, std::int32_t* worst);
 // samples lie by their column modulo the vertices' distance `period` = 2s, s = 2 or 4.
 struct DeinterleavedSamples {
     std::int32_t period = 0, columns = 0,
-                 rows = 0;            // columns: periods of a row, with the one that its last sample begins
-    std::vector<std::int32_t> values; // rows * period lines of columns + scan_slack
+                 rows = 0;       // columns: periods of a row, with the one that its last sample begins
+    Buffer<std::int32_t> values; // not cleared: rows * period lines of columns + scan_slack
 
     // samples: the first of rows x (periods * period + 1) of them.
     static DeinterleavedSamples of(const std::int32_t* samples, std::ptrdiff_t stride, std::int32_t periods,

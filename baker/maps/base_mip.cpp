@@ -82,7 +82,7 @@ private:
     std::int32_t first_, width_, kept_;
     std::array<Channel, 2> order_;
     std::int32_t next_;
-    std::vector<float> parts_[3]; // x, up, z
+    Buffer<float> parts_[3]; // x, up, z
 };
 
 TexelPlanes filtered(const MapPlan& plan, MapKind kind, const HeightWindow& heights, const Window& texels,
@@ -171,7 +171,7 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
     const std::int32_t width = x.source_end - x.source_first;
     const auto line_floats = static_cast<std::size_t>(x.count) * 4;
     const std::int32_t strip = std::clamp((1 << 20) / width, 1, y.source_end - y.source_first);
-    std::vector<std::uint8_t> rgba(static_cast<std::size_t>(strip) * static_cast<std::size_t>(width) * 4);
+    Buffer<std::uint8_t> rgba(static_cast<std::size_t>(strip) * static_cast<std::size_t>(width) * 4);
     std::vector<float> line(line_floats), sums(line_floats * static_cast<std::size_t>(y.count));
     std::size_t oldest = 0;
     for (std::int32_t row = y.source_first; row < y.source_end; ++row) {
@@ -192,10 +192,24 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
     blend(sums, {run_x.first, run_y.first, x.count, y.count}, light);
 }
 
+// The ramp alone.
+TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
+    const TexelPlanes ground = filtered(plan, MapKind::colour, heights, texels, {HeightRows::height, HeightRows::up});
+    const LightOfSrgb& table = LightOfSrgb::table();
+    RampPainter painter(*plan.ramp);
+    TexelPlanes light(texels, 3);
+    for (std::size_t i = 0; i < texels.area(); ++i) {
+        float rgb[3];
+        painter.paint(ground.channel[0][i], ground.channel[1][i], rgb);
+        for (std::size_t c = 0; c < 3; ++c) light.channel[c][i] = table.at(rgb[c]);
+    }
+    return light;
+}
+
 // The ramp where images leave something open.
 void lay_under(const MapPlan& plan, const HeightWindow& heights, TexelPlanes& light) {
     constexpr float opaque = 0.9999f; // weights add up to 1 but for rounding
-    const std::vector<float>& alpha = light.channel[3];
+    const Buffer<float>& alpha = light.channel[3];
     if (std::all_of(alpha.begin(), alpha.end(), [](float a) { return a >= opaque; })) return;
     const TexelPlanes ground = filtered(plan, MapKind::colour, heights, light.at, {HeightRows::height, HeightRows::up});
     const LightOfSrgb& table = LightOfSrgb::table();
@@ -216,8 +230,11 @@ TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& heights, const
 }
 
 TexelPlanes base_colours(const MapPlan& plan, const HeightWindow& heights, const Window& texels, ImageReader* reader) {
+    const bool images = plan.image && reader;
+    if (!images && plan.ramp) return paint_ground(plan, heights, texels);
     TexelPlanes light(texels, 4); // three colours times alpha, alpha
-    if (plan.image && reader)
+    light.clear();
+    if (images)
         for (std::size_t layer = 0; layer < plan.image->layers.size(); ++layer) lay_image(plan, *reader, layer, light);
     if (plan.ramp) lay_under(plan, heights, light);
     light.channel.pop_back();

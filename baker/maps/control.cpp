@@ -355,6 +355,7 @@ Window heights_for_control(const ControlGround& ground, const Window& points) {
 TexelPlanes control_shares(const ControlPlan& plan, const ControlGround& ground, const Window& points,
                            const ControlInput& in) {
     TexelPlanes planes(points, static_cast<int>(max_control_names));
+    planes.clear(); // of layers without a name
     const Evaluation evaluation(plan, ground, points, in);
     std::size_t i = 0;
     for (std::int32_t y = points.y; y < points.y + points.rows; ++y)

@@ -117,10 +117,10 @@ FJELL_CLONES void to_unit_codes(const float* from, std::size_t n, std::uint8_t* 
 }
 
 // Planes side by side: fjell/texture.h.
-std::vector<std::byte> compress_horizons(const TexelPlanes& planes, const Window& tile) {
+Buffer<std::byte> compress_horizons(const TexelPlanes& planes, const Window& tile) {
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * horizon_planes_across * 8;
-    std::vector<std::byte> blocks(across * across * horizon_block_bytes);
+    Buffer<std::byte> blocks(across * across * horizon_block_bytes);
     std::vector<std::uint8_t> codes(side * 4);
     for (std::size_t plane = 0; plane < horizon_planes; ++plane)
         for (std::size_t j = 0; j < across; ++j) {
@@ -138,8 +138,8 @@ std::vector<std::byte> compress_horizons(const TexelPlanes& planes, const Window
     return blocks;
 }
 
-std::vector<std::byte> control_texels(const TexelPlanes& planes, const Window& tile) {
-    std::vector<std::byte> texels(tile.area() * control_texel_bytes);
+Buffer<std::byte> control_texels(const TexelPlanes& planes, const Window& tile) {
+    Buffer<std::byte> texels(tile.area() * control_texel_bytes);
     std::byte* to = texels.data();
     float shares[max_control_names];
     for (std::int32_t y = tile.y; y < tile.y + tile.rows; ++y)
@@ -152,13 +152,13 @@ std::vector<std::byte> control_texels(const TexelPlanes& planes, const Window& t
 }
 
 // Blocks of the tile's own texels; planes may hold more around them.
-std::vector<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
+Buffer<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
     if (kind == MapKind::horizon) return compress_horizons(planes, tile);
     if (kind == MapKind::control) return control_texels(planes, tile);
     const bool colour = kind == MapKind::colour;
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
-    std::vector<std::byte> blocks(across * row_bytes);
+    Buffer<std::byte> blocks(across * row_bytes);
     std::vector<std::uint8_t> codes(side * 4 * 3);
     for (std::size_t j = 0; j < across; ++j) {
         ColourRows rgb{};

@@ -54,7 +54,7 @@ struct MapPlan {
 
 // Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon and
 // control 16.
-using Texels = std::vector<std::uint16_t>;
+using Texels = Buffer<std::uint16_t>; // not cleared
 [[nodiscard]] constexpr std::size_t channels(MapKind kind) {
     return kind == MapKind::colour ? 3 : kind == MapKind::normal ? 2 : 16;
 }
@@ -62,8 +62,8 @@ using Texels = std::vector<std::uint16_t>;
 static_assert(horizon_planes == 16 && max_control_names == 16);
 
 struct MipTexels {
-    std::vector<std::byte> blocks; // BC1, BC5, BC4 or control texels, as the pack stores it before zstd
-    Texels texels;                 // plan.texels(kind, mip, tile).area() * channels(kind)
+    Buffer<std::byte> blocks; // BC1, BC5, BC4 or control texels, as the pack stores it before zstd
+    Texels texels;            // plan.texels(kind, mip, tile).area() * channels(kind)
 };
 
 // Mips 0 .. min(near_mips, mip_count) - 1 of a tile; texels are kept for the last one only (empty before).

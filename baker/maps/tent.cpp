@@ -104,7 +104,6 @@ void add_tap(float* to, const float* from, const float* w, std::size_t n, std::s
     for (std::size_t i = 0; i < n; ++i) to[i] += w[i] * from[stride * i];
 }
 
-// to: zero.
 void sum_across(const Taps& x, const float* from, float* to) {
     const auto all = static_cast<std::size_t>(x.count);
     for (const Taps::Run& run : x.runs) {
@@ -114,6 +113,7 @@ void sum_across(const Taps& x, const float* from, float* to) {
             set_three_1(to + begin, at, w, w + all, w + 2 * all, n);
             continue;
         }
+        std::fill_n(to + begin, n, 0.0f);
         for (std::int32_t k = 0; k < x.taps; ++k, w += all)
             add_tap(to + begin, at + k, w, n, static_cast<std::size_t>(run.stride));
     }
@@ -125,7 +125,7 @@ TexelPlanes tent_filter(const Taps& x, const Taps& y, const Window& at, RowSourc
     TexelPlanes out(at, channels);
     const auto width = static_cast<std::size_t>(x.source_end - x.source_first);
     const auto taps = static_cast<std::size_t>(y.taps);
-    std::vector<float> sum(width);
+    Buffer<float> sum(width);
     for (std::size_t j = 0; j < static_cast<std::size_t>(y.count); ++j) {
         const float* const weights = y.weights.data() + j * taps;
         const std::int32_t first = y.source_first + y.first[j];

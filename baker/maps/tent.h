@@ -4,11 +4,13 @@
 // over the source there, in one order. So windows may be cut anywhere: what two of them share is equal bit for bit.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "baker/read/source.h"
+#include "baker/store/memory.h"
 
 namespace fjell::baker {
 
@@ -58,10 +60,13 @@ public:
 // Channels of a window of texels.
 struct TexelPlanes {
     Window at;
-    std::vector<std::vector<float>> channel;
+    std::vector<Buffer<float>> channel; // not cleared
 
     TexelPlanes(const Window& window, int channels) : at(window) {
-        channel.assign(static_cast<std::size_t>(channels), std::vector<float>(window.area()));
+        for (int c = 0; c < channels; ++c) channel.emplace_back(window.area());
+    }
+    void clear() {
+        for (Buffer<float>& values : channel) std::fill(values.begin(), values.end(), 0.0f);
     }
     [[nodiscard]] const float* row(int c, std::int32_t y) const {
         return channel[static_cast<std::size_t>(c)].data() +

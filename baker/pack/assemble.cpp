@@ -37,7 +37,7 @@ private:
     static constexpr std::uint64_t most = std::uint64_t{4} << 20;
     const ChunkSource& chunks_;
     io::AtomicFile& file_;
-    std::vector<std::byte> buffer_;
+    Buffer<std::byte> buffer_;
     std::vector<ChunkEntry> pending_;
     std::uint64_t from_ = 0, bytes_ = 0;
 };

@@ -63,17 +63,26 @@ bool ChunkSpool::has_found() const {
     return digest_of(0, std::as_bytes(std::span(all))) == found_.entries;
 }
 
+std::byte* ChunkSpool::room_for(std::size_t bytes) {
+    constexpr std::size_t piece_bytes = std::size_t{16} << 20;
+    if (pieces_.empty() || pieces_.back().memory.size() - pieces_.back().used < bytes)
+        pieces_.push_back({end_, 0, ZeroedMemory(std::max(bytes, piece_bytes))});
+    Piece& last = pieces_.back();
+    std::byte* const at = last.memory.data() + last.used;
+    last.used += bytes;
+    return at;
+}
+
 void ChunkSpool::append(ChunkBatch batch) {
     std::unique_lock hold(lock_);
     const std::uint64_t at = end_;
+    std::byte* const to = in_memory_ ? room_for(batch.bytes_.size()) : nullptr;
     end_ += batch.bytes_.size();
-    if (in_memory_) {
-        batch.bytes_.shrink_to_fit();
-        batches_.push_back(std::move(batch.bytes_));
-        begins_.push_back(at);
-    }
     hold.unlock();
-    if (!in_memory_) data_.write(at, batch.bytes_);
+    if (in_memory_)
+        std::copy(batch.bytes_.begin(), batch.bytes_.end(), to);
+    else
+        data_.write(at, batch.bytes_);
     for (const ChunkBatch::Entry& e : batch.entries_) {
         ChunkEntry entry = e.entry;
         entry.offset += at;
@@ -83,11 +92,12 @@ void ChunkSpool::append(ChunkBatch batch) {
 
 void ChunkSpool::read(std::uint64_t offset, std::span<std::byte> to) const {
     if (!in_memory_) return data_.read(offset, to);
-    auto batch =
-        static_cast<std::size_t>(std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin()) - 1;
-    for (; !to.empty(); ++batch) {
-        const std::size_t from = offset - begins_[batch], count = std::min(to.size(), batches_[batch].size() - from);
-        std::memcpy(to.data(), batches_[batch].data() + from, count);
+    auto piece = std::upper_bound(pieces_.begin(), pieces_.end(), offset,
+                                  [](std::uint64_t at, const Piece& p) { return at < p.begin; }) -
+                 1;
+    for (; !to.empty(); ++piece) {
+        const std::size_t from = offset - piece->begin, count = std::min(to.size(), piece->used - from);
+        std::memcpy(to.data(), piece->memory.data() + from, count);
         to = to.subspan(count);
         offset += count;
     }

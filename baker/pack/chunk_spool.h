@@ -24,13 +24,13 @@ public:
         ChunkEntry entry; // offset: in bytes()
     };
     [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
-    [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
+    [[nodiscard]] const Buffer<std::byte>& bytes() const { return bytes_; }
 
 private:
     friend class ChunkSpool;
     void enter(ChunkId id, std::size_t from, std::size_t raw_bytes, const PageBound& bound); // bytes_ from `from` on
     std::vector<Entry> entries_;
-    std::vector<std::byte> bytes_;
+    Buffer<std::byte> bytes_;
 };
 
 // Where stages leave chunks, in any order, from any thread.
@@ -83,10 +83,15 @@ private:
     SpoolState found_;
     std::mutex lock_; // of what follows
     std::uint64_t end_;
-    // In memory: batches as they came, and where each begins.
+    // In memory: pieces that batches are copied into, one behind the other.
+    struct Piece {
+        std::uint64_t begin;
+        std::size_t used;
+        ZeroedMemory memory;
+    };
+    [[nodiscard]] std::byte* room_for(std::size_t bytes); // at end_
     bool in_memory_;
-    std::vector<std::vector<std::byte>> batches_;
-    std::vector<std::uint64_t> begins_;
+    std::vector<Piece> pieces_;
 };
 
 } // namespace fjell::baker

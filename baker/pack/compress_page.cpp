@@ -13,7 +13,7 @@ namespace fjell::baker {
 
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using Bytes = Buffer<std::byte>;
 
 // One a thread. Residuals of heights hold few matches: looking for long ones only takes no more bytes, and leaves the
 // decoder fewer.
@@ -88,7 +88,7 @@ void compress_rest(std::span<const std::byte> rest, std::size_t low_end, Bytes& 
 
 } // namespace
 
-void compress_page(std::span<const std::byte> page, std::size_t low_end, Bytes& to) {
+void compress_page(std::span<const std::byte> page, std::size_t low_end, Buffer<std::byte>& to) {
     const bool short_header = page.size() >= least_size && page.size() <= most_size;
     if (short_header && hardly_shrinks(page.first(low_end))) {
         thread_local Bytes scratch;

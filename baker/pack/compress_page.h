@@ -8,12 +8,13 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
+
+#include "baker/store/memory.h"
 
 namespace fjell::baker {
 
 // Appends the frame to `to`. low_end: page[0, low_end) is the head and the low bytes of heights (EncodedPage::low_end).
 // Any thread. The same bytes for the same page, whatever was compressed before. Throws io::Failure without memory.
-void compress_page(std::span<const std::byte> page, std::size_t low_end, std::vector<std::byte>& to);
+void compress_page(std::span<const std::byte> page, std::size_t low_end, Buffer<std::byte>& to);
 
 } // namespace fjell::baker

@@ -113,6 +113,22 @@ bool fits_float(GDALDataType type) {
     return type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32;
 }
 
+// Heights of a GeoTIFF of our own disk are read once, along its blocks: GDAL's cache would keep them for nobody, in
+// memory that is touched for the first time. A band among others is cut out of what GDAL reads for all of them, and
+// what lies far away GDAL fetches by many blocks at once.
+bool reads_by_blocks(GDALDataset& file, const std::string& path, int columns, int rows) {
+    constexpr std::int64_t largest = std::int64_t{16} << 20; // samples; beyond it a block is cut into windows
+    const std::string_view driver = file.GetDriver() ? file.GetDriver()->GetDescription() : "";
+    return driver == "GTiff" && file.GetRasterCount() == 1 && !path.starts_with("/vsi") &&
+           std::int64_t{columns} * rows <= largest;
+}
+
+template <typename T>
+void to_floats(const std::byte* from, std::size_t count, float* to) {
+    const T* const raw = static_cast<const T*>(static_cast<const void*>(from));
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(raw[i]);
+}
+
 } // namespace
 
 HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : encoding_(options.encoding) {
@@ -139,6 +155,8 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     facts_.height_unit = unit_name(first, file_->GetSpatialRef());
     facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
     floats_ = fits_float(first.GetRasterDataType());
+    first.GetBlockSize(&block_columns_, &block_rows_);
+    by_blocks_ = floats_ && reads_by_blocks(*file_, path, block_columns_, block_rows_);
     const int flags = first.GetMaskFlags();
     if (!(flags & GMF_ALL_VALID) && (!(flags & GMF_NODATA) || (flags & (GMF_ALPHA | GMF_PER_DATASET))))
         mask_ = first.GetMaskBand();
@@ -162,6 +180,47 @@ void HeightFile::band(int number, const Window& in_file, void* to, GDALDataType 
     const CPLErr result = band.RasterIO(GF_Read, in_file.x, in_file.y, in_file.columns, in_file.rows, to,
                                         in_file.columns, in_file.rows, type, 0, 0, nullptr);
     if (result != CE_None || messages.failed() || messages.warned()) refuse(in_file, messages);
+}
+
+bool HeightFile::is_whole_blocks(const Window& w) const {
+    const auto ends = [](std::int32_t first, std::int32_t count, int block, std::int32_t size) {
+        return first % block == 0 && (first + count == size || (first + count) % block == 0);
+    };
+    return ends(w.x, w.columns, block_columns_, facts_.at.columns) && ends(w.y, w.rows, block_rows_, facts_.at.rows);
+}
+
+void HeightFile::read_blocks(const Window& in_file, float* to) {
+    const GdalMessages messages;
+    GDALRasterBand& band = *file_->GetRasterBand(1);
+    const GDALDataType type = band.GetRasterDataType();
+    const auto sample_bytes = static_cast<std::size_t>(GDALGetDataTypeSizeBytes(type));
+    block_.resize(static_cast<std::size_t>(block_columns_) * static_cast<std::size_t>(block_rows_) * sample_bytes);
+    for (std::int32_t y = in_file.y; y < in_file.y + in_file.rows; y += block_rows_)
+        for (std::int32_t x = in_file.x; x < in_file.x + in_file.columns; x += block_columns_) {
+            const CPLErr result = band.ReadBlock(x / block_columns_, y / block_rows_, block_.data());
+            if (result != CE_None || messages.failed() || messages.warned()) refuse(in_file, messages);
+            const Window part = common(in_file, {x, y, block_columns_, block_rows_});
+            for (std::int32_t row = 0; row < part.rows; ++row) {
+                const std::byte* const from = block_.data() + static_cast<std::size_t>(row) *
+                                                                  static_cast<std::size_t>(block_columns_) *
+                                                                  sample_bytes;
+                float* const at =
+                    to + static_cast<std::ptrdiff_t>(y + row - in_file.y) * in_file.columns + (x - in_file.x);
+                const auto count = static_cast<std::size_t>(part.columns);
+                switch (type) {
+                case GDT_Byte: to_floats<std::uint8_t>(from, count, at); break;
+                case GDT_UInt16: to_floats<std::uint16_t>(from, count, at); break;
+                case GDT_Int16: to_floats<std::int16_t>(from, count, at); break;
+                default: to_floats<float>(from, count, at);
+                }
+            }
+        }
+}
+
+// Numbers that floats hold, straight into place.
+void HeightFile::floats(const Window& in_file, float* to) {
+    if (by_blocks_ && is_whole_blocks(in_file)) return read_blocks(in_file, to);
+    band(1, in_file, to, GDT_Float32);
 }
 
 void HeightFile::read_coded(const Window& in_file) {
@@ -216,8 +275,8 @@ void HeightFile::read(const Window& window, float* to, ReadStatistics& statistic
     if (facts_.at.flip_x) in_file.x = facts_.at.columns - window.x - window.columns;
     if (facts_.at.flip_y) in_file.y = facts_.at.rows - window.y - window.rows;
     read_marks(in_file, wanted);
-    if (floats_) { // straight into place
-        band(1, in_file, to, GDT_Float32);
+    if (floats_) {
+        floats(in_file, to);
         read_as(in_file, window, to, to, statistics);
         return;
     }

@@ -8,6 +8,7 @@
 #include "baker/read/decode.h"
 #include "baker/read/placement.h"
 #include "baker/read/windows.h"
+#include "baker/store/memory.h"
 
 namespace fjell::baker {
 
@@ -39,6 +40,9 @@ private:
     void read_coded(const Window& in_file);
     void read_marks(const Window& in_file, const std::uint8_t* wanted);
     void band(int number, const Window& in_file, void* to, GDALDataType type);
+    void floats(const Window& in_file, float* to);
+    [[nodiscard]] bool is_whole_blocks(const Window& in_file) const;
+    void read_blocks(const Window& in_file, float* to);
     [[noreturn]] void refuse(const Window& in_file, const GdalMessages& messages);
 
     GdalFile file_;
@@ -46,6 +50,9 @@ private:
     Encoding encoding_ = Encoding::none;
     bool floats_ = false;            // float holds every raw number
     GDALRasterBand* mask_ = nullptr; // none: all are valid
+    bool by_blocks_ = false;         // GDAL need not keep blocks: its driver finds each by itself
+    int block_columns_ = 0, block_rows_ = 0;
+    Buffer<std::byte> block_;
     std::vector<double> raw_;
     std::vector<std::uint8_t> marks_, colours_;
 };

@@ -21,7 +21,7 @@ using io::Failure;
 
 WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path)) {
     if (path_.empty()) {
-        memory_.assign(bytes, std::byte{0});
+        memory_ = ZeroedMemory(bytes);
         return;
     }
     fd_ = io::uninterrupted([&] { return open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });

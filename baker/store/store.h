@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -15,28 +14,10 @@
 #include <vector>
 
 #include "baker/store/digest.h"
+#include "baker/store/memory.h"
 #include "baker/store/window.h"
 
 namespace fjell::baker {
-
-// A vector's memory is not cleared before it is written.
-template <typename T>
-struct Uninitialised : std::allocator<T> {
-    template <typename U>
-    struct rebind {
-        using other = Uninitialised<U>;
-    };
-    template <typename U>
-    void construct(U* at) noexcept {
-        ::new (static_cast<void*>(at)) U; // no value: scalars stay as they are
-    }
-    template <typename U, typename... From>
-    void construct(U* at, From&&... from) {
-        ::new (static_cast<void*>(at)) U(std::forward<From>(from)...);
-    }
-};
-template <typename T>
-using Buffer = std::vector<T, Uninitialised<T>>;
 
 // A file of fixed size, or as much memory where there is no path. Reads and writes of different places may run at the
 // same time. Throws Failure (3: the disk).
@@ -83,7 +64,7 @@ private:
     int fd_ = -1;
     bool found_ = false; // an earlier run has left it
     std::unique_ptr<Sum> sum_;
-    Buffer<std::byte> memory_;
+    ZeroedMemory memory_;
 };
 
 // columns x rows of T, row by row; or a window of them, and a frame around it that others have made.

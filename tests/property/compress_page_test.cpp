@@ -17,7 +17,7 @@ using namespace fjell::test;
 
 namespace {
 
-using Bytes = std::vector<std::byte>;
+using Bytes = baker::Buffer<std::byte>;
 
 // values: how many different ones there may be.
 void append_bytes(Random& random, std::size_t count, int values, Bytes& to) {
