@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "baker/bake/bake.h"
 #include "baker/bake/context.h"
@@ -124,5 +126,9 @@ void make_coarser_step(const BakeContext& context, const BakePlan& plan, const C
 
 // Puts it together beside its place and renames it. Counts its bytes in the summary.
 void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSource& chunks, BakeSummary& summary);
+
+// What a pack says of its making (pack/notes.h); and the bytes of its chunks, by kind, into the summary.
+[[nodiscard]] std::string notes_of(const BakeContext& context, const BakeSummary& summary);
+void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary);
 
 } // namespace fjell::baker

@@ -10,6 +10,7 @@
 #include <sys/wait.h>
 
 #include "baker/bake/work_bytes.h"
+#include "baker/shard/merge.h"
 #include "baker/store/parallel.h"
 
 namespace fjell::baker {
@@ -34,7 +35,8 @@ std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const S
 }
 
 std::string merge_command(const ShardPlan& plan, const LaunchOptions& o) {
-    return fmt::format("{} merge {} -o {}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path),
+    const std::string packs = o.packs ? fmt::format(" --packs {}x{}", o.packs->packs_x, o.packs->packs_y) : "";
+    return fmt::format("{} merge {} -o {}{}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path), packs,
                        o.quiet ? " --quiet" : "", how(o));
 }
 
@@ -153,6 +155,7 @@ std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOpti
 }
 
 void launch(const ShardPlan& plan, const LaunchOptions& o) {
+    if (o.packs) check_grid(*o.packs, plan);
     const char* const needs = o.with == Launcher::slurm ? "sbatch" : o.with == Launcher::mpi ? "mpirun" : nullptr;
     if (needs == nullptr) return launch_local(plan, o);
     if (run_shell(fmt::format("command -v {} > /dev/null", needs)) != 0)

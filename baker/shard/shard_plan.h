@@ -54,6 +54,12 @@ struct PartWindows {
 
 // How wide a frame of heights a part needs for its maps and errors. O(tiles).
 [[nodiscard]] std::int32_t height_frame(const MapPlan& maps);
+// What of filled heights, and of marks of holes, a part makes and keeps: its own samples and a frame around them.
+[[nodiscard]] inline Window with_frame(const PartWindows& windows, std::int32_t frame) {
+    const Window own = windows.samples();
+    return common({own.x - frame, own.y - frame, own.columns + 2 * frame, own.rows + 2 * frame},
+                  {0, 0, windows.tree.columns(), windows.tree.rows()});
+}
 // Of places and centres: what errors/step.h reads beside a region.
 inline constexpr std::int32_t step_frame = 2 * reach + 2;
 inline constexpr std::int32_t texel_frame = 8;
