@@ -132,7 +132,7 @@ void Merge::make_steps(const BakePlan& plan, const CheckpointState& found, Mixed
 
 void Merge::make_mips(const BakePlan& plan, ChunkSpool& spool) const {
     const std::uint32_t left = mip_of_round(plan_.rounds - 1); // the last that shards have made
-    for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+    for (const MapKind kind : all_map_kinds) {
         if (!leaves_texels(plan.maps, kind, left)) continue;
         TexelStore finer = open_texels(context_, plan.maps, kind, left);
         const Window grid{0, 0, static_cast<std::int32_t>(finer.columns()), static_cast<std::int32_t>(finer.rows())};
