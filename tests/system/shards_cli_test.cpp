@@ -60,34 +60,22 @@ TEST_CASE("a plan on the job arrays of a real Slurm of two nodes, one shard kill
     CHECK(same_pack(folder, "out.fjell"));
 }
 
-// A node that dies takes its daemon and all that runs there with it. What it ran is queued again elsewhere once the
-// controller takes it for lost; a launch whose chain of jobs ended with it is started again.
 TEST_CASE(
-    "a node of a real Slurm is lost in the middle of an array, and the same launch comes to the pack of one bake") {
+    "a node of a real Slurm is lost in the middle of an array: its shard runs elsewhere, to the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
     prepare_shards(folder, 7, "--horizons quarter");
-    spit(folder / "job.sh", "launch() { " + bake +
-                                "launch plan -o out.fjell --with slurm --threads 1 > /dev/null || exit 1; }\n"
-                                "drained() { while [ -n \"$(squeue -h -t PD,R,CG -o %i)\" ]; do sleep 0.2; done; }\n"
-                                "launch\n"
-                                "until [ -n \"$(squeue -h -n fjell-step1 -w n1 -t R)\" ]; do\n"
-                                "  [ -n \"$(squeue -h)\" ] || exit 2; sleep 0.02; done\n"
-                                "kill -9 $(cat far/slurmd.n1.pid)\n" // then nobody tells of its steps
-                                "for p in $(grep -lzs '^SLURMD_NODENAME=n1$' /proc/[0-9]*/environ | cut -d/ -f3); do\n"
-                                "  grep -qzs \"^SLURM_CONF=$SLURM_CONF$\" /proc/$p/environ && kill -9 $p; done\n"
-                                "rm far/slurmd.n1.pid\n"
-                                "until sinfo -h -n n1 -o %t | grep -q down; do sleep 0.2; done; echo n1 is down\n"
-                                "drained; [ -s out.fjell ] || { echo launched again; launch; drained; }\n"
-                                "sinfo -h -n n1 -o %t; [ -s out.fjell ]\n");
-    const Run r = run_in(folder.path, "bash " FJELL_SOURCE_DIR "/tests/system/cluster.sh far bash job.sh");
+    const std::string scripts = FJELL_SOURCE_DIR "/tests/system/";
+    const Run r =
+        run_in(folder.path, "bash " + scripts + "cluster.sh far bash " + scripts + "lose_node.sh far out.fjell " +
+                                bake + "launch plan -o out.fjell --with slurm --threads 1");
     if (r.code == 77) {
         WARN("no Slurm of our own here: " << r.err);
         return;
     }
     CAPTURE(r.out, r.err);
     REQUIRE(r.code == 0);
-    CHECK(r.out.starts_with("n1 is down"));
+    CHECK(r.out.starts_with("queued again: "));
     CHECK(r.out.ends_with("down*\n")); // until the end
     CHECK(same_pack(folder, "out.fjell"));
 }
