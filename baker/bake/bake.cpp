@@ -283,7 +283,7 @@ void Bake::make_horizons(const BakePlan& plan, const HeightStores& heights, Texe
         left.levels = levels.written();
     });
     stage({Stage::near_horizons}, [&] {
-        make_near_horizons(context_, plan, {heights, levels}, {texels, *spool_});
+        make_near_horizons(context_, plan, {heights, levels_in(context_, levels)}, {texels, *spool_});
         left.texels[static_cast<int>(MapKind::horizon)] = texels.digest();
     });
     levels.remove();
@@ -294,7 +294,9 @@ void Bake::make_control(const BakePlan& plan, const HeightStores& heights, Texel
     const Clock::time_point start = Clock::now();
     stage({Stage::near_control}, [&] {
         reads_input_ = true; // rasters
-        make_near_control(context_, plan, heights, {texels, *spool_});
+        std::optional<Wetness> wetness;
+        if (context_.control.wants_wetness()) wetness = make_wetness(context_, sum_squares(context_, heights.heights));
+        make_near_control(context_, plan, heights, wetness ? &*wetness : nullptr, {texels, *spool_});
         reads_input_ = false;
         checkpoint_.state.stores.texels[static_cast<int>(MapKind::control)] = texels.digest();
     });

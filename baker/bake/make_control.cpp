@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdint>
 #include <mutex>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,27 +15,13 @@ namespace fjell::baker {
 
 namespace {
 
-// Means of squares of samples, row of cells by row of cells: no more than a strip of samples is there at a time.
-std::vector<float> coarse_heights(const BakeContext& context, const HeightStores& heights, const WetnessGrid& grid) {
-    const Tree& tree = context.tree;
-    const std::int32_t side = 1 << grid.factor_log2;
-    std::vector<float> means(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
-    parallel_for(grid.rows, context.threads, [&](std::int64_t row) {
-        const auto y = static_cast<std::int32_t>(row) * side;
-        std::vector<float> line(static_cast<std::size_t>(tree.columns()));
-        std::vector<double> sums(static_cast<std::size_t>(grid.columns));
-        const std::int32_t rows = std::min(side, tree.rows() - y);
-        for (std::int32_t i = 0; i < rows; ++i) {
-            heights.heights.read({0, y + i, tree.columns(), 1}, line.data(), tree.columns());
-            for (std::size_t x = 0; x < line.size(); ++x) sums[x >> grid.factor_log2] += static_cast<double>(line[x]);
-        }
-        for (std::int32_t x = 0; x < grid.columns; ++x) {
-            const std::int32_t wide = std::min(side, tree.columns() - x * side);
-            means[static_cast<std::size_t>(row * grid.columns + x)] =
-                static_cast<float>(sums[static_cast<std::size_t>(x)] / (static_cast<double>(wide) * rows));
-        }
-    });
-    return means;
+WetnessGrid grid_of(const BakeContext& context) {
+    return wetness_grid(context.tree.columns(), context.tree.rows(), context.source.spacing_m);
+}
+
+// Of squares that a cell consists of: as large as it, or as large as the least region, which is one shard's.
+int square_log2(const WetnessGrid& grid) {
+    return std::min(grid.factor_log2, 8);
 }
 
 // Readers of all rasters, opened once a thread.
@@ -67,18 +52,56 @@ private:
 
 } // namespace
 
-void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const ControlOutput& out) {
-    std::optional<Wetness> wetness;
-    if (context.control.wants_wetness()) {
-        const WetnessGrid grid = wetness_grid(context.tree.columns(), context.tree.rows(), context.source.spacing_m);
-        wetness.emplace(grid, coarse_heights(context, heights, grid));
+// Row of squares by row of squares: no more than a strip of samples is there at a time.
+SquareSums sum_squares(const BakeContext& context, const Store<float>& heights) {
+    const int log2 = square_log2(grid_of(context));
+    const std::int32_t side = 1 << log2;
+    const Window own = context.sample_window(); // begins where a square does
+    SquareSums all{{own.x >> log2, own.y >> log2, ((own.columns - 1) >> log2) + 1, ((own.rows - 1) >> log2) + 1}, {}};
+    all.sums.assign(all.at.area(), 0);
+    parallel_for(all.at.rows, context.threads, [&](std::int64_t row) {
+        const auto y = static_cast<std::int32_t>(row) * side;
+        std::vector<float> line(static_cast<std::size_t>(own.columns));
+        double* const sums = all.sums.data() + row * all.at.columns;
+        const std::int32_t rows = std::min(side, own.rows - y);
+        for (std::int32_t i = 0; i < rows; ++i) {
+            heights.read({own.x, own.y + y + i, own.columns, 1}, line.data(), own.columns);
+            for (std::size_t x = 0; x < line.size(); ++x) sums[x >> log2] += static_cast<double>(line[x]);
+        }
+    });
+    return all;
+}
+
+Wetness make_wetness(const BakeContext& context, const SquareSums& squares) {
+    const WetnessGrid grid = grid_of(context);
+    const int shift = grid.factor_log2 - square_log2(grid);
+    std::vector<double> sums(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
+    const double* from = squares.sums.data();
+    for (std::int32_t y = 0; y < squares.at.rows; ++y)
+        for (std::int32_t x = 0; x < squares.at.columns; ++x)
+            sums[static_cast<std::size_t>(y >> shift) * static_cast<std::size_t>(grid.columns) +
+                 static_cast<std::size_t>(x >> shift)] += *from++;
+    std::vector<float> means(sums.size());
+    const auto extent = [&](std::int32_t cell, std::int32_t samples) {
+        return std::min(1 << grid.factor_log2, samples - (cell << grid.factor_log2));
+    };
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const auto x = static_cast<std::int32_t>(i % static_cast<std::size_t>(grid.columns)),
+                   y = static_cast<std::int32_t>(i / static_cast<std::size_t>(grid.columns));
+        means[i] = static_cast<float>(
+            sums[i] / (static_cast<double>(extent(x, context.tree.columns())) * extent(y, context.tree.rows())));
     }
-    ControlGround ground{context.tree.columns(),
-                         context.tree.rows(),
-                         {1, 1},
-                         plan.maps.stride_log2(MapKind::control),
-                         wetness ? &*wetness : nullptr};
+    return {grid, std::move(means)};
+}
+
+Wetness found_wetness(const BakeContext& context, std::vector<float> index) {
+    return Wetness::found(grid_of(context), std::move(index));
+}
+
+void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                       const Wetness* wetness, const ControlOutput& out) {
+    ControlGround ground{
+        context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::control), wetness};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
     // Shares of points, of each raster too, texels of them and of their mips; heights; strips of pixels.
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,

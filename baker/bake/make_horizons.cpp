@@ -12,20 +12,8 @@ namespace fjell::baker {
 
 namespace {
 
-HorizonLevels levels_of(const BakeContext& context) {
-    return {context.tree.columns(), context.tree.rows(), context.source.spacing_m};
-}
-
 Window moved(const Window& w, std::int32_t x, std::int32_t y) {
     return {w.x + x, w.y + y, w.columns, w.rows};
-}
-
-// Part of a level into rows of `to`, which is as wide as `wide`.
-void read_level(const HorizonInput& in, const HorizonLevels& levels, int level, const Window& w, float* to,
-                std::ptrdiff_t wide) {
-    if (level == 0) return in.heights.heights.read(w, to, wide);
-    const Window place = levels.place(level);
-    in.levels.read(moved(w, place.x, place.y), to, wide);
 }
 
 LevelWindow window_of(const HorizonInput& in, const HorizonLevels& levels, int level, const Window& at) {
@@ -35,33 +23,63 @@ LevelWindow window_of(const HorizonInput& in, const HorizonLevels& levels, int l
     const Window there{x, y, std::min(at.x + at.columns, all.columns) - x, std::min(at.y + at.rows, all.rows) - y};
     if (there.columns <= 0 || there.rows <= 0) return window;
     const std::ptrdiff_t wide = at.columns;
-    read_level(in, levels, level, there, window.heights_m.data() + (there.y - at.y) * wide + (there.x - at.x), wide);
+    float* const to = window.heights_m.data() + (there.y - at.y) * wide + (there.x - at.x);
+    if (level == 0)
+        in.heights.heights.read(there, to, wide);
+    else
+        in.read_level(level, there, to, wide);
     return window;
 }
 
 } // namespace
+
+HorizonLevels levels_of(const BakeContext& context) {
+    return {context.tree.columns(), context.tree.rows(), context.source.spacing_m};
+}
 
 Store<float> open_levels(const BakeContext& context) {
     const Window all = levels_of(context).array();
     return context.open<float>("levels", std::max(all.columns, 1), std::max(all.rows, 1));
 }
 
-void make_levels(const BakeContext& context, const HeightStores& heights, Store<float>& levels) {
-    constexpr std::int32_t side = 512; // vertices of a level at a time
+void make_level(const BakeContext& context, int level, const Window& window, const LevelReader& read,
+                const LevelWriter& write) {
+    constexpr std::int32_t side = 512; // vertices at a time
     const HorizonLevels all = levels_of(context);
+    const Window& finer = all.extents(level - 1);
+    const std::int32_t across = (window.columns - 1) / side + 1, down = (window.rows - 1) / side + 1;
+    parallel_for(std::int64_t{across} * down, context.threads, [&](std::int64_t i) {
+        const std::int32_t x = static_cast<std::int32_t>(i % across) * side,
+                           y = static_cast<std::int32_t>(i / across) * side;
+        const Window at{window.x + x, window.y + y, std::min(side, window.columns - x),
+                        std::min(side, window.rows - y)};
+        const Window from = halved_from(finer, at);
+        Buffer<float> had(from.area()), made(at.area());
+        read(level - 1, from, had.data(), from.columns);
+        halve_level(had.data(), from, finer, at, made.data());
+        write(at, made.data());
+    });
+}
+
+LevelReader levels_in(const BakeContext& context, const Store<float>& levels) {
+    return [all = levels_of(context), &levels](int level, const Window& w, float* to, std::ptrdiff_t stride) {
+        const Window place = all.place(level);
+        levels.read(moved(w, place.x, place.y), to, stride);
+    };
+}
+
+void make_levels(const BakeContext& context, const HeightStores& heights, Store<float>& levels) {
+    const HorizonLevels all = levels_of(context);
+    const LevelReader coarser = levels_in(context, levels);
     for (int level = 1; level < all.count(); ++level) {
-        const Window &extents = all.extents(level), &finer = all.extents(level - 1), place = all.place(level);
-        const std::int32_t across = (extents.columns - 1) / side + 1, down = (extents.rows - 1) / side + 1;
-        parallel_for(std::int64_t{across} * down, context.threads, [&](std::int64_t i) {
-            const std::int32_t x = static_cast<std::int32_t>(i % across) * side,
-                               y = static_cast<std::int32_t>(i / across) * side;
-            const Window at{x, y, std::min(side, extents.columns - x), std::min(side, extents.rows - y)};
-            const Window from = halved_from(finer, at);
-            Buffer<float> read(from.area()), made(at.area());
-            read_level({heights, levels}, all, level - 1, from, read.data(), from.columns);
-            halve_level(read.data(), from, finer, at, made.data());
-            levels.write(moved(at, place.x, place.y), made.data(), at.columns);
-        });
+        const Window place = all.place(level);
+        make_level(
+            context, level, all.extents(level),
+            [&](int finer, const Window& w, float* to, std::ptrdiff_t stride) {
+                if (finer == 0) return heights.heights.read(w, to, stride);
+                coarser(finer, w, to, stride);
+            },
+            [&](const Window& at, const float* made) { levels.write(moved(at, place.x, place.y), made, at.columns); });
     }
 }
 

@@ -4,12 +4,18 @@
 // a stage that was interrupted runs again from its beginning. All throw Failure.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "baker/bake/bake.h"
 #include "baker/bake/context.h"
 #include "baker/bake/plan.h"
 #include "baker/bake/region_stores.h"
+#include "baker/maps/horizon.h"
+#include "baker/maps/wetness.h"
 #include "baker/pack/chunk_spool.h"
 #include "baker/read/source.h"
 #include "baker/store/store.h"
@@ -67,10 +73,20 @@ void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texel
 
 [[nodiscard]] Store<float> open_levels(const BakeContext& context);
 void make_levels(const BakeContext& context, const HeightStores& heights, Store<float>& levels);
+[[nodiscard]] HorizonLevels levels_of(const BakeContext& context);
+
+// Part of a level into rows of `to`, `stride` floats apart. From any thread.
+using LevelReader = std::function<void(int level, const Window& w, float* to, std::ptrdiff_t stride)>;
+// The window's rows follow each other.
+using LevelWriter = std::function<void(const Window& w, const float* from)>;
+[[nodiscard]] LevelReader levels_in(const BakeContext& context, const Store<float>& levels); // keeps the reference
+// A window of a level, which is 1 at least, from the one below it. read: also of level 0, the heights.
+void make_level(const BakeContext& context, int level, const Window& window, const LevelReader& read,
+                const LevelWriter& write);
 
 struct HorizonInput {
     const HeightStores& heights;
-    const Store<float>& levels;
+    const LevelReader& read_level; // 1 at least
 };
 struct HorizonOutput {
     TexelStore& texels; // the last near mip; not written where there is no further one
@@ -81,12 +97,24 @@ void make_near_horizons(const BakeContext& context, const BakePlan& plan, const 
 
 // ---- control maps: near mips, from the heights, rasters and a coarse grid of all of them
 
+// Sums of the heights of squares of samples, which are cells of the grid of wetness or parts of one.
+struct SquareSums {
+    Window at; // of squares
+    std::vector<double> sums;
+};
+// Of what is baked here.
+[[nodiscard]] SquareSums sum_squares(const BakeContext& context, const Store<float>& heights);
+// squares: of all of the terrain. Or from Wetness::index().
+[[nodiscard]] Wetness make_wetness(const BakeContext& context, const SquareSums& squares);
+[[nodiscard]] Wetness found_wetness(const BakeContext& context, std::vector<float> index);
+
 struct ControlOutput {
     TexelStore& texels; // as of HorizonOutput
-    ChunkSpool& spool;
+    ChunkSink& spool;
 };
+// wetness: null: no rule asks for it.
 void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const ControlOutput& out);
+                       const Wetness* wetness, const ControlOutput& out);
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
 
@@ -124,5 +152,9 @@ void make_coarser_step(const BakeContext& context, const BakePlan& plan, const C
 
 // Puts it together beside its place and renames it. Counts its bytes in the summary.
 void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSource& chunks, BakeSummary& summary);
+
+// What a pack says of its making (pack/notes.h); and the bytes of its chunks, by kind, into the summary.
+[[nodiscard]] std::string notes_of(const BakeContext& context, const BakeSummary& summary);
+void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary);
 
 } // namespace fjell::baker

@@ -97,6 +97,26 @@ void declare_bake(CLI::App& app, Arguments& a) {
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
 
+void add_packs_option(CLI::App& command, Arguments& a, const std::string& about) {
+    const auto parse = [&a](const std::string& text) {
+        const auto number = [](std::string_view digits, std::uint32_t& to) {
+            const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to);
+            return error == std::errc{} && end == digits.data() + digits.size() && to >= 1;
+        };
+        const std::string_view all = text;
+        const std::size_t x = std::min(all.find('x'), all.size());
+        SetGrid grid;
+        if (x == all.size() || !number(all.substr(0, x), grid.packs_x) || !number(all.substr(x + 1), grid.packs_y))
+            throw CLI::ValidationError("--packs", "must be two numbers such as 2x3");
+        a.packs = grid;
+    };
+    command.add_option_function<std::string>("--packs", parse, about)->type_name("AxB");
+}
+
+constexpr const char* about_set =
+    "write a pack set instead: OUT is its folder, with so many packs across and down; those without any ground are "
+    "left out";
+
 void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     c.plan = app.add_subcommand("plan", "cut a bake into shards that machines with a shared folder bake apart");
     add_recipe_options(*c.plan, a.given);
@@ -124,10 +144,12 @@ void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
         ->check(io::whole_within(1, max_shards));
     c.launch->add_flag("--dry-run", a.dry_run,
                        "only print the commands, and what a shard takes of time, disk and memory");
+    add_packs_option(*c.launch, a, about_set);
     add_how_options(*c.launch, a);
-    c.merge = app.add_subcommand("merge", "make the pack from what all shards of a plan have left");
+    c.merge = app.add_subcommand("merge", "make the pack, or a pack set, from what all shards of a plan have left");
     c.merge->add_option("DIR", a.plan_folder, "the plan's folder")->required();
     c.merge->add_option("-o,--output", a.given.output, "the pack to write")->required();
+    add_packs_option(*c.merge, a, about_set);
     c.merge->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     add_how_options(*c.merge, a);
 }
@@ -152,21 +174,7 @@ void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
     c.split->add_option("PACK", a.pack)->required();
     c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
-    c.split
-        ->add_option_function<std::string>(
-            "--packs",
-            [&a](const std::string& text) {
-                const auto number = [](std::string_view digits, std::uint32_t& to) {
-                    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to);
-                    return error == std::errc{} && end == digits.data() + digits.size() && to >= 1;
-                };
-                const std::string_view all = text;
-                const std::size_t x = std::min(all.find('x'), all.size());
-                if (x == all.size() || !number(all.substr(0, x), a.packs_x) || !number(all.substr(x + 1), a.packs_y))
-                    throw CLI::ValidationError("--packs", "must be two numbers such as 2x3");
-            },
-            "how many across and down (default 2x2); those without any ground are left out")
-        ->type_name("AxB");
+    add_packs_option(*c.split, a, "how many across and down (default 2x2); those without any ground are left out");
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // What fjell-bake is told.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/pack/write_set.h"
 
 namespace fjell::baker {
 
@@ -34,8 +36,8 @@ struct Arguments {
     Recipe against; // verify: its inputs and read options
     std::string against_recipe_path, verify_json_path;
 
-    std::string set_folder; // split
-    std::uint32_t packs_x = 2, packs_y = 2;
+    std::string set_folder;       // split
+    std::optional<SetGrid> packs; // split, merge, launch
 
     std::string terrain_path, dem_path; // synth, heights
 

@@ -262,10 +262,9 @@ int run_heights(const Arguments& a) {
 int run_split(const Arguments& a) {
     refuse_overwriting({a.set_folder + "/"}, {a.pack});
     ProgressBar bar(a.quiet);
-    const SplitSummary s = split_pack(a.pack, a.set_folder, {a.packs_x, a.packs_y},
-                                      [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
-    fmt::print("{}: {} packs, {:.1f} MB{}\n", a.set_folder, s.packs, static_cast<double>(s.file_bytes) / 1e6,
-               s.left_out ? fmt::format("; {} without any ground are left out", s.left_out) : "");
+    const SetSummary s = split_pack(a.pack, a.set_folder, a.packs.value_or(SetGrid{}),
+                                    [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
+    print_set(s, a.set_folder);
     return 0;
 }
 

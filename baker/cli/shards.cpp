@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "baker/cli/progress.h"
 #include "baker/cli/summary.h"
@@ -82,6 +83,27 @@ BakeOptions options_of(const Arguments& a, const Recipe& recipe, ProgressBar& ba
     return options;
 }
 
+// What a merge writes; a set's folder with all that is in it.
+std::vector<std::string> outputs_of(const Arguments& a) {
+    std::vector<std::string> outputs =
+        a.packs ? std::vector<std::string>{*a.given.output + "/"} : places_written(*a.given.output);
+    outputs.push_back(a.json_path);
+    return outputs;
+}
+
+void check_output(const Arguments& a) {
+    if (!a.packs && a.given.output->ends_with('/'))
+        throw Failure(2,
+                      fmt::format("{}: is a folder's name; add --packs AxB for a pack set, or name a file for a pack",
+                                  *a.given.output));
+}
+
+std::vector<std::string> inputs_of_merge(const ShardPlan& plan, const Recipe& recipe) {
+    std::vector<std::string> inputs = files_read(recipe);
+    inputs.push_back(plan.folder + "/plan.json");
+    return inputs;
+}
+
 } // namespace
 
 int run_plan(const Arguments& a) {
@@ -140,6 +162,7 @@ int run_shard(const Arguments& a) {
 }
 
 int run_launch(const Arguments& a) {
+    check_output(a);
     const ShardPlan plan = load_plan(a.plan_folder);
     check_program(plan);
     const Recipe recipe = plan_recipe(plan.folder);
@@ -151,6 +174,7 @@ int run_launch(const Arguments& a) {
                                 static_cast<int>(a.memory_mb),
                                 std::filesystem::read_symlink("/proc/self/exe").string(),
                                 *a.given.output,
+                                a.packs,
                                 a.quiet};
     if (a.dry_run) {
         const ShardCost cost = cost_of(plan, recipe);
@@ -161,26 +185,36 @@ int run_launch(const Arguments& a) {
                    cost.merge_seconds, cost.disk_bytes / 1e6);
         return 0;
     }
-    refuse_overwriting(places_written(options.out_path), files_read(recipe));
+    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     launch(plan, options);
     return 0;
 }
 
 int run_merge(const Arguments& a) {
+    check_output(a);
     const ShardPlan plan = load_plan(a.plan_folder);
     check_program(plan);
     const std::string& output = *a.given.output;
     const Recipe recipe = plan_recipe(plan.folder);
     check_inputs(plan, recipe);
-    std::vector<std::string> outputs = places_written(output);
-    outputs.push_back(a.json_path);
-    refuse_overwriting(outputs, files_read(recipe));
+    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     const BakeOptions options = options_of(a, recipe, bar);
-    const BakeSummary s = merge_shards(plan, *open_inputs(recipe), options, output);
-    summary.write(summary_json(s));
-    if (!a.quiet && a.json_path != "-") print_summary(s, output);
+    const auto source = open_inputs(recipe);
+    const bool prints = !a.quiet && a.json_path != "-";
+    if (!a.packs) {
+        const BakeSummary s = merge_shards(plan, *source, options, output);
+        summary.write(summary_json(s));
+        if (prints) print_summary(s, output);
+        return 0;
+    }
+    const MergedSet merged = merge_shards_to_set(plan, *source, options, *a.packs, output);
+    nlohmann::json j = summary_json(merged.bake);
+    j["packs"] = merged.set.packs;
+    j["packs_left_out"] = merged.set.left_out;
+    summary.write(j);
+    if (prints) print_summary(merged.bake, output), print_set(merged.set, output);
     return 0;
 }
 

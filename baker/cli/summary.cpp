@@ -85,6 +85,11 @@ void print_summary(const BakeSummary& s, const std::string& output) {
     for (const std::string& line : remarks(s)) fmt::print("{}\n", line);
 }
 
+void print_set(const SetSummary& s, const std::string& folder) {
+    fmt::print("{}: {} packs, {:.1f} MB{}\n", folder, s.packs, static_cast<double>(s.file_bytes) / 1e6,
+               s.left_out ? fmt::format("; {} without any ground are left out", s.left_out) : "");
+}
+
 Recipe complete(const Recipe& given, const std::string& recipe_path) {
     return recipe_path.empty() ? given : merged(given, load_recipe(recipe_path));
 }

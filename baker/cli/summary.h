@@ -9,6 +9,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
+#include "baker/pack/write_set.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -28,6 +29,8 @@ private:
 
 [[nodiscard]] nlohmann::json summary_json(const BakeSummary& summary);
 void print_summary(const BakeSummary& summary, const std::string& output);
+// A line on the packs of a set.
+void print_set(const SetSummary& set, const std::string& folder);
 
 // The command line, completed from --recipe.
 [[nodiscard]] Recipe complete(const Recipe& given, const std::string& recipe_path);

@@ -26,6 +26,8 @@ inline constexpr std::uint32_t near_mips = 3;
 
 enum class MapKind : std::uint8_t { colour, normal, horizon, control };
 inline constexpr std::size_t map_kind_count = 4;
+inline constexpr MapKind all_map_kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon,
+                                                          MapKind::control};
 
 class ImageSource; // colour_files / image.h: an ortho-image of any size and CRS, read by windows
 class ImageReader; // one a thread

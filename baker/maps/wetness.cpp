@@ -124,6 +124,13 @@ Wetness::Wetness(const WetnessGrid& grid, std::vector<float> heights_m) : grid_(
             std::log(static_cast<double>(index_[i]) / contour_m / std::max(drainage.steepest(i), least_slope)));
 }
 
+Wetness Wetness::found(const WetnessGrid& grid, std::vector<float> index) {
+    Wetness wetness;
+    wetness.grid_ = grid;
+    wetness.index_ = std::move(index);
+    return wetness;
+}
+
 float Wetness::at(std::int32_t column, std::int32_t row) const {
     const auto place = [&](std::int32_t sample, std::int32_t cells, std::int32_t& cell) {
         const double at = std::clamp(std::ldexp(sample + 0.5, -grid_.factor_log2) - 0.5, 0.0, cells - 1.0);

@@ -30,6 +30,9 @@ class Wetness {
 public:
     // heights_m: of the cells, row by row, finite.
     Wetness(const WetnessGrid& grid, std::vector<float> heights_m);
+    // As found before: what index() said.
+    [[nodiscard]] static Wetness found(const WetnessGrid& grid, std::vector<float> index);
+    [[nodiscard]] const std::vector<float>& index() const { return index_; }
     // At a sample, interpolated between the centres of cells.
     [[nodiscard]] float at(std::int32_t column, std::int32_t row) const;
     [[nodiscard]] float of_cell(std::int32_t x, std::int32_t y) const {
@@ -38,6 +41,7 @@ public:
     }
 
 private:
+    Wetness() = default;
     WetnessGrid grid_;
     std::vector<float> index_;
 };

@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
+#include "tree/order.h"
 
 namespace fjell::baker {
 
@@ -44,6 +45,38 @@ private:
 
 } // namespace
 
+std::vector<ChunkId> chunk_sequence(const PackHeader& header) {
+    const PageLayout layout = pages_of(header);
+    std::vector<ChunkId> sequence{{ChunkKind::corners, 0, 0}};
+    const std::uint32_t tiles = header.tiles_x * header.tiles_y, pages = layout.pages_per_tile();
+    const auto add_pages = [&](std::uint32_t from, std::uint32_t to) {
+        for (std::uint32_t tile = 0; tile < tiles; ++tile)
+            for (std::uint32_t page = from; page < to; ++page) sequence.push_back({ChunkKind::geometry, tile, page});
+    };
+    if (layout.order == Order::linear) {
+        add_pages(0, pages);
+    } else {
+        add_pages(0, 1);
+        for (std::uint32_t page = 1; page < pages;) {
+            std::uint32_t end = page;
+            while (end < pages && layout.page_step_log2(end) == layout.page_step_log2(page)) ++end;
+            add_pages(page, end);
+            page = end;
+        }
+    }
+    const auto add_maps = [&](ChunkKind kind, std::uint32_t log2_side) {
+        for (std::uint32_t tile = 0; tile < tiles; ++tile)
+            for (std::uint32_t mip = 0; mip < mip_count(log2_side); ++mip) sequence.push_back({kind, tile, mip});
+    };
+    add_maps(ChunkKind::colour, header.colour_log2);
+    add_maps(ChunkKind::normal, header.normal_log2);
+    add_maps(ChunkKind::horizon, header.horizon_log2);
+    add_maps(ChunkKind::control, header.control_log2);
+    if (header.crs_bytes) sequence.push_back({ChunkKind::crs, 0, 0});
+    if (header.layer_bytes) sequence.push_back({ChunkKind::layers, 0, 0});
+    return sequence;
+}
+
 std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const std::vector<ChunkId>& sequence,
                             const std::string& notes, io::AtomicFile& file,
                             const std::function<void(std::uint64_t)>& moved) {
@@ -67,9 +100,9 @@ std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const 
     }
     copier.flush();
     if (done != directory.size()) throw std::logic_error("a chunk is missing from the sequence");
-    header.notes_offset = file.size();
+    header.notes_offset = notes.empty() ? 0 : file.size();
     header.notes_bytes = notes.size();
-    header.notes_hash = XXH3_64bits(notes.data(), notes.size());
+    header.notes_hash = notes.empty() ? 0 : XXH3_64bits(notes.data(), notes.size());
     file.write(std::as_bytes(std::span(notes)));
     const auto bytes = std::as_bytes(std::span(directory));
     header.directory_offset = file.size();
@@ -79,7 +112,7 @@ std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const 
     header.file_bytes = file.size();
     header.header_hash = XXH3_64bits(&header, offsetof(PackHeader, header_hash));
     file.write_at(0, std::as_bytes(std::span(&header, 1)));
-    return file.size();
+    return header.directory_hash;
 }
 
 } // namespace fjell::baker

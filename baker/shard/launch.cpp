@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <sys/wait.h>
 
 #include "baker/bake/work_bytes.h"
+#include "baker/shard/merge.h"
 #include "baker/store/parallel.h"
 
 namespace fjell::baker {
@@ -34,7 +36,8 @@ std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const S
 }
 
 std::string merge_command(const ShardPlan& plan, const LaunchOptions& o) {
-    return fmt::format("{} merge {} -o {}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path),
+    const std::string packs = o.packs ? fmt::format(" --packs {}x{}", o.packs->packs_x, o.packs->packs_y) : "";
+    return fmt::format("{} merge {} -o {}{}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path), packs,
                        o.quiet ? " --quiet" : "", how(o));
 }
 
@@ -130,9 +133,22 @@ ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe) {
     constexpr double shard_rate = 8e6, merge_rate = 8e6; // samples a second and core; docs/notes/sharding.md
     const auto normals =
         static_cast<std::uint32_t>(std::min(plan.tile_log2, static_cast<int>(options.max_texture_log2)));
-    const auto all = static_cast<double>(work_bytes(tree, options.order, {normals - 1, normals, 0}));
+    const auto coarser = [&](int spacing) {
+        return normals -
+               std::min(normals, static_cast<std::uint32_t>(std::bit_width(static_cast<unsigned>(spacing)) - 1));
+    };
+    const bool horizons = options.horizon_spacing != 0, control = !options.layers_path.empty();
+    const auto all =
+        static_cast<double>(work_bytes(tree, options.order,
+                                       {normals - 1, normals, horizons ? coarser(options.horizon_spacing) : 0,
+                                        control ? coarser(options.control_spacing) : 0}));
+    // Horizons and control maps at every second sample; docs/notes/horizons.md and materials.md. At every n-th it is
+    // less, but not by n^2.
+    constexpr double map_rate = 4e6;
     ShardCost cost;
     cost.seconds = largest / shard_rate;
+    if (horizons) cost.seconds += largest / (map_rate * options.horizon_spacing / 2);
+    if (control) cost.seconds += largest / (map_rate * options.control_spacing / 2);
     cost.merge_seconds = samples / std::ldexp(1.0, 2 * plan.rounds) / merge_rate + samples * 1.5 / 400e6;
     cost.disk_bytes = all + samples * 4;
     cost.largest_shard_bytes = cost.disk_bytes * largest / samples;
@@ -153,6 +169,7 @@ std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOpti
 }
 
 void launch(const ShardPlan& plan, const LaunchOptions& o) {
+    if (o.packs) check_grid(*o.packs, plan);
     const char* const needs = o.with == Launcher::slurm ? "sbatch" : o.with == Launcher::mpi ? "mpirun" : nullptr;
     if (needs == nullptr) return launch_local(plan, o);
     if (run_shell(fmt::format("command -v {} > /dev/null", needs)) != 0)

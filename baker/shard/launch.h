@@ -2,9 +2,11 @@
 // shard`), step by step; the engine's own means see that a step begins when the one before is complete.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/pack/write_set.h"
 #include "baker/shard/plan_folder.h"
 
 namespace fjell::baker {
@@ -23,7 +25,8 @@ struct LaunchOptions {
     int memory_mb = 512; // of each shard
     std::string program; // of the machines; how they find fjell-bake
     std::string out_path;
-    bool quiet = false; // otherwise the merge tells of the pack, as a bake does
+    std::optional<SetGrid> packs; // out_path: the folder of a set of them
+    bool quiet = false;           // otherwise the merge tells of the pack, as a bake does
 };
 
 // What a plan costs, from the sizes of its stores and the rates of docs/notes/sharding.md, which are those of one core.
@@ -41,7 +44,8 @@ struct ShardCost {
 [[nodiscard]] std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOptions& options);
 
 // Runs them all, and waits unless the engine has a queue. A step of a shard that is complete costs nothing again.
-// Throws Failure 3 where an engine is missing, and 1 where a shard failed: the same call goes on.
+// Throws Failure 3 where an engine is missing, 2 for more packs than tiles, and 1 where a shard failed: the same call
+// goes on.
 void launch(const ShardPlan& plan, const LaunchOptions& options);
 
 } // namespace fjell::baker

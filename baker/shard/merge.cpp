@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "baker/bake/plan.h"
@@ -25,7 +26,8 @@ public:
         for (const ShardStep& step : shard_steps(plan.rounds))
             for (int shard = 1; shard <= plan.shards; ++shard) (void)require_record(plan, step, shard);
     }
-    BakeSummary run();
+    BakeSummary to_pack();
+    MergedSet to_set(const SetGrid& grid, const std::string& folder);
 
 private:
     [[nodiscard]] PartWindows windows_of(int shard) const {
@@ -44,10 +46,21 @@ private:
     [[nodiscard]] UnsaturatedStores gather_unsaturated() const;
     void make_steps(const BakePlan& plan, const CheckpointState& found, MixedStores& mixed, ChunkSpool& spool) const;
     void make_mips(const BakePlan& plan, ChunkSpool& spool) const;
+    // Everything but the pack: all chunks, in files of shards and in one of the merge's own.
+    struct Made {
+        CheckpointState found;
+        BakePlan plan;
+        std::unique_ptr<ChunkSpool> spool;
+        BakeSummary summary;
+    };
+    [[nodiscard]] Made make_rest() const;
+    [[nodiscard]] Store<std::uint8_t> holes_of(int shard, const MapPlan& maps) const;
+    [[nodiscard]] std::uint64_t voids_in(const Window& samples, const MapPlan& maps) const;
 
     const ShardPlan& plan_;
     BakeContext context_;
     const ShardStep last_;
+    const Clock::time_point start_ = Clock::now();
 };
 
 template <typename T, typename HeldOf>
@@ -119,7 +132,7 @@ void Merge::make_steps(const BakePlan& plan, const CheckpointState& found, Mixed
 
 void Merge::make_mips(const BakePlan& plan, ChunkSpool& spool) const {
     const std::uint32_t left = mip_of_round(plan_.rounds - 1); // the last that shards have made
-    for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+    for (const MapKind kind : all_map_kinds) {
         if (!leaves_texels(plan.maps, kind, left)) continue;
         TexelStore finer = open_texels(context_, plan.maps, kind, left);
         const Window grid{0, 0, static_cast<std::int32_t>(finer.columns()), static_cast<std::int32_t>(finer.rows())};
@@ -137,33 +150,102 @@ void Merge::make_mips(const BakePlan& plan, ChunkSpool& spool) const {
     }
 }
 
-BakeSummary Merge::run() {
-    const Clock::time_point start = Clock::now();
-    CheckpointState found = found_by_shards(plan_, context_, true);
-    BakePlan plan = make_plan(context_, found);
-    ChunkSpool spool(context_.store_path("chunks"), context_.store_path("entries"), plan.header, {});
-    make_mips(plan, spool);
+Merge::Made Merge::make_rest() const {
+    Made made{found_by_shards(plan_, context_, true), {}, nullptr, {}};
+    made.plan = make_plan(context_, made.found);
+    PackHeader& header = made.plan.header;
+    made.spool = std::make_unique<ChunkSpool>(context_.store_path("chunks"), context_.store_path("entries"), header,
+                                              SpoolState{});
+    make_mips(made.plan, *made.spool);
     MixedStores mixed = open_mixed(context_);
-    make_steps(plan, found, mixed, spool);
-    found.max_error_m = make_mixed_pages(context_, plan, mixed, spool);
+    make_steps(made.plan, made.found, mixed, *made.spool);
+    made.found.max_error_m = make_mixed_pages(context_, made.plan, mixed, *made.spool);
     mixed.remove();
     for_each_shard([&](int shard, const PartWindows&) {
         const std::vector<std::byte> bytes = read_parcel(plan_, {ShardStep::Kind::errors, 0}, shard, "facts");
-        found.ground_error_m = std::max(found.ground_error_m, ParcelReader(bytes).get<float>());
+        made.found.ground_error_m = std::max(made.found.ground_error_m, ParcelReader(bytes).get<float>());
     });
-    plan.header.max_error_m = found.max_error_m;
-    BakeSummary summary = summary_of(context_, found, plan.header);
-    write_pack(context_, plan.header, ShardChunks(plan_, plan.header, spool), summary);
-    summary.seconds_total = std::chrono::duration<double>(Clock::now() - start).count();
-    return summary;
+    header.max_error_m = made.found.max_error_m;
+    made.summary = summary_of(context_, made.found, header);
+    return made;
+}
+
+Store<std::uint8_t> Merge::holes_of(int shard, const MapPlan& maps) const {
+    const ShardStep step{ShardStep::Kind::measure};
+    const std::string path = plan_.file(step, shard, "holes");
+    Store<std::uint8_t> holes = Store<std::uint8_t>::complete(path, context_.tree.columns(), context_.tree.rows(),
+                                                              with_frame(windows_of(shard), height_frame(maps)));
+    if (holes.digest() != require_record(plan_, step, shard).files.at("holes").digest)
+        throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(step, shard)));
+    return holes;
+}
+
+// As shards have marked them, each of its own samples.
+std::uint64_t Merge::voids_in(const Window& samples, const MapPlan& maps) const {
+    constexpr std::int32_t band = 64;
+    std::uint64_t voids = 0;
+    for_each_shard([&](int shard, const PartWindows& windows) {
+        const Window mine = common(windows.samples(), samples);
+        if (mine.area() == 0) return;
+        const Store<std::uint8_t> holes = holes_of(shard, maps);
+        std::vector<std::uint8_t> marks;
+        for (std::int32_t y = 0; y < mine.rows; y += band) {
+            io::check_interrupt();
+            const Window w{mine.x, mine.y + y, mine.columns, std::min(band, mine.rows - y)};
+            marks.resize(w.area());
+            holes.read(w, marks.data(), w.columns);
+            voids += static_cast<std::uint64_t>(std::count(marks.begin(), marks.end(), std::uint8_t{1}));
+        }
+    });
+    return voids;
+}
+
+BakeSummary Merge::to_pack() {
+    Made made = make_rest();
+    const PackHeader& header = made.plan.header;
+    write_pack(context_, header, ShardChunks(plan_, header, *made.spool), made.summary);
+    made.summary.seconds_total = std::chrono::duration<double>(Clock::now() - start_).count();
+    return made.summary;
+}
+
+MergedSet Merge::to_set(const SetGrid& grid, const std::string& folder) {
+    Made made = make_rest();
+    const PackHeader& header = made.plan.header;
+    const ShardChunks chunks(plan_, header, *made.spool);
+    const std::string notes = notes_of(context_, made.summary);
+    const Progress& progress = context_.options.progress;
+    MergedSet merged;
+    merged.set =
+        write_set({header, chunks, notes, [&](const Window& samples) { return voids_in(samples, made.plan.maps); }},
+                  grid, folder, context_.folder.path(), [&](std::uint64_t done, std::uint64_t total) {
+                      if (progress) progress("write", done, total);
+                  });
+    count_bytes(header, chunks.entries(), made.summary);
+    made.summary.file_bytes = merged.set.file_bytes;
+    made.summary.seconds_total = std::chrono::duration<double>(Clock::now() - start_).count();
+    merged.bake = made.summary;
+    return merged;
 }
 
 } // namespace
 
+void check_grid(const SetGrid& grid, const ShardPlan& plan) {
+    const Tree tree = Tree::covering(plan.columns, plan.rows, plan.tile_log2);
+    check_grid(grid, static_cast<std::uint32_t>(tree.tiles_x), static_cast<std::uint32_t>(tree.tiles_y), plan.folder);
+}
+
 BakeSummary merge_shards(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
                          const std::string& out_path) {
     check_source(plan, source);
-    return Merge(plan, source, options, out_path).run();
+    return Merge(plan, source, options, out_path).to_pack();
+}
+
+MergedSet merge_shards_to_set(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
+                              const SetGrid& grid, const std::string& folder) {
+    check_source(plan, source);
+    check_grid(grid, plan);
+    make_set_folder(folder);
+    return Merge(plan, source, options, set_work_name(folder)).to_set(grid, folder);
 }
 
 } // namespace fjell::baker

@@ -1,10 +1,12 @@
-// From what all shards have left to a pack: the steps of the vertex tree and the mips that are left, root pages,
-// corners, and all chunks in the order of a pack. The pack is that of bake(), byte for byte.
+// From what all shards have left to a pack, or to a pack set: the steps of the vertex tree and the mips that are left,
+// root pages, corners, and all chunks in the order of a pack. The pack is that of bake(), byte for byte; the set is
+// that of split_pack() of it.
 #pragma once
 
 #include <string>
 
 #include "baker/bake/bake.h"
+#include "baker/pack/write_set.h"
 #include "baker/shard/plan_folder.h"
 
 namespace fjell::baker {
@@ -13,5 +15,16 @@ namespace fjell::baker {
 // Nothing in the plan's folder changes.
 BakeSummary merge_shards(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
                          const std::string& out_path);
+
+// Throws Failure 2 when the plan has fewer tiles than packs.
+void check_grid(const SetGrid& grid, const ShardPlan& plan);
+// A set without a pack of all: folder holds it. The summary counts the bytes of all packs. Throws Failure as above, and
+// as write_set() does.
+struct MergedSet {
+    BakeSummary bake;
+    SetSummary set;
+};
+MergedSet merge_shards_to_set(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
+                              const SetGrid& grid, const std::string& folder);
 
 } // namespace fjell::baker

@@ -97,13 +97,6 @@ std::string recipe_path(const std::string& folder) {
 ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards) {
     if (shards < 1 || shards > max_shards)
         throw Failure(2, fmt::format("--shards {}: must be from 1 to {}", shards, max_shards));
-    if (!options.layers_path.empty())
-        throw Failure(
-            2, "--layers looks at wetness over the whole terrain and cannot be cut into shards; leave it out, or bake "
-               "the terrain in one run");
-    if (options.horizon_spacing != 0)
-        throw Failure(2, "--horizons looks over the whole terrain and cannot be cut into shards; leave it out, or bake "
-                         "on one machine");
     ShardPlan plan;
     plan.shards = shards;
     plan.columns = source.columns;
@@ -254,22 +247,45 @@ struct ParcelHead {
 };
 constexpr char parcel_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'C', '1'};
 
+// Takes the head off and returns whose plan it names; nothing where the bytes are not what was written.
+std::optional<std::uint64_t> open_parcel(std::vector<std::byte>& bytes) {
+    ParcelHead head{};
+    if (bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);
+    const std::size_t rest = bytes.size() - std::min(bytes.size(), sizeof head);
+    if (std::memcmp(head.magic, parcel_magic, sizeof parcel_magic) != 0 || head.bytes != rest ||
+        head.hash != XXH3_64bits(bytes.data() + sizeof head, rest))
+        return {};
+    bytes.erase(bytes.begin(), bytes.begin() + sizeof head);
+    return head.plan;
+}
+
 } // namespace
 
 std::vector<std::byte> read_parcel(const ShardPlan& plan, const ShardStep& step, int shard, const std::string& name) {
     const std::string path = plan.file(step, shard, name);
     if (!fs::exists(path)) (void)require_record(plan, step, shard);
     std::vector<std::byte> bytes = io::read_file(path);
-    ParcelHead head{};
-    if (bytes.size() >= sizeof head) std::memcpy(&head, bytes.data(), sizeof head);
-    const std::size_t rest = bytes.size() - std::min(bytes.size(), sizeof head);
-    if (std::memcmp(head.magic, parcel_magic, sizeof parcel_magic) != 0 || head.bytes != rest ||
-        head.hash != XXH3_64bits(bytes.data() + sizeof head, rest))
-        throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan.command(step, shard)));
-    if (head.plan != plan.id)
+    const auto plan_id = open_parcel(bytes);
+    if (!plan_id) throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan.command(step, shard)));
+    if (*plan_id != plan.id)
         throw Failure(1, fmt::format("{}: is of another plan; run {} --again", path, plan.command(step, shard)));
-    bytes.erase(bytes.begin(), bytes.begin() + sizeof head);
     return bytes;
+}
+
+std::optional<std::vector<std::byte>> find_parcel(const ShardPlan& plan, const std::string& path) {
+    if (!fs::exists(path)) return {};
+    std::vector<std::byte> bytes = io::read_file(path);
+    if (open_parcel(bytes) != plan.id) return {};
+    return bytes;
+}
+
+void write_parcel(const ShardPlan& plan, const std::string& path, std::span<const std::byte> bytes) {
+    ParcelHead head{{}, plan.id, bytes.size(), XXH3_64bits(bytes.data(), bytes.size())};
+    std::memcpy(head.magic, parcel_magic, sizeof parcel_magic);
+    io::AtomicFile out(path);
+    out.write(std::as_bytes(std::span(&head, 1)));
+    out.write(bytes);
+    out.commit();
 }
 
 // ---- scratch
@@ -316,12 +332,7 @@ ScratchFolder::~ScratchFolder() {
 }
 
 void ScratchFolder::write_parcel(const std::string& name, std::span<const std::byte> bytes) {
-    ParcelHead head{{}, plan_.id, bytes.size(), XXH3_64bits(bytes.data(), bytes.size())};
-    std::memcpy(head.magic, parcel_magic, sizeof parcel_magic);
-    io::AtomicFile out(file(name));
-    out.write(std::as_bytes(std::span(&head, 1)));
-    out.write(bytes);
-    out.commit();
+    baker::write_parcel(plan_, file(name), bytes);
     add(name);
 }
 

@@ -90,6 +90,10 @@ struct ShardRecord {
 [[nodiscard]] std::vector<std::byte> read_parcel(const ShardPlan& plan, const ShardStep& step, int shard,
                                                  const std::string& name);
 
+// One that is nobody's: the same whoever writes it, and made again where it is missing, damaged or of another plan.
+[[nodiscard]] std::optional<std::vector<std::byte>> find_parcel(const ShardPlan& plan, const std::string& path);
+void write_parcel(const ShardPlan& plan, const std::string& path, std::span<const std::byte> bytes);
+
 // Where a shard at work writes one step's files, and from where they are renamed when it is complete.
 class ScratchFolder {
 public:

@@ -27,9 +27,7 @@ ShardFill::ShardFill(const ShardPlan& plan, const BakeContext& context, int shar
       scratch_(scratch), levels_{{0, 0, context.tree.columns(), context.tree.rows()}} {
     while (levels_.size() <= most_mean_levels && (levels_.back().columns > 1 || levels_.back().rows > 1))
         levels_.push_back({0, 0, (levels_.back().columns + 1) / 2, (levels_.back().rows + 1) / 2});
-    const Window own = context.sample_window();
-    needs_.push_back(
-        common({own.x - frame, own.y - frame, own.columns + 2 * frame, own.rows + 2 * frame}, levels_.front()));
+    needs_.push_back(with_frame({context.tree, context.regions, context.region_window()}, frame));
     for (std::size_t level = 1; level < levels_.size(); ++level)
         needs_.push_back(seen_coarser(needs_.back(), levels_[level - 1], levels_[level]));
 }

@@ -96,6 +96,14 @@ Window PartWindows::east(int z) const {
     return {all.y, part.x, all.rows, part.columns};
 }
 
+Window PartWindows::level(const HorizonLevels& levels, int l) const {
+    const Window own = samples();
+    const Window& all = levels.extents(l);
+    const std::int32_t x = own.x >> l, y = own.y >> l;
+    return {x, y, (own.x + own.columns == tree.columns() ? all.columns : (own.x + own.columns) >> l) - x,
+            (own.y + own.rows == tree.rows() ? all.rows : (own.y + own.rows) >> l) - y};
+}
+
 Window PartWindows::texels(const MapPlan& maps, MapKind kind, std::uint32_t mip) const {
     const Window tiles = regions.tiles_of(part);
     const auto tile = [&](std::int32_t x, std::int32_t y) {
@@ -106,12 +114,45 @@ Window PartWindows::texels(const MapPlan& maps, MapKind kind, std::uint32_t mip)
     return {first.x * n, first.y, (last.x + last.columns - first.x) * n, last.y + last.rows - first.y};
 }
 
+namespace {
+
+// The samples that a tile's maps of all kinds are made from: a rectangle around them.
+Window seen_by_maps(const MapPlan& maps, const HorizonLevels& levels, std::uint32_t tile) {
+    Window all = heights_for_maps(maps, tile);
+    const auto add = [&](const Window& w) {
+        if (all.area() == 0) all = w;
+        const std::int32_t x = std::min(all.x, w.x), y = std::min(all.y, w.y);
+        all = {x, y, std::max(all.x + all.columns, w.x + w.columns) - x, std::max(all.y + all.rows, w.y + w.rows) - y};
+    };
+    if (maps.horizon_log2 != 0)
+        add(common(seen_of_level(0, maps.stride_log2(MapKind::horizon), points_for_map(maps, MapKind::horizon, tile)),
+                   levels.extents(0)));
+    if (maps.control_log2 != 0) {
+        ControlGround ground{
+            maps.tree.columns(), maps.tree.rows(), {1, 1}, maps.stride_log2(MapKind::control), nullptr};
+        add(heights_for_control(ground, points_for_map(maps, MapKind::control, tile)));
+    }
+    return all;
+}
+
+} // namespace
+
+int levels_of_shards(const HorizonLevels& levels) {
+    constexpr int fewest = 5, most = 8; // regions begin at multiples of 2^8
+    constexpr std::size_t small = std::size_t{1} << 22;
+    int level = std::min(fewest, levels.count() - 1);
+    while (level < std::min(most, levels.count() - 1) && levels.extents(level).area() > small) ++level;
+    return level;
+}
+
 std::int32_t height_frame(const MapPlan& maps) {
     std::int32_t most = step_frame;
     const Tree& tree = maps.tree;
+    const HorizonLevels levels(tree.columns(), tree.rows(), maps.spacing_m);
+    if (maps.horizon_log2 != 0) most = std::max(most, (1 << levels_of_shards(levels)) - 1);
     for (std::uint32_t tile = 0;
          tile < static_cast<std::uint32_t>(tree.tiles_x) * static_cast<std::uint32_t>(tree.tiles_y); ++tile) {
-        const Window seen = heights_for_maps(maps, tile);
+        const Window seen = seen_by_maps(maps, levels, tile);
         if (seen.area() == 0) continue;
         const std::int32_t x = static_cast<std::int32_t>(tile) % tree.tiles_x * tree.side(),
                            y = static_cast<std::int32_t>(tile) / tree.tiles_x * tree.side();

@@ -12,6 +12,7 @@
 
 #include "baker/bake/context.h"
 #include "baker/errors/step.h"
+#include "baker/maps/horizon.h"
 #include "baker/maps/maps.h"
 #include "baker/store/window.h"
 
@@ -49,11 +50,21 @@ struct PartWindows {
     [[nodiscard]] Window centres(int z) const;
     [[nodiscard]] Window south(int z) const;
     [[nodiscard]] Window east(int z) const;
+    [[nodiscard]] Window level(const HorizonLevels& levels, int l) const; // of vertices, each in one part
     [[nodiscard]] Window texels(const MapPlan& maps, MapKind kind, std::uint32_t mip) const;
 };
 
+// Levels of the heights (maps/horizon.h) that shards make, each its own vertices: up to one that is small, which every
+// shard reads whole.
+[[nodiscard]] int levels_of_shards(const HorizonLevels& levels);
 // How wide a frame of heights a part needs for its maps and errors. O(tiles).
 [[nodiscard]] std::int32_t height_frame(const MapPlan& maps);
+// What of filled heights, and of marks of holes, a part makes and keeps: its own samples and a frame around them.
+[[nodiscard]] inline Window with_frame(const PartWindows& windows, std::int32_t frame) {
+    const Window own = windows.samples();
+    return common({own.x - frame, own.y - frame, own.columns + 2 * frame, own.rows + 2 * frame},
+                  {0, 0, windows.tree.columns(), windows.tree.rows()});
+}
 // Of places and centres: what errors/step.h reads beside a region.
 inline constexpr std::int32_t step_frame = 2 * reach + 2;
 inline constexpr std::int32_t texel_frame = 8;

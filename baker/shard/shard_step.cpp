@@ -1,6 +1,8 @@
 #include "baker/shard/shard_step.h"
 
 #include <chrono>
+#include <optional>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "baker/shard/seam.h"
 #include "baker/shard/shard_chunks.h"
 #include "baker/shard/shard_fill.h"
+#include "baker/shard/shard_maps.h"
 
 namespace fjell::baker {
 
@@ -20,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 using Kind = ShardStep::Kind;
 
 constexpr ShardStep read_step{Kind::read}, measure_step{Kind::measure};
-constexpr MapKind near_kinds[] = {MapKind::colour, MapKind::normal};
 
 double cpu_seconds() {
     rusage used{};
@@ -71,6 +73,8 @@ private:
         std::copy_n(context_.source.spacing_m, 2, maps.spacing_m);
         maps.colour_log2 = context_.colour_log2;
         maps.normal_log2 = context_.normal_log2;
+        maps.horizon_log2 = context_.horizon_log2;
+        maps.control_log2 = context_.control_log2;
         return maps;
     }
 
@@ -111,6 +115,7 @@ private:
     void means();
     void measure();
     void errors();
+    void near_maps(const BakePlan& plan, const HeightStores& heights, ChunkFile& chunks);
     void finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
     void coarser(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
     void far_mips(const BakePlan& plan, ChunkFile& chunks);
@@ -174,8 +179,10 @@ void ShardRun::measure() {
             leave("holes", holes);
         }
     } else {
-        heights = find_heights(1);
+        heights = find_heights(context_.horizon_log2 != 0 ? frame : 1);
     }
+    if (context_.horizon_log2 != 0) ShardLevels(plan_, context_, shard_, frame).leave(heights, scratch_);
+    if (context_.control.wants_wetness()) leave_squares(context_, heights, scratch_);
     ParcelWriter facts;
     facts.put(measure_heights(context_, {heights, holes}));
     scratch_.write_parcel("facts", facts.bytes);
@@ -213,12 +220,7 @@ void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkF
         found.has_voids ? find<float>(measure_step, "filled", samples, filled) : find_heights(frame);
     const Store<std::uint8_t> holes =
         found.holes ? find<std::uint8_t>(measure_step, "holes", samples, filled) : Store<std::uint8_t>{};
-    const std::uint32_t mip = mip_of_round(0);
-    TexelStore colour = make_texels(plan.maps, MapKind::colour, mip),
-               normal = make_texels(plan.maps, MapKind::normal, mip);
-    make_near_maps(context_, plan, {heights, holes}, {colour, normal, chunks});
-    leave_texels(plan.maps, MapKind::colour, mip, colour);
-    leave_texels(plan.maps, MapKind::normal, mip, normal);
+    near_maps(plan, {heights, holes}, chunks);
     const Window all = places_of(context_.tree, 1);
     UnsaturatedStores unsaturated{
         make<std::uint8_t>("unsaturated", all, own_.places(1)),
@@ -234,6 +236,25 @@ void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkF
     leave_frame("unsaturated", unsaturated.inside, 1, 1);
     leave_frame("south", unsaturated.south, 1, 1);
     leave_frame("east", unsaturated.east, 1, 1);
+}
+
+void ShardRun::near_maps(const BakePlan& plan, const HeightStores& heights, ChunkFile& chunks) {
+    const std::uint32_t mip = mip_of_round(0);
+    const MapPlan& maps = plan.maps;
+    TexelStore texels[map_kind_count];
+    for (const MapKind kind : all_map_kinds) texels[static_cast<int>(kind)] = make_texels(maps, kind, mip);
+    make_near_maps(context_, plan, heights, {texels[0], texels[1], chunks});
+    if (maps.horizon_log2 != 0) {
+        ShardLevels levels(plan_, context_, shard_, height_frame(maps));
+        record_.seam_bytes_read += levels.find();
+        make_near_horizons(context_, plan, {heights, levels.reader()}, {texels[2], chunks});
+    }
+    if (maps.control_log2 != 0) {
+        std::optional<Wetness> wetness;
+        if (context_.control.wants_wetness()) wetness = find_wetness(plan_, context_, record_.seam_bytes_read);
+        make_near_control(context_, plan, heights, wetness ? &*wetness : nullptr, {texels[3], chunks});
+    }
+    for (const MapKind kind : all_map_kinds) leave_texels(maps, kind, mip, texels[static_cast<int>(kind)]);
 }
 
 UnsaturatedStores ShardRun::find_unsaturated() {
@@ -282,7 +303,7 @@ void ShardRun::leave_texels(const MapPlan& maps, MapKind kind, std::uint32_t mip
 void ShardRun::far_mips(const BakePlan& plan, ChunkFile& chunks) {
     const std::uint32_t mip = mip_of_round(step_.z);
     const ShardStep before{Kind::errors, step_.z - 1};
-    for (const MapKind kind : near_kinds) {
+    for (const MapKind kind : all_map_kinds) {
         if (!leaves_texels(plan.maps, kind, mip - 1)) continue;
         Window grid = plan.maps.grid(kind, mip - 1);
         const auto n = static_cast<std::int32_t>(channels(kind));
@@ -304,7 +325,8 @@ bool leaves_texels(const MapPlan& maps, MapKind kind, std::uint32_t mip) {
 }
 
 std::string texel_name(MapKind kind, std::uint32_t mip) {
-    return fmt::format("{}{}", kind == MapKind::colour ? "colour" : "normal", mip);
+    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "control"};
+    return names[static_cast<std::size_t>(kind)] + std::to_string(mip);
 }
 
 CheckpointState found_by_shards(const ShardPlan& plan, const BakeContext& context, bool measured) {

@@ -36,7 +36,7 @@ struct PackAndSet {
     }
     TemporaryFolder folder;
     const std::string pack = folder / "pack.fjell", set = folder / "set";
-    baker::SplitOptions split;
+    baker::SetGrid split;
 };
 
 } // namespace fjell::test

@@ -45,6 +45,7 @@ SlurmdPidFile=$folder/slurmd.%n.pid
 SlurmctldLogFile=$folder/slurmctld.log
 SlurmdLogFile=$folder/slurmd.%n.log
 MpiDefault=none
+SlurmdTimeout=5
 JobRequeue=1
 NodeName=n1 NodeHostname=$host Port=$((base + 1)) CPUs=1
 NodeName=n2 NodeHostname=$host Port=$((base + 2)) CPUs=1

@@ -1,45 +1,17 @@
 // Shards by the program, and by the engines that start it. Slurm and OpenMPI run in full rounds only.
 #include <catch2/catch.hpp>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 
-#include "bake_cli.h"
-#include "support/program.h"
+#include "shards_scene.h"
 #include "support/rounds.h"
 
 using namespace fjell::test;
 
-namespace {
-
-// A recipe of mountains, its pack, and a plan of it.
-void prepare(const TemporaryFolder& folder, int shards) {
-    spit(folder / "land.json", R"({"columns": 600, "rows": 420})");
-    REQUIRE(run_in(folder.path, bake + "land.json -o whole.fjell --tile 64 --threads 1").code == 0);
-    REQUIRE(run_in(folder.path,
-                   bake + "plan land.json -o plan --tile 64 --shards " + std::to_string(shards) + " && mkdir far")
-                .code == 0);
-}
-
-[[nodiscard]] bool same(const TemporaryFolder& folder, const std::string& pack) {
-    return slurp(folder / pack) == slurp(folder / "whole.fjell");
-}
-
-// A shard that fails leaves one line and the plan's folder as it was, but for scratch.
-void fails(const TemporaryFolder& folder, const std::string& command, int code, const std::string& says) {
-    const Run r = run_in(folder.path, command);
-    CAPTURE(command, r.err);
-    CHECK(r.code == code);
-    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1);
-    CHECK(r.err.find(says) != std::string::npos);
-}
-
-} // namespace
-
 TEST_CASE("a plan launched on this machine makes the pack of one bake, and a shard that fails is run again alone") {
     const TemporaryFolder folder;
-    prepare(folder, 2);
+    prepare_shards(folder, 2);
     fails(folder, bake + "merge plan -o out.fjell", 1, "run fjell-bake shard plan 1/2 --step read");
     fails(folder, bake + "shard plan 1/2 --step step1", 1, "run fjell-bake shard plan 1/2 --step read");
     fails(folder, bake + "shard plan 3/2", 2, "give one from 1/2 to 2/2");
@@ -59,7 +31,7 @@ TEST_CASE("a plan launched on this machine makes the pack of one bake, and a sha
     const Run launched = run_in(folder.path, bake + "launch plan -o out.fjell --threads 1");
     REQUIRE(launched.code == 0);
     CHECK(launched.out.starts_with("out.fjell: 600 x 420 samples")); // as a bake tells of its pack
-    CHECK(same(folder, "out.fjell"));
+    CHECK(same_pack(folder, "out.fjell"));
     CHECK(run_in(folder.path, bake + "plan plan --status").out.find("all steps are complete") != std::string::npos);
     spit(folder / "land.json", R"({"columns": 600, "rows": 421})");
     fails(folder, bake + "merge plan -o out.fjell", 1, "the terrain has 600 x 421 samples, and 600 x 420 were planned");
@@ -70,7 +42,7 @@ TEST_CASE("a plan launched on this machine makes the pack of one bake, and a sha
 TEST_CASE("a plan on the job arrays of a real Slurm of two nodes, one shard killed, makes the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
-    prepare(folder, 7);
+    prepare_shards(folder, 7);
     // The kill: of whatever shard runs first. Slurm lets what depends on it go, and the same launch goes on.
     spit(folder / "job.sh", "launch() { " + bake +
                                 "launch plan -o out.fjell --with slurm --threads 1 > /dev/null || exit 1\n"
@@ -85,13 +57,33 @@ TEST_CASE("a plan on the job arrays of a real Slurm of two nodes, one shard kill
     }
     CAPTURE(r.out, r.err);
     REQUIRE(r.code == 0);
-    CHECK(same(folder, "out.fjell"));
+    CHECK(same_pack(folder, "out.fjell"));
+}
+
+TEST_CASE(
+    "a node of a real Slurm is lost in the middle of an array: its shard runs elsewhere, to the pack of one bake") {
+    if (!full_rounds()) return;
+    const TemporaryFolder folder;
+    prepare_shards(folder, 7, "--horizons quarter");
+    const std::string scripts = FJELL_SOURCE_DIR "/tests/system/";
+    const Run r =
+        run_in(folder.path, "bash " + scripts + "cluster.sh far bash " + scripts + "lose_node.sh far out.fjell " +
+                                bake + "launch plan -o out.fjell --with slurm --threads 1");
+    if (r.code == 77) {
+        WARN("no Slurm of our own here: " << r.err);
+        return;
+    }
+    CAPTURE(r.out, r.err);
+    REQUIRE(r.code == 0);
+    CHECK(r.out.starts_with("queued again: "));
+    CHECK(r.out.ends_with("down*\n")); // until the end
+    CHECK(same_pack(folder, "out.fjell"));
 }
 
 TEST_CASE("a plan under mpirun, a step's files lost in between, makes the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
-    prepare(folder, 5);
+    prepare_shards(folder, 5);
     if (run_in(folder.path, "command -v mpirun").code != 0) {
         WARN("no mpirun here");
         return;
@@ -99,9 +91,9 @@ TEST_CASE("a plan under mpirun, a step's files lost in between, makes the pack o
     const std::string launch = "FJELL_MPI_OPTIONS='--allow-run-as-root --oversubscribe' " + bake +
                                "launch plan -o out.fjell --with mpi --at-once 3 --threads 1";
     REQUIRE(run_in(folder.path, launch).code == 0);
-    CHECK(same(folder, "out.fjell"));
+    CHECK(same_pack(folder, "out.fjell"));
     std::filesystem::remove(folder / "out.fjell");
     std::filesystem::remove(folder / "plan/step1/4.places");
     REQUIRE(run_in(folder.path, launch).code == 0);
-    CHECK(same(folder, "out.fjell"));
+    CHECK(same_pack(folder, "out.fjell"));
 }

@@ -1,0 +1,49 @@
+// A pack set written from all chunks of a terrain, without a pack of them: packs of rectangles of its tiles, each with
+// the whole's scales, chunks as they are, and an index.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "baker/pack/chunk_spool.h"
+#include "baker/store/window.h"
+#include "fjell/pack.h"
+
+namespace fjell::baker {
+
+// How many packs across and down, of as many tiles each as whole ones allow. So which tile lies in which pack, and with
+// it each pack's bytes, follow from these alone.
+struct SetGrid {
+    std::uint32_t packs_x = 2, packs_y = 2;
+};
+struct SetSummary {
+    std::uint32_t packs = 0, left_out = 0; // left out: without any ground
+    std::uint64_t file_bytes = 0;
+};
+
+struct SetInput {
+    const PackHeader& header; // of the whole
+    const ChunkSource& chunks;
+    const std::string& notes;
+    // Holes in a window of samples; asked only where the whole has some.
+    std::function<std::uint64_t(const Window& samples)> voids;
+};
+
+// Throws Failure 2 when there are fewer tiles than packs. name: of what is taken apart, for the message.
+void check_grid(const SetGrid& grid, std::uint32_t tiles_x, std::uint32_t tiles_y, const std::string& name);
+// The folder of a set, made where it is not there yet. Throws Failure 1.
+void make_set_folder(const std::string& folder);
+// What a bake or a split into this folder calls its output: its work folder (store.h) then lies inside, on the same
+// file system.
+[[nodiscard]] std::string set_work_name(const std::string& folder);
+
+// Packs grow in `work`, a folder of the caller's inside `folder`. When all of them are complete the old index goes,
+// they are renamed into their places, and the new index is written: so whatever is interrupted, an index speaks of
+// complete packs, and an old set stays until then. Rectangles without any ground are left out. progress(done, total):
+// tiles. Throws Failure: 1 for chunks that are damaged, 3 for the disk.
+[[nodiscard]] SetSummary write_set(const SetInput& whole, const SetGrid& grid, const std::string& folder,
+                                   const std::string& work,
+                                   const std::function<void(std::uint64_t, std::uint64_t)>& progress);
+
+} // namespace fjell::baker

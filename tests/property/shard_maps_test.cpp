@@ -1,0 +1,61 @@
+// Horizons and control maps in shards, which look far beyond one: the bytes of one bake.
+#include <catch2/catch.hpp>
+
+#include <string>
+
+#include "baker/shard/shard_maps.h"
+#include "support/control_rules.h"
+#include "support/rounds.h"
+#include "support/shard_scene.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+void require_same(const Job& job, int shards, Random& random, bool kill) {
+    INFO(shards << " shards");
+    const baker::ShardPlan plan = job.plan(shards, "plan" + std::to_string(shards));
+    run_all(job, plan, random, kill);
+    REQUIRE((job.merged(plan) == job.whole));
+}
+
+} // namespace
+
+TEST_CASE("horizons and control maps of shards are those of one bake, byte for byte, however many there are") {
+    Random random(51);
+    const RulesFile rules;
+    baker::BakeOptions options;
+    options.tile_log2 = 6;
+    options.horizon_spacing = 4;
+    options.layers_path = rules.path();
+    options.control_spacing = 4;
+    const Job job(terrain(random, 900, 620, false), options);
+    for (const int shards : {1, 2, 3, 7, 16}) require_same(job, shards, random, shards == 3);
+}
+
+TEST_CASE("horizons and control maps of any spacing over holes and filled voids are the same in shards") {
+    Random random(52);
+    const RulesFile rules;
+    for (int round = 0; round < rounds(2, 12); ++round) {
+        baker::BakeOptions options;
+        options.tile_log2 = pick(random, 6, 8);
+        options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 5, 10));
+        if (round % 3 != 1) options.horizon_spacing = pick(random, 0, 1) ? 2 : 4;
+        if (round % 3 != 2) options.layers_path = rules.path();
+        options.control_spacing = 1 << pick(random, 0, 2);
+        const Job job(terrain(random, pick(random, 520, 800), pick(random, 300, 700), round % 2 == 0), options);
+        require_same(job, pick(random, 2, 9), random, true);
+    }
+}
+
+TEST_CASE("a terrain that is narrow or small has levels for horizons in shards too") {
+    Random random(53);
+    for (const auto& [columns, rows] : {std::pair(1500, 20), std::pair(258, 258), std::pair(66, 1100)}) {
+        INFO(columns << " x " << rows);
+        baker::BakeOptions options;
+        options.tile_log2 = 6;
+        options.horizon_spacing = 4;
+        require_same(Job(terrain(random, columns, rows, columns == 66), options), 4, random, false);
+    }
+}
