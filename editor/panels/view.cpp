@@ -17,7 +17,8 @@ constexpr double fast = 5; // with Shift
 // ImGui 1.86 knows most keys by the window system's number only; the GLFW back end passes those through. Letters and
 // digits are their ASCII codes.
 namespace key {
-constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290, insert = 260, remove = 261;
+constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290, insert = 260,
+              remove = 261;
 }
 
 double axis(int plus, int minus) {

@@ -77,7 +77,7 @@ public:
     void type(const std::string& text); // letters, digits and . / - _
     // Presses the key until the keyboard's focus is at that control, as many times as a window may have controls.
     void go_to(const std::string& mark, const std::string& by = "Tab");
-    void wheel(int notches);            // up is positive
+    void wheel(int notches); // up is positive
     void resize(std::uint32_t width, std::uint32_t height);
 
     [[nodiscard]] bool runs();
