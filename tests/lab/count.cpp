@@ -1,8 +1,10 @@
 #include "lab/count.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -44,19 +46,24 @@ std::optional<int> run_child(const std::vector<std::string>& command) {
 
 std::optional<double> instructions_a_frame(const Counting& counting, const Recipe& recipe, std::size_t number,
                                            std::size_t frames) {
-    static bool missing = false;
-    if (missing) return std::nullopt;
+    static bool cannot = false;
+    if (cannot) return std::nullopt;
+    const auto leave_out = [](std::string_view why) {
+        cannot = true;
+        fmt::print(stderr, "fjell-lab: instructions are not counted: {}\n", why);
+        return std::nullopt;
+    };
     std::vector<std::string> command{"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null",
                                      "--toggle-collect=fjell_lab_counted_refine", "--log-file=" + counting.log};
     command.insert(command.end(), counting.command.begin(), counting.command.end());
     command.insert(command.end(), {"--count", fmt::format("{}:{}", recipe.name, number)});
     const std::optional<int> code = run_child(command);
-    if (!code) {
-        missing = true;
-        fmt::print(stderr, "fjell-lab: instructions are not counted: valgrind is not installed; install it, and run "
-                           "with --fresh\n");
-        return std::nullopt;
-    }
+    if (!code) return leave_out("valgrind is not installed; install it, and run with --fresh");
+    // As valgrind ends where it meets an instruction that it does not know, in a library's start already.
+    if (*code == 128 + SIGILL)
+        return leave_out(fmt::format("valgrind does not know all instructions of this processor ({}); count on another "
+                                     "machine, with --fresh",
+                                     counting.log));
     const std::string log = io::read_text(counting.log), key = "Collected : ";
     const std::size_t at = log.find(key);
     if (*code != 0 || at == std::string::npos)

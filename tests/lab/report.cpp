@@ -145,7 +145,9 @@ void add_experiment(Pages& pages, const Results& results, const std::string& fol
     pages.paragraph(terrain_text(results));
     pages.paragraph("Found: " + conclusion_of(results));
     for (const Plot& plot : r.plots) {
-        const std::string svg = plot_svg(heading_of(plot.x), heading_of(plot.y), lines_of(results, plot)),
+        const std::vector<Line> lines = lines_of(results, plot);
+        if (lines.empty()) continue; // nothing was measured
+        const std::string svg = plot_svg(heading_of(plot.x), heading_of(plot.y), lines),
                           name = fmt::format("{}-{}.svg", r.name, plot.y);
         write_text(folder + "/" + name, svg);
         pages.markdown += fmt::format("![{} over {}]({})\n\n", heading_of(plot.y), heading_of(plot.x), name);

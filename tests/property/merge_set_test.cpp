@@ -134,7 +134,7 @@ TEST_CASE("a merge into a set that is interrupted leaves no set, or the old one 
     const baker::SetGrid grid{2, 2}, other{4, 1};
     const Files split = split_of(job, grid, "split"), old = split_of(job, other, "old");
     int call = 0;
-    for (bool complete = false; !complete; call += rounds(7, 1)) {
+    for (bool complete = false; !complete; call += rounds(7, 3)) {
         complete = merge_until(job, plan, grid, "new", call);
         if (!complete) CHECK(files_in(job.folder / "new").empty());
         if (!merge_until(job, plan, grid, "old", call)) CHECK((files_in(job.folder / "old") == old));

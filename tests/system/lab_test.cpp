@@ -134,6 +134,7 @@ TEST_CASE("the report of the experiments has every number of its files, and no o
     const std::string markdown = slurp(run.out() / "experiments.md"), html = slurp(run.out() / "experiments.html");
     const auto found = tables(markdown);
     std::size_t expected = 0, pictures = 0;
+    bool counted = true;
     for (const fs::path& file : recipe_files()) {
         const json recipe = json::parse(slurp(file));
         const std::string title = recipe.at("title"), name = file.stem().string();
@@ -159,7 +160,15 @@ TEST_CASE("the report of the experiments has every number of its files, and no o
             }
         }
         for (const json& plot : recipe.at("plots")) {
-            const std::string picture = name + "-" + plot.at("y").get<std::string>() + ".svg";
+            const std::string y = plot.at("y");
+            const bool drawn = std::any_of(lines.begin(), lines.end(),
+                                           [&](const json& line) { return line.at("measured").contains(y); });
+            if (!drawn) { // instructions, where nothing counts them
+                CHECK(y == "instructions");
+                counted = false;
+                continue;
+            }
+            const std::string picture = name + "-" + y + ".svg";
             CHECK(markdown.find("](" + picture + ")") != std::string::npos);
             const std::string svg = slurp(run.out() / picture);
             CHECK(svg.find("<polyline") != std::string::npos);
@@ -176,7 +185,7 @@ TEST_CASE("the report of the experiments has every number of its files, and no o
     }
     for (std::size_t at = 0; (at = html.find("<svg", at)) != std::string::npos; ++at) --pictures;
     CHECK(pictures == 0);
-    CHECK(markdown.find("Too few cases") == std::string::npos);
+    CHECK((markdown.find("Too few cases") == std::string::npos || !counted));
     CHECK(html.find("src=") == std::string::npos); // it needs nothing else
     CHECK(html.find("href=") == std::string::npos);
 }
@@ -320,9 +329,10 @@ TEST_CASE("instructions a frame are some, and not more than a mesh built anew wo
         const json& measured = line.at("measured");
         CHECK(measured.at("triangles").get<double>() > 100);
         if (!measured.contains("instructions")) { // then it was said why
-            CHECK(lab_run().second_err.find("instructions are not counted: valgrind is not installed") !=
-                  std::string::npos);
-            WARN("no valgrind here: nothing was counted");
+            const std::string& said = lab_run().second_err;
+            CHECK((said.find("instructions are not counted: valgrind is not installed") != std::string::npos ||
+                   said.find("instructions are not counted: valgrind does not know all") != std::string::npos));
+            WARN("skipped: no valgrind that runs here, so nothing was counted");
             continue;
         }
         // A frame at rest does hardly anything, one that builds its mesh anew a thousand or two a triangle.

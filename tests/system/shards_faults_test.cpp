@@ -79,7 +79,8 @@ TEST_CASE("a merge into a set that is killed at any moment is no set, and the sa
             fails(folder, bake + "info set", 1, "set");
         return true;
     };
-    for (int n = 1; kill("all", n) && n < 2000;) n += rounds(std::uniform_int_distribution<int>(20, 60)(random), 1);
+    for (int n = 1; kill("all", n) && n < 2000;)
+        n += std::uniform_int_distribution<int>(rounds(40, 4), rounds(120, 12))(random);
     CHECK(kills > 5);
     CHECK(same_set(folder, "set"));
     // The end, call by call: the index goes, packs move, the index comes. An old set stays until then.
