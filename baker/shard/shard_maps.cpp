@@ -10,7 +10,7 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr ShardStep measured{ShardStep::Kind::measure};
+constexpr ShardStep measuring{ShardStep::Kind::measure};
 
 std::string level_name(int level) {
     return fmt::format("level{}", level);
@@ -76,15 +76,15 @@ void ShardLevels::leave(const Store<float>& heights, ScratchFolder& scratch) con
 
 std::uint64_t ShardLevels::find() {
     std::uint64_t bytes_read = 0;
-    const ShardRecord record = require_record(plan_, measured, shard_);
+    const ShardRecord record = require_record(plan_, measuring, shard_);
     for (int level = 1; level < coarse_; ++level) {
         const Window& all = levels_.extents(level);
-        const std::string name = level_name(level), path = plan_.file(measured, shard_, name);
+        const std::string name = level_name(level), path = plan_.file(measuring, shard_, name);
         stores_.push_back(Store<float>::complete(path, all.columns, all.rows, own(shard_, level)));
         if (stores_.back().digest() != record.files.at(name).digest)
-            throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(measured, shard_)));
+            throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(measuring, shard_)));
         bytes_read += add_frames<float>(
-            plan_, measured, name + "-frame", shard_, frame_, frame_, [&](int other) { return own(other, level); },
+            plan_, measuring, name + "-frame", shard_, frame_, frame_, [&](int other) { return own(other, level); },
             stores_.back());
     }
     for (int level = coarse_; level > 0 && level < levels_.count(); ++level) {
@@ -95,7 +95,7 @@ std::uint64_t ShardLevels::find() {
                        [&](const Window& at, const float* values) { whole.write(at, values, at.columns); });
         for (int other = 1; level == coarse_ && other <= plan_.shards; ++other) {
             if (plan_.empty(other)) continue;
-            const std::vector<std::byte> bytes = read_parcel(plan_, measured, other, "coarse");
+            const std::vector<std::byte> bytes = read_parcel(plan_, measuring, other, "coarse");
             bytes_read += bytes.size();
             const Window at = own(other, level);
             std::vector<float> values(at.area());
@@ -131,7 +131,7 @@ SquareSums gather_squares(const ShardPlan& plan, std::uint64_t& bytes_read) {
     SquareSums all;
     for (int shard = 1; shard <= plan.shards; ++shard) {
         if (plan.empty(shard)) continue;
-        const std::vector<std::byte> bytes = read_parcel(plan, measured, shard, "squares");
+        const std::vector<std::byte> bytes = read_parcel(plan, measuring, shard, "squares");
         bytes_read += bytes.size();
         ParcelReader from(bytes);
         SquareSums& part = parts.emplace_back();
@@ -152,7 +152,7 @@ SquareSums gather_squares(const ShardPlan& plan, std::uint64_t& bytes_read) {
 } // namespace
 
 Wetness find_wetness(const ShardPlan& plan, const BakeContext& context, std::uint64_t& bytes_read) {
-    const std::string path = fmt::format("{}/{}/wetness", plan.folder, measured.name());
+    const std::string path = fmt::format("{}/{}/wetness", plan.folder, measuring.name());
     if (const auto bytes = find_parcel(plan, path)) {
         bytes_read += bytes->size();
         std::vector<float> index(bytes->size() / sizeof(float));
