@@ -218,7 +218,7 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
         if (j != 0) return centres[j - 1];
         return north_ends ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
     };
-    std::uint32_t ready[page_squares];
+    std::uint32_t ready[page_squares] = {};
     const auto count = static_cast<std::uint32_t>(part.end - part.first);
     for (std::int32_t j = part.first; j < part.end; ++j) ready[j - part.first] = centres[j] & above(j);
     page.add(at.row(VertexKind::side_x, part.first), count, ready);

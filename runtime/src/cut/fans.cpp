@@ -78,9 +78,8 @@ inline std::uint32_t drawn_around(const SideRow& row, std::uint32_t i) {
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 #if HWY_MAX_BYTES >= 32 && !HWY_HAVE_SCALABLE
+namespace hn = hwy::HWY_NAMESPACE;
 using Eight = hn::FixedTag<std::uint32_t, 8>;
 using Four = hn::FixedTag<std::uint32_t, 4>;
 using Two = hn::FixedTag<std::uint32_t, 2>;
