@@ -51,7 +51,7 @@ bool lives_alone(unsigned seed, int steps) {
     return intact;
 }
 
-long faults() {
+[[maybe_unused]] long faults() {
     rusage usage{};
     getrusage(RUSAGE_THREAD, &usage);
     return usage.ru_minflt;
@@ -70,21 +70,23 @@ TEST_CASE("memory of buffers is one's own on any thread, and joined again when a
     CHECK(release_kept() == before); // a piece that had not been joined would hold its range
 }
 
+#ifndef FJELL_SANITIZED // where all memory is malloc's
 TEST_CASE("a buffer takes what the last one of its size gave back, without a page of the system's") {
     constexpr std::size_t count = 1024 * kb;
     const auto work = [] {
         Buffer<std::int32_t> a(count), b(count / 2);
         std::fill(a.begin(), a.end(), 1);
         std::fill(b.begin(), b.end(), 2);
-        return a.data();
+        return reinterpret_cast<std::uintptr_t>(a.data());
     };
-    const std::int32_t* const first = work();
+    const std::uintptr_t first = work();
     const long before = faults();
-#ifndef FJELL_SANITIZED // where all memory is malloc's
-    CHECK(work() == first);
-    CHECK(faults() == before);
-#endif
+    const std::uintptr_t second = work();
+    const long more = faults() - before;
+    CHECK(second == first);
+    CHECK(more < 100); // 1,536 pages are touched; the system may have taken back a few
 }
+#endif
 
 TEST_CASE("large buffers begin at multiples of 64 bytes, as vectors of instructions like them") {
     const Buffer<char> large(least_kept_bytes + 1), other(least_kept_bytes + 77);
