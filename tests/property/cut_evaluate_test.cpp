@@ -142,7 +142,7 @@ TEST_CASE("evaluate_rows() is evaluate_scalar() for every group of the rows") {
         const ErrorScale errors = ErrorScale::make(static_cast<float>(spacing * 1e-3), 1.05f, 1);
         Criterion d = random_criterion(random, spacing, errors, radii);
         if (round % 2 == 0) d.views = 1, d.hysteresis = false; // most hosts have one
-        const auto stride = static_cast<std::uint32_t>(page_squares + pick(random, 0, 1)),
+        const auto stride = page_squares + static_cast<std::uint32_t>(pick(random, 0, 1)),
                    count = static_cast<std::uint32_t>(pick(random, 1, page_squares));
         std::vector<VertexRecord> records(std::size_t{stride} * count);
         for (VertexRecord& r : records)
@@ -150,11 +150,12 @@ TEST_CASE("evaluate_rows() is evaluate_scalar() for every group of the rows") {
                  static_cast<std::uint8_t>(pick(random, 0, 255))};
         std::uint32_t ready[page_squares], wanted[page_squares] = {};
         std::uint16_t ticks[2 * page_squares];
-        for (std::uint16_t& of : ticks) of = static_cast<std::uint16_t>(pick(random, 0, 3) ? unscheduled : 40);
+        for (std::uint16_t& of : ticks) of = pick(random, 0, 3) != 0 ? unscheduled : std::uint16_t{40};
         const std::vector<std::uint16_t> before(std::begin(ticks), std::end(ticks));
-        for (std::uint32_t& row : ready)
-            row = static_cast<std::uint32_t>(pick(random, 0, 0xffff)) << (pick(random, 0, 1) ? 16 : 0) &
-                  static_cast<std::uint32_t>(pick(random, 0, 2) ? ~0 : 0);
+        for (std::uint32_t& row : ready) { // one group, the other, or none
+            const auto lanes = static_cast<std::uint32_t>(pick(random, 0, 0xffff));
+            row = pick(random, 0, 2) == 0 ? 0u : pick(random, 0, 1) == 0 ? lanes : lanes << group_lanes;
+        }
         const PageRows rows{records.data(),
                             stride,
                             count,
