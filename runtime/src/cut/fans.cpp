@@ -93,48 +93,45 @@ HWY_INLINE auto around(const SideCorners& at, std::uint32_t i) {
     return hn::Combine(Four(), third_and_fourth, hn::LoadU(Two(), at.ends + i));
 }
 
-template <typename Corners, typename Row>
-HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, const Fans& fans,
-                                 std::uint32_t active) {
-    FanOut out = to;
-    for (; active != 0 && out.next + 4 <= out.end; active &= active - 1) {
-        const auto i = static_cast<std::uint32_t>(std::countr_zero(active));
-        const std::uint32_t v = at.slots[i];
-        const Fan& fan = fans[drawn_around(row, i)];
-        const auto corners = hn::Combine(Eight(), hn::Set(Four(), v), around(at, i));
-        const auto low = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner));
-        const auto high = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner + 8));
-        std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
-        hn::StoreU(low, Eight(), indices);
-        hn::StoreU(hn::LowerHalf(Four(), high), Four(), indices + 8);
-        const auto named =
-            hn::Or(hn::Add(hn::Set(Four(), out.next), hn::LoadU(Four(), fan.number)), hn::LoadU(Four(), fan.none));
-        hn::StoreU(named, Four(), out.triangle_of + std::size_t{v} * 4);
-        out.next += fan.count;
-    }
-    to.next = out.next;
-    return active;
+// From out.next on; returns how many there are.
+template <typename Corners>
+HWY_INLINE std::uint32_t write_fan(const FanOut& out, const Corners& at, std::uint32_t i, const Fan& fan) {
+    const std::uint32_t v = at.slots[i];
+    const auto corners = hn::Combine(Eight(), hn::Set(Four(), v), around(at, i));
+    const auto low = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner));
+    const auto high = hn::TableLookupLanes(corners, hn::SetTableIndices(Eight(), fan.corner + 8));
+    std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
+    hn::StoreU(low, Eight(), indices);
+    hn::StoreU(hn::LowerHalf(Four(), high), Four(), indices + 8);
+    const auto named =
+        hn::Or(hn::Add(hn::Set(Four(), out.next), hn::LoadU(Four(), fan.number)), hn::LoadU(Four(), fan.none));
+    hn::StoreU(named, Four(), out.triangle_of + std::size_t{v} * 4);
+    return fan.count;
 }
 #else
+template <typename Corners>
+HWY_INLINE std::uint32_t write_fan(const FanOut& out, const Corners& at, std::uint32_t i, const Fan& fan) {
+    std::uint32_t corner[5];
+    at.copy(i, corner);
+    std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
+    for (std::uint32_t n = 0; n < 12; ++n) indices[n] = corner[fan.corner[n]];
+    std::uint32_t* const named = out.triangle_of + std::size_t{corner[vertex]} * 4;
+    for (std::uint32_t d = 0; d < 4; ++d) named[d] = (out.next + fan.number[d]) | fan.none[d];
+    return fan.count;
+}
+#endif
+
 template <typename Corners, typename Row>
 HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, const Fans& fans,
                                  std::uint32_t active) {
     FanOut out = to;
     for (; active != 0 && out.next + 4 <= out.end; active &= active - 1) {
         const auto i = static_cast<std::uint32_t>(std::countr_zero(active));
-        std::uint32_t corner[5];
-        at.copy(i, corner);
-        const Fan& fan = fans[drawn_around(row, i)];
-        std::uint32_t* const indices = out.indices + std::size_t{out.next} * 3;
-        for (std::uint32_t n = 0; n < 12; ++n) indices[n] = corner[fan.corner[n]];
-        std::uint32_t* const named = out.triangle_of + std::size_t{corner[vertex]} * 4;
-        for (std::uint32_t d = 0; d < 4; ++d) named[d] = (out.next + fan.number[d]) | fan.none[d];
-        out.next += fan.count;
+        out.next += write_fan(out, at, i, fans[drawn_around(row, i)]);
     }
     to.next = out.next;
     return active;
 }
-#endif
 
 std::uint32_t fan_centre_row(FanOut& out, const CentreRow& row, std::uint32_t active) {
     return fan_row(out, CentreCorners{row.slots, row.norths, row.souths}, row, centre_fans, active);

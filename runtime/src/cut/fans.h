@@ -17,7 +17,7 @@ struct FanOut {
 };
 
 // Centres of a row of squares, by their numbers in the row: their slots, and those of the corners to the north and the
-// south (one more). Bits: that there is no triangle towards that side; sides_y has one more.
+// south (one more). Bits: that the triangle towards that side is drawn; sides_y has one more.
 struct CentreRow {
     const std::uint32_t *slots, *norths, *souths;
     std::uint64_t sides_y;
