@@ -12,22 +12,6 @@ namespace fjell::editor {
 
 namespace {
 
-bool button(const char* label, const char* name, bool enabled, const char* about) {
-    ImGui::BeginDisabled(!enabled);
-    const bool pressed = ImGui::Button(label);
-    ImGui::EndDisabled();
-    ui::mark("path", name);
-    ui::tip(about);
-    return pressed;
-}
-
-// The next button beside the last one, where there is room for it.
-void beside(const char* label) {
-    ImGui::SameLine();
-    const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
-    if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
-}
-
 void draw_name(const Route& route) {
     const std::string& path = route.path();
     const std::size_t slash = path.find_last_of('/');
@@ -53,17 +37,17 @@ void draw_name(const Route& route) {
 void draw_flight(const State& state, Commands& commands) {
     const Route& route = state.route;
     const bool there = !route.empty();
-    if (button(route.playing() ? strings::common::pause : strings::path::play, "play", there,
-               strings::path::fly_along_the_path_or))
+    if (ui::panel_button(route.playing() ? strings::common::pause : strings::path::play, "path", "play", there,
+                         strings::path::fly_along_the_path_or))
         commands.push(PlayPath{!route.playing()});
-    beside(strings::path::restart);
-    if (button(strings::path::restart, "again", there, strings::path::play_from_the_beginning)) {
+    ui::beside(strings::path::restart);
+    if (ui::panel_button(strings::path::restart, "path", "again", there, strings::path::play_from_the_beginning)) {
         commands.push(SeekPath{0});
         commands.push(PlayPath{true});
     }
-    beside(strings::path::record);
-    if (button(route.recording() ? strings::common::stop_recording : strings::path::record, "record", true,
-               strings::path::record_the_flight_as_points))
+    ui::beside(strings::path::record);
+    if (ui::panel_button(route.recording() ? strings::common::stop_recording : strings::path::record, "path", "record",
+                         true, strings::path::record_the_flight_as_points))
         commands.push(RecordPath{!route.recording()});
     ImGui::BeginDisabled(!there);
     auto share = static_cast<float>(route.share());

@@ -165,6 +165,21 @@ void begin_column(const char* name, const Rect& rect, ImGuiWindowFlags more) {
                      ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | more);
 }
 
+bool panel_button(const char* label, const char* group, const char* name, bool enabled, const char* about) {
+    ImGui::BeginDisabled(!enabled);
+    const bool pressed = ImGui::Button(label);
+    ImGui::EndDisabled();
+    mark(group, name);
+    tip(about);
+    return pressed;
+}
+
+void beside(const char* label) {
+    ImGui::SameLine();
+    const float width = ImGui::CalcTextSize(label).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+}
+
 bool button(const char* label, bool primary) {
     static int keyboard_at = -2; // frame in which the keyboard was at a button
     const bool pressed = ImGui::Button(label);

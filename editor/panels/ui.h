@@ -48,6 +48,11 @@ void end_tip();
 void begin_column(const char* name, const Rect& rect, ImGuiWindowFlags more = 0);
 // A dialog's button. Enter presses the one that the keyboard is at, or else the primary one.
 [[nodiscard]] bool button(const char* label, bool primary = false);
+// A panel's: grey while it cannot be pressed, with a mark and a tip.
+[[nodiscard]] bool panel_button(const char* label, const char* group, const char* name, bool enabled,
+                                const char* about);
+// The next button stands beside the last one, where there is room for it.
+void beside(const char* label);
 // The next item gets the keyboard, when its dialog has just opened.
 void focus_first();
 void heading(const char* text);
