@@ -259,6 +259,7 @@ double App::interface() {
     place_view();
     draw_panels(state_, commands_);
     ImGui::Render();
+    ui::leave_room();
     return microseconds(Clock::now() - start);
 }
 

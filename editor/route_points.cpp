@@ -116,14 +116,14 @@ CameraPath Route::path_of(const Content& content, double seconds) {
 }
 
 void Route::complete(Content& next, const flight::Ground& ground) {
+    if (next.closed) {
+        next.points.back() = next.points.front();
+        if (!next.targets.empty()) next.targets.back() = next.targets.front();
+    }
     if (std::ranges::none_of(next.targets, [](const auto& target) { return target.has_value(); })) next.targets.clear();
     for (std::size_t i = 0; i < next.targets.size(); ++i) {
         const ControlPoint& p = next.points[i];
         if (next.targets[i]) next.points[i] = route_parts::looking({p[0], p[1], p[2]}, *next.targets[i]);
-    }
-    if (next.closed) {
-        next.points.back() = next.points.front();
-        if (!next.targets.empty()) next.targets.back() = next.targets.front();
     }
     if (std::ranges::adjacent_find(next.points, route_parts::same_place) != next.points.end())
         throw Failure(2, "an adjacent point has the same pose already; move the camera first");
@@ -181,7 +181,7 @@ void Route::keep_time(double seconds_before) {
 
 void Route::take_over(Content next) {
     held_.reset();
-    if (!now_.points.empty() || !next.points.empty()) {
+    if (!now_.points.empty() || !next.points.empty() || now_.seconds != next.seconds) {
         undo_.push_back({std::move(now_), next_edit_stamp()});
         redo_.clear();
     }

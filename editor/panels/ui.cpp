@@ -91,6 +91,18 @@ bool recording_marks() {
     return recording;
 }
 
+void leave_room() {
+    const auto leave = [](auto& list) {
+        if (list.Capacity < list.Size + list.Size / 2) list.reserve(2 * list.Size);
+    };
+    const ImDrawData& drawn = *ImGui::GetDrawData();
+    for (int i = 0; i < drawn.CmdListsCount; ++i) {
+        leave(drawn.CmdLists[i]->VtxBuffer);
+        leave(drawn.CmdLists[i]->IdxBuffer);
+        leave(drawn.CmdLists[i]->CmdBuffer);
+    }
+}
+
 void record_marks(bool on) {
     recording = on;
     if (on) {

@@ -19,6 +19,10 @@ namespace fjell::editor::ui {
 // Fonts and metrics for that scale, 0.5 to 4; the atlas is recreated, and with it what the back end has of it.
 void apply_style(double scale);
 
+// After ImGui::Render(): leaves half as much room again in what it has drawn into, so that a word more in a later frame
+// allocates nothing.
+void leave_room();
+
 // Pixels.
 struct Rect {
     float x = 0, y = 0, width = 0, height = 0;

@@ -221,7 +221,10 @@ TEST_CASE("a constant pace flies every stretch as fast, an easing one from rest 
         const double mean_m = whole_m / static_cast<double>(n - 1);
         CHECK(step(0) < 0.02 * mean_m);
         CHECK(step(n - 2) < 0.02 * mean_m);
-        CHECK(step(n / 2) > 1.2 * mean_m);
+        for (std::size_t i = 0; i < points.size(); ++i) { // at every point the smooth step of the time
+            const double f = route.times_s()[i] / 50;
+            CHECK(points[i][0] - points[0][0] == Approx(whole_m * f * f * (3 - 2 * f)).margin(1e-3 * whole_m));
+        }
         route.set_pace(Pace::constant, plain());
         CHECK_FALSE(route.eases());
     }
@@ -234,7 +237,9 @@ TEST_CASE("a point is inserted on the path, at its time, and the others stay") {
         Route route = ring_of(random, 6);
         if (seed % 2 == 0) route.set_time(2, route.time_of(2), false, plain());
         const std::vector<ControlPoint> before = route.points();
-        const double share = uniform(random, 0.05, 0.95), time_s = share * route.time_of(before.size() - 1);
+        const auto stretch = static_cast<std::size_t>(pick(random, 0, 4)); // of which neither end is near
+        const double share = std::lerp(route.share_of(stretch), route.share_of(stretch + 1), uniform(random, 0.1, 0.9)),
+                     time_s = share * route.time_of(before.size() - 1);
         const Pose there = route.pose_at(share);
         route.insert(share, plain());
         const std::size_t at = route.selected().value();
@@ -332,6 +337,24 @@ TEST_CASE("whatever is done is undone step by step and done again, and holds tog
         route.add(level_pose(10, 10), plain());
         CHECK(route.redo_steps() == 0);
     }
+}
+
+TEST_CASE(
+    "the duration of a path whose points are all gone is a step too, and a closed path's last target goes with it") {
+    Random random(7);
+    Route route = ring_of(random, 3);
+    while (!route.points().empty()) route.remove(0, plain());
+    const std::size_t steps = route.undo_steps();
+    route.set_seconds(20, plain());
+    CHECK(route.undo_steps() == steps + 1);
+    route.undo();
+    CHECK(route.requested_seconds() == 0);
+
+    Route closed = ring_of(random, 5);
+    closed.close(true, plain());
+    closed.aim(4500, 3500, plain(), 0, 0); // the first and, with it, the last
+    closed.remove(0, plain());
+    CHECK(closed.targets().empty());
 }
 
 TEST_CASE("a path keeps times, targets, closing and easing through a file, and steps that it overwrites are unsaved") {
