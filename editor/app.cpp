@@ -20,6 +20,7 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
+#include "editor/strings.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
@@ -144,7 +145,7 @@ void App::replace_surface() {
     surface_->input = counted;
     engine_.make_graphics();
     preview_.set(state_.bake);
-    post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
+    post_message(state_, Severity::warning, strings::notices::driver_reset);
 }
 
 int App::run() {

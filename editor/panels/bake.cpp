@@ -82,8 +82,7 @@ void draw_bake(const State& state, Commands& commands) {
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + 3.4F * ImGui::GetTextLineHeightWithSpacing()));
     const bool can = !state.job.running && form.input[0] != '\0' && draft.output_problem.empty() &&
                      (draft.looking || draft.facts.problem.empty());
-    if (fields::button(strings::common::bake, "bake", "start", can, strings::bake::bakes_in_the_background_with,
-                       true)) {
+    if (fields::button(strings::common::bake, "bake", "start", can, strings::bake::about_bake, true)) {
         if (draft.output_exists) {
             (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s",
                                 bake_dialog::name_in(form.output));
@@ -100,7 +99,7 @@ void draw_bake(const State& state, Commands& commands) {
 }
 
 void draw_baked(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::bake::is_baked_fly_it_and, bake_dialog::name_in(state.bake.ready),
+    ImGui::TextWrapped(strings::bake::pack_is_ready, bake_dialog::name_in(state.bake.ready),
                        bake_dialog::name_in(state.scene.path));
     ImGui::Spacing();
     if (ui::button(strings::bake::fly_it, true)) commands.push(OpenBaked{true});
@@ -108,7 +107,7 @@ void draw_baked(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ui::button(strings::bake::not_now)) commands.push(OpenBaked{false});
     ui::mark("baked", "stay");
-    ui::tip(strings::bake::it_stays_on_the_disk);
+    ui::tip(strings::bake::about_not_now);
 }
 
 } // namespace fjell::editor

@@ -31,7 +31,7 @@ void draw_strip(const HeightFacts& f) {
         ImGui::GetWindowDrawList()->AddRectFilled({x0, from.y}, {x1, from.y + high}, ui::colour(f.strip[i]));
     }
     ImGui::Dummy({width, high});
-    ui::tip(strings::bake::the_ramps_colours_from_the);
+    ui::tip(strings::bake::about_strip);
 }
 
 // As large as there is room for it; the room is there before it is.
@@ -44,8 +44,7 @@ void draw_pictures(const BakeDraft& draft) {
         const float scale = std::min(room / w, most / h);
         ImGui::Image(reinterpret_cast<ImTextureID>(std::uintptr_t{draft.texture}), {w * scale, h * scale});
         ui::mark("bake", "picture");
-        ui::tip(f.image_px != 0 ? strings::bake::the_heights_in_the_colours
-                                : strings::bake::the_heights_in_the_colours_that);
+        ui::tip(f.image_px != 0 ? strings::bake::about_picture_with_texture : strings::bake::about_picture);
     }
     ImGui::SetCursorPosY(top + most + ImGui::GetStyle().ItemSpacing.y);
 }
@@ -69,16 +68,15 @@ void fact(const char* label, const char* format, ...) {
 void draw_layers(const HeightFacts& f) {
     if (f.rules == 0) return;
     constexpr std::size_t most = 5;
-    fact(strings::bake::rules, strings::bake::rules_materials, f.rules, f.layers.size());
+    fact(strings::bake::rules, strings::bake::count_of_rules, f.rules, f.layers.size());
     for (std::size_t i = 0; i < std::min(f.layers.size(), most); ++i) {
         ui::swatch(ui::colour(f.layers[i].rgb));
         fact(f.layers[i].name.c_str(), "%s%.0f%%", strings::bake::about, 100 * f.layers[i].share);
     }
     double rest = 0;
     for (std::size_t i = most; i < f.layers.size(); ++i) rest += f.layers[i].share;
-    if (f.layers.size() > most) fact(strings::bake::others, "%s%.0f%%", strings::bake::about, 100 * rest);
-    if (f.bare_share >= 0.005)
-        fact(strings::bake::without_a_material, "%s%.0f%%", strings::bake::about, 100 * f.bare_share);
+    if (f.layers.size() > most) fact(strings::bake::other_materials, "%s%.0f%%", strings::bake::about, 100 * rest);
+    if (f.bare_share >= 0.005) fact(strings::bake::no_material, "%s%.0f%%", strings::bake::about, 100 * f.bare_share);
 }
 
 } // namespace
@@ -88,14 +86,14 @@ void draw_facts(const BakeDraft& draft) {
     const HeightFacts& f = draft.facts;
     if (!f.known) {
         ImGui::PushTextWrapPos(0);
-        ImGui::TextDisabled("%s", draft.looking ? strings::bake::looking_at_the_heights
-                                                : strings::bake::size_heights_and_coordinates_of);
+        ImGui::TextDisabled("%s", draft.looking ? strings::bake::reading_heights : strings::bake::facts_appear_here);
         ImGui::PopTextWrapPos();
         return;
     }
     draw_strip(f);
     const char* const about = f.all_read ? "" : strings::bake::about;
-    fact(strings::common::heights, strings::bake::to_m, about, metre_text(f.least_m).text, metre_text(f.most_m).text);
+    fact(strings::common::heights, strings::bake::height_range, about, metre_text(f.least_m).text,
+         metre_text(f.most_m).text);
     fact(strings::bake::samples, "%s x %s", grouped(f.columns).c_str(), grouped(f.rows).c_str());
     if (f.has_spacing) {
         if (f.spacing_m[0] == f.spacing_m[1])
@@ -109,9 +107,8 @@ void draw_facts(const BakeDraft& draft) {
     if (!f.image.empty()) fact(strings::bake::texture, "%s", f.image.c_str());
     draw_layers(f);
     ImGui::PushTextWrapPos(0);
-    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, strings::bake::no_unit_is_named_1);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s",
-                       f.crs.empty() ? strings::bake::no_coordinate_reference_system : f.crs.c_str(),
+    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, strings::bake::no_unit);
+    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s", f.crs.empty() ? strings::bake::no_crs : f.crs.c_str(),
                        f.reprojected_from.empty() ? "" : strings::bake::reprojected_from, f.reprojected_from.c_str());
     ImGui::PopTextWrapPos();
 }
@@ -146,9 +143,9 @@ void draw_plan(const State& state) {
     const HeightFacts& f = d.facts;
     ImGui::PushTextWrapPos(0);
     if (d.looking) {
-        ImGui::TextDisabled(strings::bake::looking_at_the_files);
+        ImGui::TextDisabled(strings::bake::reading_files);
     } else if (d.pack.inputs.empty()) {
-        ImGui::TextDisabled(strings::bake::choose_a_file_of_heights);
+        ImGui::TextDisabled(strings::bake::choose_heights);
     } else if (!f.problem.empty() || !d.output_problem.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
         if (f.problem.empty())
@@ -156,22 +153,22 @@ void draw_plan(const State& state) {
         else if (f.proposed.empty() || f.because.empty())
             ImGui::TextUnformatted(f.problem.c_str());
         else
-            ImGui::Text(strings::bake::proposed, f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
+            ImGui::Text(strings::bake::problem_with_proposal, f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
         ImGui::PopStyleColor();
     } else {
         const double samples = static_cast<double>(f.columns) * f.rows;
         const double seconds = samples * seconds_a_sample(d);
         char time[48];
         if (seconds > 8)
-            (void)std::snprintf(time, sizeof time, strings::bake::about_time, seconds < 90 ? seconds : seconds / 60,
+            (void)std::snprintf(time, sizeof time, strings::bake::duration, seconds < 90 ? seconds : seconds / 60,
                                 seconds < 90 ? strings::bake::seconds : strings::bake::minutes);
         else
-            (void)std::snprintf(time, sizeof time, strings::bake::some_seconds);
-        ImGui::Text(strings::bake::writes_to_in_while_you, name_in(d.pack.output),
+            (void)std::snprintf(time, sizeof time, strings::bake::few_seconds);
+        ImGui::Text(strings::bake::plan, name_in(d.pack.output),
                     byte_text(samples * (bytes_a_sample[0] + maps_bytes(d.pack))).text,
                     byte_text(samples * (bytes_a_sample[1] + maps_bytes(d.pack))).text, time,
-                    d.output_exists ? strings::bake::a_pack_of_that_name : "",
-                    state.scene.open() ? strings::bake::when_it_is_done_you : strings::bake::then_it_is_opened,
+                    d.output_exists ? strings::bake::plan_replaces : "",
+                    state.scene.open() ? strings::bake::plan_asks : strings::bake::plan_opens,
                     state.scene.open() ? name_in(state.scene.path) : "", state.scene.open() ? "." : "");
     }
     ImGui::PopTextWrapPos();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* tile_names[] = {strings::common::auto_, "64", "128", "256", "512", "1024", "2048"};
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
-constexpr const char* nodata_names[] = {strings::bake::auto_holes_suspicious_values_refused, "hole", "fill", "refuse"};
+constexpr const char* nodata_names[] = {strings::bake::auto_no_data, "hole", "fill", "refuse"};
 constexpr const char* encoding_names[] = {strings::common::none, "terrarium", "terrain-rgb"};
 constexpr ImU32 marked = IM_COL32(104, 80, 24, 255);
 
@@ -115,16 +115,15 @@ bool draw_proposal(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return false;
     char text[48];
-    (void)std::snprintf(text, sizeof text, strings::bake::use, f.proposed.c_str());
-    return side_button(text, "propose", field,
-                       f.because.empty() ? strings::bake::what_the_line_below_says : f.because.c_str());
+    (void)std::snprintf(text, sizeof text, strings::bake::take_proposal, f.proposed.c_str());
+    return side_button(text, "propose", field, f.because.empty() ? strings::bake::about_proposal : f.because.c_str());
 }
 
 float proposal_room(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return 0;
     char text[48];
-    (void)std::snprintf(text, sizeof text, strings::bake::use, f.proposed.c_str());
+    (void)std::snprintf(text, sizeof text, strings::bake::take_proposal, f.proposed.c_str());
     return width_of_button(text);
 }
 
@@ -159,7 +158,7 @@ bool path_field(const char* label, Form& form, BakeField field, fields::PathText
     ui::tip(about);
     const char* const beside = text[0] != '\0' ? text : form.input;
     if (side_button(strings::bake::browse, "browse", field, nullptr)) browse(form, field, false, beside, commands);
-    if (heights && side_button(strings::common::add, "add", field, strings::bake::one_more_file_beside_it))
+    if (heights && side_button(strings::common::add, "add", field, strings::bake::about_add))
         browse(form, field, text[0] != '\0', beside, commands);
     return edited;
 }
@@ -225,55 +224,53 @@ void draw_options(Form& form, const State& state) {
         ImGui::Combo("##nodata", &form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)));
     }
     ui::mark("bake", "nodata");
-    ui::tip(strings::bake::samples_without_a_height_a);
+    ui::tip(strings::bake::about_no_data);
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
-    text_row(strings::bake::voids, BakeField::voids, form.voids, strings::bake::what_the_file_marks,
-             strings::bake::numbers_that_stand_for_no, state);
+    text_row(strings::bake::voids, BakeField::voids, form.voids, strings::bake::voids_hint, strings::bake::about_voids,
+             state);
     if (draw_proposal(state.bake, BakeField::voids)) fields::copy(form.voids, state.bake.facts.proposed);
-    text_row(strings::bake::crs, BakeField::crs, form.crs, strings::bake::the_files_own_degrees_become,
-             strings::bake::another_coordinate_reference_system_to, state);
-    text_row(strings::bake::extract, BakeField::bbox, form.bbox, strings::bake::all_of_it,
-             strings::bake::only_what_lies_in_it, state);
+    text_row(strings::bake::crs, BakeField::crs, form.crs, strings::bake::crs_hint, strings::bake::about_crs, state);
+    text_row(strings::bake::extract, BakeField::bbox, form.bbox, strings::bake::extract_hint,
+             strings::bake::about_extract, state);
     {
         const Marked warn(state.bake, BakeField::encoding);
         fields::choice(strings::bake::encoding, "bake", "encoding", form.encoding, encoding_names,
-                       static_cast<int>(std::size(encoding_names)), strings::bake::heights_in_three_colours);
+                       static_cast<int>(std::size(encoding_names)), strings::bake::about_encoding);
     }
     fields::choice(strings::bake::tile, "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
-                   strings::bake::cells_along_a_side_of);
+                   strings::bake::about_tile);
     fields::choice(strings::bake::order, "bake", "order", form.order, order_names,
-                   static_cast<int>(std::size(order_names)), strings::bake::order_of_vertices_in_a);
+                   static_cast<int>(std::size(order_names)), strings::bake::about_order);
 }
 
 } // namespace
 
 void draw_form(Form& form, const State& state, Commands& commands) {
     ui::focus_first();
-    (void)path_field(strings::common::heights, form, BakeField::heights, form.input, strings::bake::a_file_or_drop_one,
-                     strings::bake::geotiff_png_bmp_ascii_grid, state, commands);
+    (void)path_field(strings::common::heights, form, BakeField::heights, form.input, strings::bake::heights_hint,
+                     strings::bake::about_heights, state, commands);
     draw_more_heights(form);
-    if (path_field(strings::bake::pack, form, BakeField::output, form.output,
-                   strings::bake::beside_the_heights_with_fjell, strings::bake::where_the_pack_is_written, state,
-                   commands))
+    if (path_field(strings::bake::pack, form, BakeField::output, form.output, strings::bake::pack_hint,
+                   strings::bake::about_pack, state, commands))
         form.output_is_chosen = form.output[0] != '\0';
-    number_field(strings::bake::spacing_m, BakeField::spacing, "spacing", form.spacing_m,
-                 strings::bake::metres_between_samples_0_the, state);
+    number_field(strings::bake::spacing_m, BakeField::spacing, "spacing", form.spacing_m, strings::bake::about_spacing,
+                 state);
     number_field(strings::bake::height_scale, BakeField::height_scale, "zscale", form.height_scale,
-                 strings::bake::multiplies_heights_0_3048_converts, state);
+                 strings::bake::about_height_scale, state);
     number_field(strings::bake::height_offset_m, BakeField::none, "zoffset", form.height_offset_m,
-                 strings::bake::added_to_heights_after_the, state);
+                 strings::bake::about_height_offset, state);
     (void)path_field(strings::bake::texture, form, BakeField::texture, form.texture, strings::common::none,
-                     strings::bake::an_ortho_image_placed_by, state, commands);
-    (void)path_field(strings::bake::ramp, form, BakeField::ramp, form.ramp, strings::bake::by_height_from_meadows_to,
-                     strings::bake::colours_by_height_and_slope, state, commands);
+                     strings::bake::about_texture, state, commands);
+    (void)path_field(strings::bake::ramp, form, BakeField::ramp, form.ramp, strings::bake::ramp_hint,
+                     strings::bake::about_ramp, state, commands);
     (void)path_field(strings::bake::rules, form, BakeField::rules, form.rules, strings::common::none,
-                     strings::bake::which_materials_lie_where, state, commands);
+                     strings::bake::about_rules, state, commands);
     ImGui::BeginDisabled(form.rules[0] == '\0');
     fields::choice(strings::bake::control_maps, "bake", "control", form.control, control_names,
-                   static_cast<int>(std::size(control_names)), strings::bake::texels_of_the_maps_of);
+                   static_cast<int>(std::size(control_names)), strings::bake::about_control_maps);
     ImGui::EndDisabled();
     fields::choice(strings::bake::horizons, "bake", "horizons", form.horizons, horizon_names,
-                   static_cast<int>(std::size(horizon_names)), strings::bake::maps_for_shadows_at_any);
+                   static_cast<int>(std::size(horizon_names)), strings::bake::about_horizons);
     draw_options(form, state);
 }
 
