@@ -20,6 +20,7 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
+#include "editor/strings.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
@@ -31,20 +32,6 @@ namespace fjell::editor {
 namespace {
 
 using io::Failure;
-
-// A stretch of the editor's own code.
-class OwnCode {
-public:
-    explicit OwnCode(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
-    ~OwnCode() { watch_(false); }
-    OwnCode(const OwnCode&) = delete;
-    OwnCode& operator=(const OwnCode&) = delete;
-
-private:
-    void (*watch_)(bool begins);
-};
-
-constexpr double band_us = 50'000, most_bands = 8; // of a whole picture that software draws after a half one
 
 // SIGUSR1 asks for FJELL_EDITOR_DUMP: how tests look inside.
 volatile std::sig_atomic_t dump_requested = 0;
@@ -158,7 +145,7 @@ void App::replace_surface() {
     surface_->input = counted;
     engine_.make_graphics();
     preview_.set(state_.bake);
-    post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
+    post_message(state_, Severity::warning, strings::notices::driver_reset);
 }
 
 int App::run() {
@@ -379,22 +366,6 @@ void App::place_view() {
     i.view_height_px = std::max(static_cast<std::uint32_t>(l.view.height), 1u);
 }
 
-gl::Target& App::fit_target(bool half) {
-    const Interface& i = state_.interface;
-    const std::uint32_t divisor = half ? 2 : 1;
-    const std::uint32_t width = std::max(i.view_width_px / divisor, 1u),
-                        height = std::max(i.view_height_px / divisor, 1u);
-    std::unique_ptr<gl::Target>& target = half ? half_target_ : target_;
-    if (target && target->width() == width && target->height() == height) return *target;
-    if (shown_ == target.get()) shown_ = nullptr;
-    if (!half) band_row_ = 0; // nothing of it is drawn
-    std::string error;
-    target.reset(); // the old one's memory first
-    target = gl::Target::create({width, height, 1}, error);
-    if (!target) throw Failure(3, error);
-    return *target;
-}
-
 // What the terrain or the driver refuses in a frame is told; the panels go on.
 void App::attempt(const std::function<void()>& what) {
     try {
@@ -402,81 +373,6 @@ void App::attempt(const std::function<void()>& what) {
     } catch (const std::exception& failure) {
         post_failure(state_, failure);
     }
-}
-
-void App::draw_terrain() {
-    const auto start = Clock::now();
-    // Who asks for a picture gets it whole.
-    const bool in_steps =
-        state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
-    const bool lines = [&] {
-        const OwnCode own(watch_);
-        return engine_.build_lines(state_);
-    }();
-    const bool was_half = shown_ != nullptr && shown_ == half_target_.get();
-    // A mesh from nothing costs its frame enough: the picture before it is shown once more.
-    if (in_steps && entry_.rebuilt && shown_ != nullptr) return;
-    // After that, and after a motion, the mesh still changes for a while.
-    const bool another = drawn_terrain_ != engine_.terrains();
-    const bool half = in_steps && (moving_ || another || (was_half && mesh_changed_));
-    const bool in_bands = in_steps && was_half && !half && !lines && !state_.compared.there;
-    const gl::Target& target = fit_target(half);
-    PictureRows rows;
-    if (in_bands) rows = next_band(target.height());
-    shown_ = in_bands ? half_target_.get() : nullptr;
-    engine_.draw(state_, target, rows);
-    const bool whole = !half && (!in_bands || rows.end == target.height());
-    if (whole) take_thumbnail(target);
-    if (!in_bands) comparison_.draw(state_, target);
-    if (whole || half) shown_ = &target;
-    band_row_ = whole || half ? 0 : rows.end;
-    drew_half_ = half;
-    drawn_view_ = state_.eye.view;
-    drawn_terrain_ = engine_.terrains();
-    picture_old_ = !whole; // until it is
-    ++state_.terrain_draws;
-    if (half) ++state_.half_draws;
-    if (in_bands) ++state_.band_draws;
-    state_.drawn_px[0] = target.width();
-    state_.drawn_px[1] = target.height();
-    state_.heights_share = engine_.heights_share();
-    state_.drawn = engine_.stats();
-    times_.draw_us = microseconds(Clock::now() - start);
-}
-
-// The whole picture has four times the pixels of the half one and the same triangles, so it costs at most four times as
-// much: so many bands that none costs more than band_us beside what its triangles cost.
-PictureRows App::next_band(std::uint32_t height) const {
-    const auto bands = static_cast<std::uint32_t>(std::clamp(std::ceil(4 * half_us_ / band_us), 1.0, most_bands));
-    const std::uint32_t high = (height + bands - 1) / bands;
-    return {band_row_, std::min(band_row_ + high, height)};
-}
-
-void App::take_thumbnail(const gl::Target& target) {
-    Bookmarks& b = state_.bookmarks;
-    if (!b.wanted || *b.wanted >= b.all.size()) return b.wanted.reset();
-    gl::Image image;
-    target.read_colour(image);
-    b.all[*b.wanted].thumbnail = shrunk(image);
-    b.wanted.reset();
-    b.changed = true;
-    if (state_.files.persists) write_bookmarks(state_.files.standard_folders.config, b.all);
-}
-
-void App::draw() {
-    const unsigned framebuffer = surface_->framebuffer();
-    if (engine_.is_open() && picture_old_) attempt([&] { draw_terrain(); });
-    const auto start = Clock::now();
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-    glDisable(GL_FRAMEBUFFER_SRGB);
-    glClearColor(0.06F, 0.065F, 0.075F, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
-    const Interface& i = state_.interface;
-    if (engine_.is_open() && shown_ != nullptr)
-        blit(*shown_, framebuffer, i.height_px, {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px});
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    surface_->draw_interface();
-    times_.present_us = microseconds(Clock::now() - start);
 }
 
 void App::finish_requests() {

@@ -34,6 +34,18 @@ struct ScriptLine {
     std::string problem;
 };
 
+// A stretch of the editor's own code in a frame, told to whoever watches.
+class OwnCode {
+public:
+    explicit OwnCode(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
+    ~OwnCode() { watch_(false); }
+    OwnCode(const OwnCode&) = delete;
+    OwnCode& operator=(const OwnCode&) = delete;
+
+private:
+    void (*watch_)(bool begins);
+};
+
 class App {
 public:
     explicit App(Options options);

@@ -9,6 +9,7 @@
 #include "editor/app.h"
 #include "editor/files/file_kind.h"
 #include "editor/handlers/handlers.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -56,8 +57,7 @@ void App::show_baking() {
     }
     if (state_.now_s - baking_shown_s_ < 1) return;
     baking_shown_s_ = state_.now_s;
-    fmt::print(stderr, "fjell-editor: baking {}: {} {:.0f}%\n", options_.pack, state_.job.stage,
-               100 * state_.job.share);
+    fmt::print(stderr, strings::terminal::baking, options_.pack, state_.job.stage, 100 * state_.job.share);
 }
 
 bool App::settled() const {

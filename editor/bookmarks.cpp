@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -77,8 +78,7 @@ std::vector<Bookmark> read_bookmarks(const std::string& folder, std::string& pro
         }
         return bookmarks;
     } catch (const std::exception& failure) {
-        problem = fmt::format("{}: the bookmarks cannot be read ({}); move the file away to keep new ones",
-                              file_of(folder), failure.what());
+        problem = fmt::format(strings::notices::bookmarks_unreadable, file_of(folder), failure.what());
         return {};
     }
 }

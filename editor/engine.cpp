@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "editor/clock.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/pictures.h"
 #include "gl/window.h"
@@ -22,22 +23,6 @@ flight::Rebuild rebuild_of(const flight::Profile& from, const flight::Profile& t
     for (const flight::ProfileKey& key : flight::profile_keys())
         if (key.get(from) != key.get(to)) most = std::max(most, key.rebuild);
     return most;
-}
-
-const char* order_name(Order order) {
-    switch (order) {
-    case Order::planar: return "planar";
-    case Order::hierarchical_z: return "hierarchical Z";
-    case Order::linear: break;
-    }
-    return "linear";
-}
-
-std::string maps_text(const PackHeader& h) {
-    std::string text;
-    if (h.colour_log2 != 0) text = "colour " + std::to_string(1u << h.colour_log2);
-    if (h.normal_log2 != 0) text += (text.empty() ? "normals " : ", normals ") + std::to_string(1u << h.normal_log2);
-    return text.empty() ? "none" : text + " texels a tile";
 }
 
 // Needs the graphics context.
@@ -151,7 +136,7 @@ std::string Engine::finish_opening() {
     }
     Opened opened = opening_.get();
     if (abandoned_->load(std::memory_order_relaxed))
-        throw io::Failure(2, request_.pack + ": is no longer being opened");
+        throw io::Failure(2, fmt::format(strings::refusals::opening_abandoned, request_.pack));
     adopt(std::move(opened), request_.pack, request_.profile);
     return request_.pack;
 }
@@ -213,7 +198,7 @@ bool Engine::follow(const flight::Profile& profile) {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
-            messages_.push_back(pack_ + ": the file has changed; its new contents are shown");
+            messages_.push_back(fmt::format(strings::notices::file_changed, pack_));
         return true;
     }
     }
@@ -236,9 +221,7 @@ void Engine::tell_unread() {
     const std::uint64_t unread = session_->streamed->corrupt() + session_->streamed->unreadable();
     if (unread < 2 * std::max<std::uint64_t>(unread_told_, 1)) return;
     unread_told_ = unread;
-    messages_.push_back(fmt::format(
-        "{}: {} pages or mips cannot be read; the terrain is coarser there; check the pack with fjell-bake verify",
-        pack_, unread));
+    messages_.push_back(fmt::format(strings::notices::unreadable_pages, pack_, unread));
 }
 
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
@@ -323,8 +306,6 @@ Scene Engine::scene() const {
     s.min_m = h.min_m;
     s.max_m = h.max_m;
     s.quantum_m = static_cast<double>(data_of(session.terrain()).height_scale.quantum_m);
-    s.order = order_name(data_of(session.terrain()).pages.order);
-    s.maps = maps_text(h);
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     s.file_bytes = h.file_bytes;
     s.terrain_bytes = session.terrain_bytes;

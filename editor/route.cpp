@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "editor/route_parts.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/path_timing.h"
 #include "io/file.h"
@@ -92,8 +93,8 @@ void Route::open(const std::string& path, const flight::Ground& ground) {
 
 void Route::save(const std::string& path) {
     const std::string& to = path.empty() ? now_.path : path;
-    if (to.empty()) throw Failure(2, "the camera path has no file yet; say where to save it");
-    if (now_.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points; add some before saving it");
+    if (to.empty()) throw Failure(2, strings::refusals::path_without_file);
+    if (now_.points.size() < 2) throw Failure(2, strings::refusals::path_too_short);
     CameraPath written;
     if (now_.as_read && now_.as_read->units != flight::Units::recorded)
         written = *now_.as_read;
@@ -120,7 +121,7 @@ void Route::clear() {
 }
 
 void Route::play(bool on) {
-    if (on && empty()) throw Failure(2, "there is no camera path to play; open one, record one or add points");
+    if (on && empty()) throw Failure(2, strings::refusals::no_path);
     if (on && share_ >= 1) share_ = 0;
     playing_ = on;
 }
@@ -131,8 +132,7 @@ void Route::seek(double share) {
 
 void Route::set_seconds(double seconds, const flight::Ground& ground) {
     if (!(seconds == 0 || (seconds >= 1 && seconds <= flight::max_path_seconds)))
-        throw Failure(2, fmt::format("a path lasts 1 to {} seconds, or 0 for a duration chosen from the terrain's size",
-                                     flight::max_path_seconds));
+        throw Failure(2, fmt::format(strings::refusals::bad_duration, flight::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
     stretch(next.times_s, seconds);
@@ -195,7 +195,7 @@ void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
     const ControlPoint last = point_of(pose);
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
-    if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
+    if (next.points.size() < 2) throw Failure(2, strings::refusals::nothing_recorded);
     next.seconds = std::clamp(recorded_s_, 1.0, flight::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);

@@ -9,6 +9,7 @@
 #include "editor/edit_stamp.h"
 #include "editor/route.h"
 #include "editor/route_parts.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/path_timing.h"
 
@@ -43,11 +44,9 @@ double length_m(std::span<const ControlPoint> points) {
 
 void require_apart(std::span<const double> times_s) {
     if (flight::first_bad_time(times_s))
-        throw Failure(2, fmt::format("two points would be less than {} s apart; make the path longer, or remove one",
-                                     flight::least_between_times_s));
+        throw Failure(2, fmt::format(strings::refusals::points_too_close, flight::least_between_times_s));
     if (!times_s.empty() && times_s.back() > flight::max_path_seconds)
-        throw Failure(2, fmt::format("the path would be longer than {} seconds; make it shorter first",
-                                     flight::max_path_seconds));
+        throw Failure(2, fmt::format(strings::refusals::path_too_long, flight::max_path_seconds));
 }
 
 std::size_t frames_for(double seconds) {
@@ -57,8 +56,7 @@ std::size_t frames_for(double seconds) {
 ControlPoint looking(const Vec3& from, const Vec3& at) {
     const Vec3 direction = normalised(at - from);
     const Vec3 right = cross(direction, {0, 1, 0});
-    if (length(direction) < 0.5 || length(right) < 1e-3)
-        throw Failure(2, "a point lies straight above or below that place; choose another place to look at");
+    if (length(direction) < 0.5 || length(right) < 1e-3) throw Failure(2, strings::refusals::target_below_point);
     const Vec3 up = normalised(cross(normalised(right), direction));
     return flight::unit_point({from.x, from.y, from.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
 }
@@ -107,7 +105,7 @@ bool same_target(const std::optional<Vec3>& a, const std::optional<Vec3>& b) {
 
 CameraPath Route::path_of(const Content& content, double seconds) {
     CameraPath path;
-    path.name = "camera path";
+    path.name = strings::steps::camera_path;
     path.seconds = seconds;
     std::vector<double> knots = flight::chord_knots(content.points, path.name);
     path.kind = flight::SplinePath{flight::CubicSpline<9>(std::move(knots), content.points, content.closed),
@@ -126,7 +124,7 @@ void Route::complete(Content& next, const flight::Ground& ground) {
         if (next.targets[i]) next.points[i] = route_parts::looking({p[0], p[1], p[2]}, *next.targets[i]);
     }
     if (std::ranges::adjacent_find(next.points, route_parts::same_place) != next.points.end())
-        throw Failure(2, "an adjacent point has the same pose already; move the camera first");
+        throw Failure(2, strings::refusals::same_pose);
     route_parts::require_apart(next.times_s);
     next.eases = next.eases && !next.times_s.empty();
     if (!next.times_s.empty()) next.seconds = next.times_s.back();
@@ -205,11 +203,11 @@ void Route::exchange(std::vector<Step>& from, std::vector<Step>& to, const char*
 }
 
 void Route::undo() {
-    exchange(undo_, redo_, "there is no earlier camera path to restore");
+    exchange(undo_, redo_, strings::refusals::no_earlier_path);
 }
 
 void Route::redo() {
-    exchange(redo_, undo_, "there is no later camera path to restore");
+    exchange(redo_, undo_, strings::refusals::no_later_path);
 }
 
 void Route::restore() {
@@ -218,15 +216,15 @@ void Route::restore() {
 
 std::size_t Route::require(std::size_t point) const {
     if (point >= now_.points.size())
-        throw Failure(2, now_.points.empty() ? std::string("the camera path has no points")
-                                             : fmt::format("there is no point {}; the path has 0 to {}", point,
-                                                           now_.points.size() - 1));
+        throw Failure(2, now_.points.empty()
+                             ? std::string(strings::refusals::path_without_points)
+                             : fmt::format(strings::refusals::no_such_point, point, now_.points.size() - 1));
     return now_.closed && point + 1 == now_.points.size() ? 0 : point;
 }
 
 void Route::add(const Pose& pose, const flight::Ground& ground) {
     if (now_.points.size() >= most_points)
-        throw Failure(2, fmt::format("a camera path has at most {} points; remove some", most_points));
+        throw Failure(2, fmt::format(strings::refusals::too_many_points, most_points));
     Content next = now_;
     std::size_t at = next.selected ? *next.selected + 1 : next.points.size();
     if (next.closed) at = std::min(at, next.points.size() - 1); // before the closing point
@@ -241,14 +239,14 @@ void Route::add(const Pose& pose, const flight::Ground& ground) {
 }
 
 void Route::insert(double share, const flight::Ground& ground) {
-    if (empty()) throw Failure(2, "there is no camera path to put a point on; add points first");
+    if (empty()) throw Failure(2, strings::refusals::no_path);
     const auto later = std::upper_bound(now_.shares.begin(), now_.shares.end(), share);
     const auto at = static_cast<std::size_t>(later - now_.shares.begin());
     const double least = 1 / (poses_a_second * seconds()); // a pose from the points beside it
     if (at == 0 || later == now_.shares.end() || share - now_.shares[at - 1] < least || *later - share < least)
-        throw Failure(2, "the camera path has a point there already; go to a place between two points");
+        throw Failure(2, strings::refusals::point_there);
     if (now_.points.size() >= most_points)
-        throw Failure(2, fmt::format("a camera path has at most {} points; remove some", most_points));
+        throw Failure(2, fmt::format(strings::refusals::too_many_points, most_points));
     Content next = now_;
     next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), route_parts::point_of(pose_at(share)));
     insert_at(next.times_s, at, next.times_s.empty() ? 0 : share * next.times_s.back());

@@ -8,6 +8,7 @@
 
 #include "editor/route.h"
 #include "editor/route_parts.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -48,7 +49,7 @@ void Route::aim(double x_m, double z_m, const flight::Ground& ground, std::size_
 
 void Route::free(const flight::Ground& ground, std::size_t first, std::size_t last) {
     (void)require(first);
-    if (now_.targets.empty()) throw Failure(2, "the camera path has no targets to be freed from");
+    if (now_.targets.empty()) throw Failure(2, strings::refusals::no_targets);
     Content next = now_;
     last = std::min(last, next.points.size() - 1);
     for (std::size_t i = first; i <= last; ++i) next.targets[i].reset();
@@ -65,7 +66,7 @@ void Route::close(bool on, const flight::Ground& ground) {
         if (!next.times_s.empty()) next.times_s.pop_back();
         if (next.selected == next.points.size()) next.selected = 0;
     } else if (next.points.size() < 2) {
-        throw Failure(2, "a closed camera path goes through at least 2 points; add some");
+        throw Failure(2, strings::refusals::closed_path_too_short);
     } else if (!route_parts::same_place(next.points.front(), next.points.back())) {
         const std::vector<double>& t = next.times_s;
         const double before_m = route_parts::length_m(next.points);
@@ -77,7 +78,7 @@ void Route::close(bool on, const flight::Ground& ground) {
                 t.back() + t.back() * (before_m > 0 ? std::max(route_parts::length_m(next.points) / before_m - 1, 0.01)
                                                     : 1 / static_cast<double>(t.size() - 1)));
     } else if (next.points.size() < 3) {
-        throw Failure(2, "a closed camera path goes through at least 2 points; add some");
+        throw Failure(2, strings::refusals::closed_path_too_short);
     }
     next.closed = on;
     edit(std::move(next), ground);
@@ -86,10 +87,9 @@ void Route::close(bool on, const flight::Ground& ground) {
 void Route::circle(const Vec3& centre_m, const Vec3& from_m, double seconds, double least_above_m,
                    const flight::Ground& ground) {
     if (!(seconds >= 1 && seconds <= flight::max_path_seconds))
-        throw Failure(2, fmt::format("a path lasts 1 to {} seconds", flight::max_path_seconds));
+        throw Failure(2, fmt::format(strings::refusals::bad_turntable_duration, flight::max_path_seconds));
     const double east = from_m.x - centre_m.x, south = from_m.z - centre_m.z;
-    if (std::hypot(east, south) < 1e-3)
-        throw Failure(2, "the camera is straight above what it looks at; look at it from a side first");
+    if (std::hypot(east, south) < 1e-3) throw Failure(2, strings::refusals::camera_above_target);
     Content next;
     next.seconds = seconds;
     double highest_m = from_m.y; // a level circle, above every hill on the way

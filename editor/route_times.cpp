@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "editor/route.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/path_timing.h"
 
@@ -25,7 +26,7 @@ double Route::time_of(std::size_t point) const {
 }
 
 void Route::give_times(Content& content) const {
-    if (content.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points to have times");
+    if (content.points.size() < 2) throw Failure(2, strings::refusals::path_too_short);
     if (!content.times_s.empty()) return;
     const double whole_s = content.seconds > 0 ? content.seconds : seconds();
     for (const double share : content.shares) content.times_s.push_back(share * whole_s);
@@ -43,11 +44,10 @@ Route::Range Route::time_range(std::size_t point) const {
 
 void Route::set_time(std::size_t point, double time_s, bool dragging, const flight::Ground& ground) {
     (void)require(point);
-    if (point == 0) throw Failure(2, "the first point's time is 0; move the others, or change the duration");
+    if (point == 0) throw Failure(2, strings::refusals::first_point_time);
     const Range range = time_range(point);
     if (!(time_s >= range.least && time_s <= range.most))
-        throw Failure(2, fmt::format("point {} can be passed from {:.3f} to {:.3f} s, between its neighbours", point,
-                                     range.least, range.most));
+        throw Failure(2, fmt::format(strings::refusals::bad_point_time, point, range.least, range.most));
     Content next = now_;
     give_times(next);
     next.times_s[point] = time_s;
@@ -70,11 +70,10 @@ double Route::mean_speed_m_s(std::size_t point) const {
 
 void Route::set_mean_speed(std::size_t point, double m_s, bool dragging, const flight::Ground& ground) {
     (void)require(point);
-    if (point + 1 >= now_.points.size())
-        throw Failure(2, fmt::format("no stretch begins at point {}, the last one", point));
+    if (point + 1 >= now_.points.size()) throw Failure(2, fmt::format(strings::refusals::no_stretch, point));
     const double now_m_s = mean_speed_m_s(point);
-    if (!(m_s > 0)) throw Failure(2, "a speed must be more than 0 m/s; move the points' times apart for a rest");
-    if (!(now_m_s > 0)) throw Failure(2, "the camera only turns on that stretch; move its points' times instead");
+    if (!(m_s > 0)) throw Failure(2, strings::refusals::bad_stretch_speed);
+    if (!(now_m_s > 0)) throw Failure(2, strings::refusals::stretch_turns_only);
     Content next = now_;
     give_times(next);
     std::vector<double>& t = next.times_s;

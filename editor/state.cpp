@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -26,7 +27,6 @@ namespace {
 
 constexpr std::size_t most_messages = 200;
 constexpr double shown_s = 8;
-constexpr char of_path[] = "camera path"; // an undo step
 
 } // namespace
 
@@ -37,17 +37,18 @@ void refuse_overwriting_open_files(const State& state, const std::string& output
 }
 
 const char* undo_label(const State& state) {
-    return state.route.undo_stamp() > state.document.undo_stamp() ? of_path : state.document.undo_label();
+    return state.route.undo_stamp() > state.document.undo_stamp() ? strings::steps::camera_path
+                                                                  : state.document.undo_label();
 }
 
 const char* redo_label(const State& state) {
     const std::uint64_t path = state.route.redo_stamp(), profile = state.document.redo_stamp();
-    return path != 0 && (profile == 0 || path < profile) ? of_path : state.document.redo_label();
+    return path != 0 && (profile == 0 || path < profile) ? strings::steps::camera_path : state.document.redo_label();
 }
 
 void post_message(State& state, Severity severity, std::string text) {
     if (state.headless && severity == Severity::note) fmt::print("{}\n", text);
-    if (state.headless && severity != Severity::note) fmt::print(stderr, "fjell-editor: {}\n", text);
+    if (state.headless && severity != Severity::note) fmt::print(stderr, strings::terminal::message, text);
     auto& all = state.messages.all;
     if (!all.empty() && all.back().text == text) {
         ++all.back().times;

@@ -1,5 +1,8 @@
 #include "editor/files/folder_listing.h"
 
+#include <fmt/format.h>
+
+#include "editor/strings.h"
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -89,7 +92,7 @@ void FolderListing::look(const std::string& folder) {
         if (!entry.folder && at->is_regular_file(ignored)) entry.bytes = at->file_size(ignored);
         entries_.push_back(std::move(entry));
     }
-    if (error) problem_ = "cannot be read: " + error.message();
+    if (error) problem_ = fmt::format(strings::notices::folder_unreadable, error.message());
     std::ranges::sort(entries_, comes_first);
     choose_shown();
 }

@@ -1,5 +1,8 @@
 #include "editor/files/persistence.h"
 
+#include <fmt/format.h>
+
+#include "editor/strings.h"
 #include <filesystem>
 #include <utility>
 
@@ -17,7 +20,7 @@ void save_settings(State& state, Settings settings) {
     try {
         write_settings(state.files.standard_folders.config, state.files.settings);
     } catch (const std::exception& failure) {
-        post_message(state, Severity::warning, std::string("settings cannot be saved: ") + failure.what());
+        post_message(state, Severity::warning, fmt::format(strings::notices::settings_not_saved, failure.what()));
     }
 }
 
@@ -80,10 +83,10 @@ void remember_pack(const std::string& path, State& state) {
 }
 
 std::string title(const State& state) {
-    std::string text = name_of(state.document.path(), "default profile");
+    std::string text = name_of(state.document.path(), strings::window::default_profile);
     if (state.document.unsaved() || state.route.unsaved()) text = "* " + text;
     if (state.scene.open()) text += " - " + name_of(state.scene.path, "");
-    return text + " - Fjell editor";
+    return text + " - " + strings::window::program;
 }
 
 void start_persistence(State& state, bool window) {
@@ -111,7 +114,8 @@ void update_file_state(State& state) {
         files.version = document.version();
         files.path_unsaved = state.route.unsaved();
         files.pack = state.scene.path;
-        files.profile_name = (document.unsaved() ? "* " : "") + name_of(document.path(), "default profile");
+        files.profile_name =
+            (document.unsaved() ? "* " : "") + name_of(document.path(), strings::window::default_profile);
         files.title = title(state);
         files.differences = differences_of(document);
     }

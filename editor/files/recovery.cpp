@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "editor/files/unusable.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/path_timing.h"
 #include "io/file.h"
@@ -70,16 +72,16 @@ std::uint64_t hash_of(const Route& route) {
 }
 
 Unsaved parse(const std::string& text) {
-    const json j = io::parse_json(text, "the recovery file");
+    const json j = io::parse_json(text, "recovery");
     Unsaved u;
     u.path = j.at("path").get<std::string>();
     u.pack = j.at("pack").get<std::string>();
     u.profile_changed = j.at("profile_changed").get<bool>();
-    u.profile = flight::parse_profile(j.at("profile").get<std::string>(), "the profile");
+    u.profile = flight::parse_profile(j.at("profile").get<std::string>(), "profile");
     for (const json& point : j.at("points")) u.points.push_back(point.get<flight::ControlPoint>());
     u.times_s = j.value("times_s", u.times_s);
     if (!u.times_s.empty() && (u.times_s.size() != u.points.size() || flight::first_bad_time(u.times_s)))
-        throw io::Failure(1, "times do not suit the points");
+        throw Unusable();
     const json targets = j.value("targets", json::array());
     for (const json& target : targets) {
         u.targets.emplace_back();
@@ -87,8 +89,7 @@ Unsaved parse(const std::string& text) {
         const auto at = target.get<std::array<double, 3>>();
         u.targets.back() = Vec3{at[0], at[1], at[2]};
     }
-    if (!u.targets.empty() && u.targets.size() != u.points.size())
-        throw io::Failure(1, "targets do not suit the points");
+    if (!u.targets.empty() && u.targets.size() != u.points.size()) throw Unusable();
     u.closed = j.value("closed", false);
     u.eases = j.value("ease", false);
     u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, flight::max_path_seconds);
@@ -154,7 +155,7 @@ bool Recovery::take(const std::string& file) {
             return true;
         } catch (const std::exception&) {
             fs::rename(file, file + ".damaged", gone);
-            report_once(fmt::format("{}: damaged recovery file of an earlier run; kept as {}.damaged", file, file));
+            report_once(fmt::format(strings::notices::recovery_damaged, file, file));
         }
     }
     unlock(found_file_, found_lock_);
@@ -199,7 +200,7 @@ void Recovery::make_file() {
         file_ = std::move(file);
         return;
     }
-    throw io::Failure(3, fmt::format("{}: cannot write there; choose another XDG_STATE_HOME", folder_));
+    throw io::Failure(3, fmt::format(strings::refusals::no_recovery_file, folder_));
 }
 
 void Recovery::write(const Document& document, const Route& route, const std::string& pack) {
@@ -221,7 +222,7 @@ void Recovery::write(const Document& document, const Route& route, const std::st
         }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     } catch (const std::exception& failure) {
-        report_once(std::string("changes would not survive a crash; save often: ") + failure.what());
+        report_once(fmt::format(strings::notices::recovery_off, failure.what()));
     }
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "editor/files/unusable.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -53,7 +55,7 @@ public:
     void number(const char* name, T& to, T least, T most) {
         key(name, [&](const json& j) {
             const T read = j.get<T>();
-            if (!(read >= least && read <= most)) throw Failure(1, "out of range");
+            if (!(read >= least && read <= most)) throw Unusable();
             to = read;
         });
     }
@@ -69,13 +71,13 @@ template <std::size_t N>
 std::size_t index_of(const json& name, const char* const (&names)[N]) {
     for (std::size_t i = 0; i < N; ++i)
         if (name.get_ref<const std::string&>() == names[i]) return i;
-    throw Failure(1, "no such name");
+    throw Unusable();
 }
 
 void read_settings(KeyReader& keys, Settings& s) {
     keys.key("recent", [&](const json& packs) {
         std::vector<std::string> recent;
-        if (!packs.is_array()) throw Failure(1, "no list");
+        if (!packs.is_array()) throw Unusable();
         for (const json& pack : packs)
             if (recent.size() < most_recent && !pack.get<std::string>().empty())
                 recent.push_back(pack.get<std::string>());
@@ -97,7 +99,7 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
             const json& place = item.value();
             const auto px = [&](const char* key, float least) {
                 const auto value = place.at(key).get<float>();
-                if (!(value >= least && value <= most_floating_px)) throw Failure(1, "out of range");
+                if (!(value >= least && value <= most_floating_px)) throw Unusable();
                 return value;
             };
             f = {place.at("on").get<bool>(), px("x_px", -most_floating_px), px("y_px", 0),
@@ -110,20 +112,20 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
             part.number("width_px", a.width_px[i], least_column_px, most_column_px);
             part.number("split", a.split[i], least_split, most_split);
             part.value("folded", a.folded[i]);
-            if (!part.bad.empty()) throw Failure(1, part.bad);
+            if (!part.bad.empty()) throw Unusable();
         });
 }
 
 void read_look(KeyReader& keys, Look& look) {
     keys.key("scale", [&](const json& j) {
         const auto scale = j.get<double>();
-        if (scale != 0 && !(scale >= 0.5 && scale <= 4)) throw Failure(1, "out of range");
+        if (scale != 0 && !(scale >= 0.5 && scale <= 4)) throw Unusable();
         look.scale = scale;
     });
     keys.key("window_px", [&](const json& j) {
         const auto width = j.at(0).get<double>(), height = j.at(1).get<double>();
         for (const double px : {width, height})
-            if (px != 0 && !(px >= 320 && px <= 8192)) throw Failure(1, "out of range");
+            if (px != 0 && !(px >= 320 && px <= 8192)) throw Unusable();
         look.width_px = static_cast<std::uint32_t>(width);
         look.height_px = static_cast<std::uint32_t>(height);
     });
@@ -185,18 +187,16 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     if (config_folder.empty() || !fs::exists(file, ignored)) return s;
     try {
         const json all = io::parse_json(io::read_text(file), file);
-        if (!all.is_object()) throw Failure(1, file + ": no settings");
+        if (!all.is_object()) throw Failure(1, fmt::format(strings::refusals::not_settings, file));
         KeyReader keys(all, "");
         read_settings(keys, s);
         read_look(keys, s.look);
-        if (!keys.bad.empty())
-            problem = fmt::format("{}: {} cannot be understood and {} as by default", file, keys.bad,
-                                  keys.bad.find(',') == std::string::npos ? "is" : "are");
+        if (!keys.bad.empty()) problem = fmt::format(strings::notices::settings_damaged, file, keys.bad);
     } catch (const std::exception& failure) {
         problem = failure.what();
         return {};
     }
-    if (!problem.empty()) problem += "; the file will be kept as " + file + ".damaged";
+    if (!problem.empty()) problem = fmt::format(strings::notices::settings_kept, problem, file);
     return s;
 }
 

@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "editor/handlers/handlers.h"
+#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -27,7 +28,7 @@ void follow_document(HandlerContext context) {
     } catch (const std::exception& failure) {
         state.document.revert();
         state.scene = context.engine.scene(); // closed when what was before cannot be had any more either
-        post_failure(state, failure, "not possible, reverted: ");
+        post_failure(state, failure, strings::notices::reverted);
     }
 }
 

@@ -5,9 +5,12 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "editor/files/file_kind.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -37,11 +40,11 @@ void judge_output(State& state) {
     if (output.empty()) return;
     const std::filesystem::path folder = std::filesystem::absolute(output, ignored).parent_path();
     if (std::filesystem::is_directory(output, ignored))
-        d.output_problem = "the pack's name is that of a folder; give a name in it";
+        d.output_problem = strings::refusals::pack_is_folder;
     else if (!std::filesystem::is_directory(folder, ignored))
-        d.output_problem = folder.string() + " does not exist; choose another folder for the pack";
+        d.output_problem = fmt::format(strings::refusals::no_pack_folder, folder.string());
     else if (!may_write(folder))
-        d.output_problem = "nothing may be written to " + folder.string() + "; choose another folder for the pack";
+        d.output_problem = fmt::format(strings::refusals::pack_folder_read_only, folder.string());
 }
 
 void give(BakeDraft& d, const GiveBakeFile& c) {
@@ -116,7 +119,7 @@ void handle(const OpenBaked& c, HandlerContext context) {
     State& state = context.state;
     const std::string pack = std::exchange(state.bake.ready, {});
     if (state.interface.dialog == Dialog::baked) state.interface.dialog = Dialog::none;
-    if (pack.empty()) throw io::Failure(2, "no pack is waiting to be opened");
+    if (pack.empty()) throw io::Failure(2, strings::refusals::no_baked_pack);
     if (c.open) handle(OpenFile{pack}, context);
 }
 

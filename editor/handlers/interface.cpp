@@ -4,6 +4,7 @@
 #include <string>
 
 #include "editor/handlers/handlers.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -112,7 +113,7 @@ void handle(const ChooseFrame& c, HandlerContext context) {
     State& state = context.state;
     if (!c.on) return state.chosen.reset();
     if (c.ago >= state.measures.ring(Series::frame_us).size())
-        throw io::Failure(2, "not so many frames have been measured yet; fly on");
+        throw io::Failure(2, strings::refusals::frame_not_measured);
     state.chosen = state.measures.frame(c.ago);
 }
 

@@ -5,6 +5,7 @@
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
 #include "flight/snapshots.h"
@@ -13,25 +14,22 @@ namespace fjell::editor {
 
 namespace {
 
-void require_scene(const State& state) {
-    if (!state.scene.open()) throw io::Failure(2, "open a terrain first");
-}
-
 MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
     const State& state = context.state;
-    require_scene(state);
-    return {context.engine.session().file, state.document.profile(), state.route.poses(), frames, false,
+    return {open_engine(context).session().file,
+            state.document.profile(),
+            state.route.poses(),
+            frames,
+            false,
             state.files.profile_name};
 }
 
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
 ExportPlan export_plan(HandlerContext context, const std::string& path, bool converged, double error_px) {
     const State& state = context.state;
-    require_scene(state);
-    const flight::Session& session = context.engine.session();
+    const flight::Session& session = open_engine(context).session();
     const flight::LastUpdate& last = session.last;
-    if (last.cut_report.frame + last.frame_report.frame == 0)
-        throw io::Failure(2, "no frame has been drawn yet; try again");
+    if (last.cut_report.frame + last.frame_report.frame == 0) throw io::Failure(2, strings::refusals::no_frame_yet);
     ExportPlan plan{
         session.file,           path, {}, state.scene.streamed, state.document.profile(), last.view, error_px,
         context.engine.layers()};
@@ -60,7 +58,7 @@ void handle(const RunBenchmark& c, HandlerContext context) {
 }
 
 void handle(const ExportMesh& c, HandlerContext context) {
-    if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
+    if (c.path.empty()) throw io::Failure(2, strings::refusals::export_without_name);
     refuse_overwriting_open_files(context.state, c.path);
     context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }
@@ -79,7 +77,7 @@ void handle_job_result(HandlerContext context) {
     const char* const name = job_names[static_cast<int>(job.kind)];
     if (job.cancelled) {
         post_message(state, Severity::note,
-                     fmt::format("{} cancelled{}{}", name, job.result.empty() ? "" : "; ", job.result));
+                     fmt::format(strings::results::cancelled, name, job.result.empty() ? "" : "; ", job.result));
         return;
     }
     if (!job.problem.empty()) {

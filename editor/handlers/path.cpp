@@ -1,5 +1,8 @@
 // The camera path: opened, saved, recorded, played and edited.
+#include <fmt/format.h>
+
 #include "editor/handlers/handlers.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -39,7 +42,7 @@ void handle(const OpenPath& c, HandlerContext context) {
     const bool lost = state.route.unsaved();
     state.route.open(c.path, whole_ground(context));
     if (state.eye.navigation == Navigation::path) take_from_path(state);
-    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
 }
 
 void handle(const SavePath& c, HandlerContext context) {
@@ -47,7 +50,7 @@ void handle(const SavePath& c, HandlerContext context) {
     context.state.route.save(c.path);
     if (context.state.interface.dialog == Dialog::save_path) context.state.interface.dialog = Dialog::none;
     continue_saving(context);
-    post_message(context.state, Severity::note, "saved the camera path to " + context.state.route.path());
+    post_message(context.state, Severity::note, fmt::format(strings::notices::path_saved, context.state.route.path()));
 }
 
 void handle(const RecordPath& c, HandlerContext context) {
@@ -55,7 +58,7 @@ void handle(const RecordPath& c, HandlerContext context) {
     if (c.on) take_from_path(state);
     const bool lost = !c.on && state.route.recording() && state.route.unsaved();
     state.route.record(c.on, state.eye.pose(), whole_ground(context));
-    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
 }
 
 void handle(const PlayPath& c, HandlerContext context) {
@@ -67,7 +70,7 @@ void handle(const PlayPath& c, HandlerContext context) {
 
 void handle(const SeekPath& c, HandlerContext context) {
     State& state = context.state;
-    if (state.route.empty()) throw Failure(2, "there is no camera path to seek in; open one, or add points");
+    if (state.route.empty()) throw Failure(2, strings::refusals::no_path);
     state.route.seek(c.share);
     state.eye.on_path = state.route.pose();
     state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
@@ -106,8 +109,7 @@ void handle(const ClearPath&, HandlerContext context) {
     const bool unsaved = context.state.route.unsaved();
     take_from_path(context.state);
     context.state.route.clear();
-    if (unsaved)
-        post_message(context.state, Severity::note, "cleared a path that was not saved; Restore brings it back");
+    if (unsaved) post_message(context.state, Severity::note, strings::notices::path_cleared);
 }
 
 void handle(const RestorePath&, HandlerContext context) {
@@ -133,7 +135,7 @@ void handle(const CirclePath& c, HandlerContext context) {
     begin_orbit(context); // finds what that is
     const bool lost = state.route.unsaved();
     state.route.circle(state.eye.orbit_centre_m, state.eye.free.position_m, c.seconds, 2 * ground.cell_m, ground);
-    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
 }
 
 void handle(const AimPath& c, HandlerContext context) {

@@ -9,6 +9,7 @@
 #include "editor/bookmarks.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -18,9 +19,9 @@ namespace {
 using io::Failure;
 
 const FlownRun& run_of(const State& state, std::size_t run) {
-    if (state.runs.all.empty()) throw Failure(2, "no benchmark has been flown yet; run one first");
+    if (state.runs.all.empty()) throw Failure(2, strings::refusals::no_runs);
     if (run >= state.runs.all.size())
-        throw Failure(2, fmt::format("there is no run {}; there are 0 to {}", run, state.runs.all.size() - 1));
+        throw Failure(2, fmt::format(strings::refusals::no_such_run, run, state.runs.all.size() - 1));
     return *state.runs.all[run];
 }
 
@@ -29,8 +30,8 @@ std::size_t bookmark_of(const Bookmarks& bookmarks, std::size_t index) {
     std::size_t own = 0;
     for (std::size_t i = 0; i < bookmarks.all.size(); ++i)
         if (bookmarks.all[i].pack == bookmarks.pack && own++ == index) return i;
-    throw Failure(2, own == 0 ? std::string("this terrain has no bookmarks yet")
-                              : fmt::format("there is no bookmark {}; there are 0 to {}", index, own - 1));
+    throw Failure(2, own == 0 ? std::string(strings::refusals::no_bookmarks)
+                              : fmt::format(strings::refusals::no_such_bookmark, index, own - 1));
 }
 
 void keep(State& state) {
@@ -80,8 +81,7 @@ void handle(const RenderPictures& c, HandlerContext context) {
     plan.mode = state.interface.mode;
     plan.sequence = c.way == PictureWay::path;
     plan.fps = c.fps;
-    if (plan.sequence && state.route.empty())
-        throw Failure(2, "there is no camera path to draw; open one, record one or add points");
+    if (plan.sequence && state.route.empty()) throw Failure(2, strings::refusals::no_path);
     plan.poses = plan.sequence ? state.route.poses() : std::vector<flight::Pose>{state.eye.pose()};
     refuse_overwriting_open_files(state, c.path);
     context.jobs.start(JobKind::pictures, picture_job(std::move(plan)));
@@ -92,10 +92,10 @@ void handle(const AddBookmark& c, HandlerContext context) {
     Bookmarks& b = state.bookmarks;
     (void)open_engine(context);
     if (b.all.size() >= most_bookmarks)
-        throw Failure(2, fmt::format("there are {} bookmarks already; remove some", most_bookmarks));
+        throw Failure(2, fmt::format(strings::refusals::too_many_bookmarks, most_bookmarks));
     const auto own = std::ranges::count(b.all, b.pack, &Bookmark::pack);
     Bookmark mark;
-    mark.name = c.name.empty() ? fmt::format("Place {}", own + 1) : c.name.substr(0, 60);
+    mark.name = c.name.empty() ? fmt::format(strings::notices::bookmark_name, own + 1) : c.name.substr(0, 60);
     mark.pack = b.pack;
     mark.pose = state.eye.pose();
     b.all.push_back(std::move(mark));
@@ -121,7 +121,7 @@ void handle(const ComparePictures& c, HandlerContext context) {
     State& state = context.state;
     if (c.with != CompareWith::nothing) (void)open_engine(context);
     if (c.with == CompareWith::profile && state.document.compared() == nullptr)
-        throw Failure(2, "there is no profile to compare with; choose one with Tools > Compare first");
+        throw Failure(2, strings::refusals::no_profile_to_compare);
     state.compared.with = c.with;
     state.compared.error_px = c.error_px;
     state.compared.there = false;

@@ -11,6 +11,7 @@
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "io/file.h"
@@ -78,8 +79,7 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
         vertices += entry.vertices;
         reached += entry.converged ? 1 : 0;
     });
-    if (flown.times_us.empty())
-        throw io::Failure(2, "the path has a single frame, whose mesh is built from scratch; choose more frames");
+    if (flown.times_us.empty()) throw io::Failure(2, strings::refusals::single_frame);
     const auto frames = static_cast<double>(flown.times_us.size());
     flown.vertices = vertices / frames;
     flown.reached = reached / frames;
@@ -139,8 +139,8 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     control.publish([&](JobView& view) {
         if (!run->places.empty()) view.run = std::move(run);
         view.output = path;
-        view.result = fmt::format("{}: {} frames, {} of them converged; update p50 {} us, p99 {} us", path, s.frames,
-                                  s.converged, grouped(s.update_us.p50), grouped(s.update_us.p99));
+        view.result = fmt::format(strings::results::benchmark, path, s.frames, s.converged, grouped(s.update_us.p50),
+                                  grouped(s.update_us.p99));
     });
 }
 
@@ -157,8 +157,8 @@ Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const
 }
 
 Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv) {
-    if (csv.empty()) throw io::Failure(2, "give the CSV a file name");
-    if (plan.frames > 1'000'000) throw io::Failure(2, "frames must be 1 to 1000000, or 0 for the path's own");
+    if (csv.empty()) throw io::Failure(2, strings::refusals::csv_without_name);
+    if (plan.frames > 1'000'000) throw io::Failure(2, strings::refusals::bad_frames);
     io::refuse_overwriting({csv}, {plan.pack->path()});
     auto file = std::make_shared<io::AtomicFile>(csv);
     return [plan = std::move(plan), csv, file](JobControl& control) { benchmark(plan, csv, *file, control); };

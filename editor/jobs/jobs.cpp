@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "editor/clock.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -32,7 +33,7 @@ void run(const Jobs::Body& body, JobControl& control) {
         problem = failure.what();
         exit_code = failure.exit_code;
     } catch (...) {
-        problem = "the job failed with an unknown error; please report it with its settings";
+        problem = strings::refusals::unknown_failure;
     }
     // What a library makes of being stopped is still a cancelled job.
     cancelled = cancelled || (!problem.empty() && control.cancelled());
@@ -79,7 +80,7 @@ Jobs::~Jobs() {
 }
 
 void Jobs::start(JobKind kind, Body body) {
-    if (running()) throw io::Failure(2, "another job is running; wait for it, or cancel it first");
+    if (running()) throw io::Failure(2, strings::refusals::another_job);
     auto control = std::make_shared<JobControl>();
     control->view_.kind = kind;
     control->view_.running = true;
@@ -91,7 +92,7 @@ void Jobs::start(JobKind kind, Body body) {
             control->done_.store(true, std::memory_order_release);
         });
     } catch (const std::system_error&) {
-        throw io::Failure(3, "cannot create a thread for the job; close other programs");
+        throw io::Failure(3, strings::refusals::no_thread);
     }
     control_ = std::move(control);
     started_ = Clock::now();

@@ -32,9 +32,8 @@ inline constexpr const char* job_names[] = {"none",   "bake",    "tune",    "ben
                                             "export", "preview", "heights", "pictures"};
 
 // What a flight's frame spends its time on; the first three are the method's update, of the recursive one all refining.
-inline constexpr const char* cost_parts[] = {"preparing views", "refining",  "writing triangles",
-                                             "streaming",       "uploading", "drawing"};
-using CostParts = std::array<double, std::size(cost_parts)>; // microseconds
+// Their names: limiting_part().
+using CostParts = std::array<double, 6>; // microseconds
 
 // What flights at one threshold cost: each frame with its least time (editor/jobs/threshold_search.h).
 struct TunePoint {

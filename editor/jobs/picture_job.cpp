@@ -11,6 +11,7 @@
 
 #include "editor/jobs/factories.h"
 #include "editor/jobs/measured_flight.h"
+#include "editor/strings.h"
 #include "fjell/gl/context.h"
 #include "fjell/gl/image.h"
 #include "fjell/gl/target.h"
@@ -83,7 +84,7 @@ void draw_all(const PicturePlan& plan, JobControl& control) {
         studio.draw(plan, plan.poses.front(), 0, plan.path, control);
         control.publish([&](JobView& view) {
             view.output = plan.path;
-            view.result = fmt::format("{}: {} pixels", plan.path, size);
+            view.result = fmt::format(strings::results::picture, plan.path, size);
         });
         return;
     }
@@ -94,16 +95,14 @@ void draw_all(const PicturePlan& plan, JobControl& control) {
     }
     control.publish([&](JobView& view) {
         view.output = plan.path;
-        view.result = fmt::format("{}: {} pictures of {} pixels; a film of them: ffmpeg -framerate {:g} -i "
-                                  "\"{}/frame_%05d.png\" -pix_fmt yuv420p film.mp4",
-                                  plan.path, plan.poses.size(), size, plan.fps, plan.path);
+        view.result = fmt::format(strings::results::pictures, plan.path, plan.poses.size(), size, plan.fps, plan.path);
     });
 }
 
 } // namespace
 
 Jobs::Body picture_job(PicturePlan plan) {
-    if (plan.path.empty()) throw io::Failure(2, "give the picture a file name, or its pictures a folder");
+    if (plan.path.empty()) throw io::Failure(2, strings::refusals::picture_without_name);
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     // What no frame waits for may take its time.
     plan.profile.cut.items = unlimited_items;
@@ -113,13 +112,13 @@ Jobs::Body picture_job(PicturePlan plan) {
         const auto frames = static_cast<std::size_t>(
             std::lround(static_cast<double>(plan.poses.size()) * plan.fps / flight_poses_a_second));
         if (frames > most_pictures)
-            throw io::Failure(2, fmt::format("{} pictures: at most {}; choose fewer a second", frames, most_pictures));
+            throw io::Failure(2, fmt::format(strings::refusals::too_many_pictures, frames, most_pictures));
         plan.poses = in_frames(plan.poses, std::max<std::size_t>(frames, 2));
         std::error_code error;
         fs::create_directories(plan.path, error);
-        if (error) throw io::Failure(3, plan.path + ": the folder cannot be made; choose another one");
+        if (error) throw io::Failure(3, fmt::format(strings::refusals::no_picture_folder, plan.path));
         if (fs::exists(plan.path + "/frame_00000.png", error))
-            throw io::Failure(2, plan.path + ": holds pictures of a path already; choose another folder");
+            throw io::Failure(2, fmt::format(strings::refusals::picture_folder_used, plan.path));
     }
     return [plan = std::move(plan)](JobControl& control) { draw_all(plan, control); };
 }

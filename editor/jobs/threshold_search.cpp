@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "editor/number_text.h"
+#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "flight/profile.h"
@@ -193,13 +194,17 @@ TuneResult Search::run() {
     return std::move(result_);
 }
 
+// In the order of CostParts.
+constexpr const char* cost_parts[] = {strings::limits::preparing_views,   strings::limits::refining,
+                                      strings::limits::writing_triangles, strings::limits::streaming,
+                                      strings::limits::uploading,         strings::limits::drawing};
+static_assert(std::size(cost_parts) == std::tuple_size_v<CostParts>, "a part was added: name it");
+
 std::string what_helps(const TunePoint& p, const TuneSettings& s) {
-    if (p.reached < least_reached)
-        return fmt::format("{:.0f}% of the frames reached it: raise vertices, triangles, items or page slots",
-                           100 * p.reached);
-    return fmt::format("p99 {} us of {}: {}", grouped(p.p99_us), grouped(s.budget_us),
-                       s.measure == TuneMeasure::frame ? "a smaller picture, or a larger budget"
-                                                       : "a slower path, fewer items a frame, or a larger budget");
+    if (p.reached < least_reached) return fmt::format(strings::results::raise_budgets, 100 * p.reached);
+    return fmt::format(strings::results::takes_longer, grouped(p.p99_us), grouped(s.budget_us),
+                       s.measure == TuneMeasure::frame ? strings::results::smaller_picture
+                                                       : strings::results::fewer_items);
 }
 
 } // namespace
@@ -229,23 +234,22 @@ TuneResult find_threshold(const TuneSettings& settings, const std::function<Flig
 }
 
 std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
-    if (result.curve.empty()) return "no flight was made";
+    if (result.curve.empty()) return strings::results::nothing_flown;
     if (result.best_px == 0)
-        return fmt::format("no threshold up to {:.3g} px keeps the budget; there {}; {} flights",
-                           result.curve.front().error_px, what_helps(result.curve.front(), settings), result.flights);
+        return fmt::format(strings::results::not_tuned, result.curve.front().error_px,
+                           what_helps(result.curve.front(), settings), result.flights);
     const TunePoint* const best = result.at(result.best_px);
     const bool least = result.best_px == rounded_up(settings.least_px);
     std::string why;
     for (const TunePoint& p : result.curve) // what the next smaller one lacked, where it was not time
         if (p.error_px < result.best_px) {
-            if (p.reached < least_reached) why = "; below it a budget of the profile is the limit, not time";
+            if (p.reached < least_reached) why = strings::results::tuned_budget_limits;
             break;
         }
     const LimitingPart limit = limiting_part(best->dearest_us);
-    if (limit.name != nullptr) why = fmt::format("; dearest frames: {:.0f}% {}", 100 * limit.share, limit.name) + why;
-    return fmt::format("p99 {} us of {} at {:.3g} px{}{}; {} flights", grouped(best->p99_us),
-                       grouped(settings.budget_us), result.best_px, least ? ", the smallest allowed" : "", why,
-                       result.flights);
+    if (limit.name != nullptr) why = fmt::format(strings::results::tuned_limit, 100 * limit.share, limit.name, why);
+    return fmt::format(strings::results::tuned, grouped(best->p99_us), grouped(settings.budget_us), result.best_px,
+                       least ? strings::results::tuned_least : "", why, result.flights);
 }
 
 std::string tune_csv(const std::vector<TunePoint>& curve) {
@@ -258,12 +262,12 @@ std::string tune_csv(const std::vector<TunePoint>& curve) {
 
 void check(const TuneSettings& s) {
     if (!(s.budget_us >= 10 && s.budget_us <= 1e6))
-        throw io::Failure(2, fmt::format("budget_us {}: must be 10 to 1000000 (microseconds)", s.budget_us));
+        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_budget, s.budget_us));
     if (s.frames != 0 && (s.frames < 10 || s.frames > 100'000))
-        throw io::Failure(2, fmt::format("frames {}: must be 10 to 100000, or 0 for the path's own", s.frames));
+        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_frames, s.frames));
     if (!(s.least_px >= flight::min_error_px && s.least_px < s.most_px && s.most_px <= flight::max_error_px))
-        throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
-                                         s.most_px, flight::min_error_px, flight::max_error_px));
+        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_range, s.least_px, s.most_px, flight::min_error_px,
+                                         flight::max_error_px));
 }
 
 } // namespace fjell::editor

@@ -43,7 +43,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     ImGui::EndGroup();
     ui::mark("budget", line.key);
     if (ui::begin_tip()) {
-        ImGui::Text(strings::budgets::raise_it_with, line.about, line.key);
+        ImGui::Text(strings::budgets::row_help, line.about, line.key);
         ui::end_tip();
     }
     if (!exhausted) return;
@@ -54,8 +54,8 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     if (now > 0 && more > now) {
         if (ImGui::SmallButton(strings::budgets::double_)) commands.push(SetKey{key, more, false});
         ui::mark("budget.double", line.key);
-        ui::tip(key->rebuild == flight::Rebuild::nothing ? strings::budgets::twice_as_much_from_the
-                                                         : strings::budgets::twice_as_much_memory_is);
+        ui::tip(key->rebuild == flight::Rebuild::nothing ? strings::budgets::about_double
+                                                         : strings::budgets::about_double_memory);
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), strings::budgets::exhausted, line.key);
@@ -67,30 +67,30 @@ void draw_method(const State& state, Commands& commands) {
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
     const bool incremental = profile.method == flight::Method::incremental;
-    ui::heading(strings::budgets::refinement_used_peak_limit);
+    ui::heading(strings::budgets::refinement);
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
-    draw_line({strings::common::vertices, "budget.vertices", strings::budgets::slots_of_the_vertex_buffer,
+    draw_line({strings::common::vertices, "budget.vertices", strings::budgets::about_vertices,
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
                flight::exhausted_vertices},
               state, commands);
     if (!incremental) {
-        draw_line({strings::budgets::indices, "budget.indices", strings::budgets::slots_of_the_index_buffer,
+        draw_line({strings::budgets::indices, "budget.indices", strings::budgets::about_indices,
                    static_cast<double>(e.index_slots.used), static_cast<double>(p.indices),
                    static_cast<double>(e.index_slots.capacity), flight::exhausted_indices},
                   state, commands);
         return;
     }
-    draw_line({strings::common::triangles, "budget.triangles", strings::budgets::slots_of_the_index_buffer_in,
+    draw_line({strings::common::triangles, "budget.triangles", strings::budgets::about_triangles,
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
                static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_items;
-    draw_line({strings::common::work_items, "budget.items", strings::budgets::vertices_that_an_update_examines,
+    draw_line({strings::common::work_items, "budget.items", strings::budgets::about_work_items,
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
-    draw_line({strings::budgets::time_us, "budget.budget_us", strings::budgets::what_an_update_may_take, e.update_us,
-               p.update_us, profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
+    draw_line({strings::budgets::time_us, "budget.budget_us", strings::budgets::about_time, e.update_us, p.update_us,
+               profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
               state, commands);
 }
 
@@ -99,32 +99,32 @@ void draw_stream(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
-    ui::heading(strings::budgets::streaming_used_peak_limit);
-    draw_line({strings::common::page_slots, "stream.page_slots", strings::budgets::pages_in_memory_exhausted_distant,
+    ui::heading(strings::budgets::streaming);
+    draw_line({strings::common::page_slots, "stream.page_slots", strings::budgets::about_page_slots,
                static_cast<double>(r.page_slots.used), static_cast<double>(std::max(r.page_slots.peak, p.page_slots)),
                static_cast<double>(r.page_slots.capacity), flight::exhausted_page_slots},
               state, commands);
-    draw_line({strings::budgets::requests, "stream.page_requests", strings::budgets::pages_and_mips_in_flight,
+    draw_line({strings::budgets::requests, "stream.page_requests", strings::budgets::about_requests,
                static_cast<double>(r.in_flight), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
                flight::exhausted_stream_requests},
               state, commands);
-    draw_line({strings::budgets::pages_per_frame, "stream.pages", strings::budgets::accepted_pages_10_to_20,
+    draw_line({strings::budgets::pages_per_frame, "stream.pages", strings::budgets::about_pages_per_frame,
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);
-    draw_line({strings::budgets::map_memory, "stream.map_mb", strings::budgets::maps_on_the_gpu_exhausted,
+    draw_line({strings::budgets::map_memory, "stream.map_mb", strings::budgets::about_map_memory,
                static_cast<double>(r.map_bytes_used), static_cast<double>(p.map_bytes),
                static_cast<double>(r.map_bytes_capacity), flight::exhausted_map_bytes, Unit::bytes},
               state, commands);
-    draw_line({strings::common::upload_per_frame, "stream.map_kb", strings::budgets::maps_uploaded_to_the_gpu,
+    draw_line({strings::common::upload_per_frame, "stream.map_kb", strings::budgets::about_map_upload,
                static_cast<double>(r.map_upload_bytes), static_cast<double>(p.map_upload_bytes),
                static_cast<double>(profile.stream.map_bytes), flight::exhausted_stream_upload, Unit::bytes},
               state, commands);
     const bool tests = (state.measures.last().exhausted & flight::exhausted_stream_tests) != 0;
     ui::row(strings::budgets::pages_tested,
             tests ? strings::budgets::limit_reached : strings::budgets::within_the_limit);
-    ui::tip(strings::budgets::stream_tests_how_many_pages);
+    ui::tip(strings::budgets::about_pages_tested);
 }
 
 void memory_row(const char* label, double bytes, const char* about, double& sum) {
@@ -139,23 +139,20 @@ void draw_memory(const State& state) {
     const bool incremental = state.document.profile().method == flight::Method::incremental;
     double host = 0, gpu = 0;
     ui::heading(strings::budgets::memory);
-    memory_row(strings::budgets::terrain, static_cast<double>(s.terrain_bytes),
-               strings::budgets::page_slots_page_table_and, host);
-    memory_row(strings::budgets::method, static_cast<double>(s.method_bytes),
-               strings::budgets::vertices_indices_and_bookkeeping, host);
+    memory_row(strings::budgets::terrain, static_cast<double>(s.terrain_bytes), strings::budgets::about_terrain, host);
+    memory_row(strings::budgets::method, static_cast<double>(s.method_bytes), strings::budgets::about_method, host);
     if (s.streamed)
-        memory_row(strings::common::stream, static_cast<double>(s.stream_bytes),
-                   strings::budgets::requests_in_flight_and_their, host);
+        memory_row(strings::common::stream, static_cast<double>(s.stream_bytes), strings::budgets::about_stream, host);
     memory_row(strings::budgets::gpu_mesh,
                incremental ? 28.0 * e.vertex_slots.capacity + 12.0 * e.triangle_slots.capacity
                            : 12.0 * e.vertex_slots.capacity + 4.0 * e.index_slots.capacity,
-               strings::budgets::vertex_and_index_buffers_without, gpu);
+               strings::budgets::about_gpu_mesh, gpu);
     if (state.drawn)
         memory_row(strings::budgets::gpu_maps, static_cast<double>(state.drawn->texture_bytes),
-                   strings::budgets::textures_of_colours_and_normals, gpu);
+                   strings::budgets::about_gpu_maps, gpu);
     double sum = 0;
     ImGui::Separator();
-    memory_row(strings::common::total, host + gpu, strings::budgets::host_and_gpu_without_the, sum);
+    memory_row(strings::common::total, host + gpu, strings::budgets::about_total, sum);
 }
 
 } // namespace

@@ -37,20 +37,20 @@ void draw_place(const State& state, Commands& commands) {
     double above = c.position_m.y - state.eye.ground_m;
     bool given = false;
     labelled(strings::camera::east);
-    given |= number("x", place.position_m.x, "%.1f m", strings::camera::metres_east_of_the_terrains);
+    given |= number("x", place.position_m.x, "%.1f m", strings::camera::about_east);
     labelled(strings::camera::south);
-    given |= number("z", place.position_m.z, "%.1f m", strings::camera::metres_south_of_the_terrains);
+    given |= number("z", place.position_m.z, "%.1f m", strings::camera::about_south);
     labelled(strings::camera::height);
-    given |= number("y", place.position_m.y, "%.1f m", strings::camera::metres_above_zero_height_never);
+    given |= number("y", place.position_m.y, "%.1f m", strings::camera::about_height);
     labelled(strings::camera::above_ground);
-    if (number("above", above, "%.1f m", strings::camera::metres_above_the_ground_under)) {
+    if (number("above", above, "%.1f m", strings::camera::about_above_ground)) {
         place.position_m.y = state.eye.ground_m + above;
         given = true;
     }
     labelled(strings::camera::heading);
-    given |= number("heading", heading, "%.1f deg", strings::camera::degrees_clockwise_from_north_enter);
+    given |= number("heading", heading, "%.1f deg", strings::camera::about_heading);
     labelled(strings::camera::pitch);
-    given |= number("pitch", pitch, "%.1f deg", strings::camera::degrees_up_from_the_horizon);
+    given |= number("pitch", pitch, "%.1f deg", strings::camera::about_pitch);
     if (!given) return;
     place.heading_rad = heading * degree;
     place.pitch_rad = pitch * degree;
@@ -59,8 +59,8 @@ void draw_place(const State& state, Commands& commands) {
 
 void draw_navigation(const State& state, Commands& commands) {
     constexpr const char* names[] = {strings::common::fly, strings::common::orbit, strings::camera::path};
-    constexpr const char* abouts[] = {strings::camera::w_s_a_d_q, strings::camera::dragging_orbits_the_ground_at,
-                                      strings::camera::follows_the_camera_path};
+    constexpr const char* abouts[] = {strings::camera::about_fly, strings::camera::about_orbit,
+                                      strings::camera::about_path};
     for (int i = 0; i < 3; ++i) {
         const auto navigation = static_cast<Navigation>(i);
         if (i > 0) ImGui::SameLine();
@@ -71,7 +71,7 @@ void draw_navigation(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ImGui::Button(strings::camera::view_all)) commands.push(ViewAll{});
     ui::mark("camera", "home");
-    ui::tip(strings::camera::look_at_the_whole_terrain);
+    ui::tip(strings::camera::about_view_all);
     labelled(strings::camera::speed);
     double speed = state.eye.free.speed_m_s;
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
@@ -80,11 +80,11 @@ void draw_navigation(const State& state, Commands& commands) {
                             speed < 1000 ? "%.4g m/s" : "%.0f m/s", ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");
-    ui::tip(strings::camera::flying_speed_in_metres_per);
+    ui::tip(strings::camera::about_speed);
     bool frozen = state.eye.frozen;
-    if (ImGui::Checkbox(strings::camera::freeze_refinement_f, &frozen)) commands.push(FreezeRefinement{frozen});
+    if (ImGui::Checkbox(strings::camera::freeze, &frozen)) commands.push(FreezeRefinement{frozen});
     ui::mark("camera", "freeze");
-    ui::tip(strings::camera::the_mesh_stays_refined_and);
+    ui::tip(strings::camera::about_freeze);
 }
 
 } // namespace

@@ -24,10 +24,10 @@ void draw_choice(const State& state, Commands& commands) {
         if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, other_px});
         ImGui::EndDisabled();
         ui::mark("compare-picture", compare_with_names[i]);
-        ui::tip(i == 0   ? strings::compare_picture::the_profile_alone
-                : i == 1 ? strings::compare_picture::this_profile_at_another_threshold
-                : can    ? strings::compare_picture::the_profile_chosen_to_compare
-                         : strings::compare_picture::choose_a_profile_to_compare);
+        ui::tip(i == 0   ? strings::compare_picture::about_off
+                : i == 1 ? strings::compare_picture::about_threshold
+                : can    ? strings::compare_picture::about_profile
+                         : strings::compare_picture::no_profile_chosen);
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
@@ -37,7 +37,7 @@ void draw_choice(const State& state, Commands& commands) {
         commands.push(ComparePictures{CompareWith::threshold, other_px});
     }
     ui::mark("compare-picture", "error_px");
-    ui::tip(strings::compare_picture::the_other_threshold_in_pixels);
+    ui::tip(strings::compare_picture::about_other_threshold);
 }
 
 void side_plate(ImDrawList& list, ImVec2 at, bool right_aligned, const char* text) {
@@ -54,12 +54,12 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
     const flight::Profile* const other = state.document.compared();
     const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.error_px : c.error_px;
     char mine[64], theirs[64];
-    std::snprintf(mine, sizeof mine, strings::compare_picture::px_triangles, state.document.profile().refine.error_px,
+    std::snprintf(mine, sizeof mine, strings::compare_picture::compared, state.document.profile().refine.error_px,
                   count_text(state.measures.last().triangles_drawn).text);
     if (c.there)
-        std::snprintf(theirs, sizeof theirs, strings::compare_picture::px_triangles, px, count_text(c.triangles).text);
+        std::snprintf(theirs, sizeof theirs, strings::compare_picture::compared, px, count_text(c.triangles).text);
     else
-        std::snprintf(theirs, sizeof theirs, strings::compare_picture::px_opening, px);
+        std::snprintf(theirs, sizeof theirs, strings::compare_picture::compared_opening, px);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
@@ -71,7 +71,7 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
 } // namespace
 
 void draw_compare_picture(const State& state, Commands& commands) {
-    ui::heading(strings::compare_picture::compare_in_the_picture);
+    ui::heading(strings::compare_picture::heading);
     draw_choice(state, commands);
     if (state.compared.with == CompareWith::nothing) return;
     constexpr const char* labels[] = {strings::compare_picture::side_by_side, strings::compare_picture::difference};
@@ -80,8 +80,7 @@ void draw_compare_picture(const State& state, Commands& commands) {
         const auto view = static_cast<CompareView>(i);
         if (ImGui::RadioButton(labels[i], state.compared.view == view)) commands.push(SetCompareView{view});
         ui::mark("compare-picture", compare_view_names[i]);
-        ui::tip(i == 0 ? strings::compare_picture::on_the_left_the_profile
-                       : strings::compare_picture::black_where_both_pictures_are);
+        ui::tip(i == 0 ? strings::compare_picture::about_side_by_side : strings::compare_picture::about_difference);
     }
     if (state.compared.view == CompareView::difference) return;
     auto percent = static_cast<float>(100 * state.compared.divider);
@@ -89,7 +88,7 @@ void draw_compare_picture(const State& state, Commands& commands) {
     if (ImGui::SliderFloat(strings::compare_picture::divider, &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
         commands.push(SetDivider{static_cast<double>(percent) / 100});
     ui::mark("compare-picture", "divider");
-    ui::tip(strings::compare_picture::where_the_divider_stands);
+    ui::tip(strings::compare_picture::about_divider);
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {
@@ -115,7 +114,7 @@ void draw_divider(const State& state, const ui::Rect& view, Commands& commands) 
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsItemActive() && io.MouseDelta.x != 0)
         commands.push(SetDivider{static_cast<double>(std::clamp((io.MousePos.x - view.x) / view.width, 0.0F, 1.0F))});
-    ui::tip(strings::compare_picture::drag_the_profile_on_the);
+    ui::tip(strings::compare_picture::about_divider_handle);
     ImGui::End();
 }
 

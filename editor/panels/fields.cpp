@@ -75,13 +75,13 @@ bool runs(const State& state, JobKind kind) {
 
 void cancel(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button(strings::common::cancel, group, "cancel", true, strings::fields::stops_the_job_no_partial))
+    if (button(strings::common::cancel, group, "cancel", true, strings::fields::about_cancel))
         commands.push(CancelJob{});
 }
 
 void close(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button(strings::common::close, group, "close", true, strings::fields::leaves_this_dialog_esc_a))
+    if (button(strings::common::close, group, "close", true, strings::fields::about_close))
         commands.push(ShowDialog{Dialog::none});
 }
 
@@ -90,9 +90,10 @@ static void draw_bar(const JobView& job, bool with_rate) {
     const int n = std::snprintf(text, sizeof text, "%s  %.0f%%", job.stage.c_str(), 100 * job.share);
     const auto used = static_cast<std::size_t>(std::clamp(n, 0, 95));
     if (job.left_s >= 0.5 && with_rate && job.rate >= 1e4)
-        std::snprintf(text + used, sizeof text - used, strings::fields::m_s_s_left, job.rate * 1e-6, job.left_s);
+        std::snprintf(text + used, sizeof text - used, strings::fields::rate_and_time_left, job.rate * 1e-6,
+                      job.left_s);
     else if (job.left_s >= 0.5)
-        std::snprintf(text + used, sizeof text - used, strings::fields::s_left, job.left_s);
+        std::snprintf(text + used, sizeof text - used, strings::fields::time_left, job.left_s);
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, text);
     ui::mark("job", "progress");
 }
@@ -101,7 +102,7 @@ static void draw_bar(const JobView& job, bool with_rate) {
 void outcome(const State& state, JobKind kind, bool with_rate) {
     const JobView& job = state.job;
     if (job.running && job.kind != kind) {
-        ImGui::TextColored(ImColor(ui::warning_colour).Value, strings::fields::another_job_is_running_wait);
+        ImGui::TextColored(ImColor(ui::warning_colour).Value, strings::fields::another_job_runs);
         return;
     }
     if (job.kind != kind) return;

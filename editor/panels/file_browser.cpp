@@ -49,7 +49,7 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
     ui::mark("browse", "reload");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-    if (ImGui::BeginCombo("##recent", strings::file_browser::folders_of_recent_files)) {
+    if (ImGui::BeginCombo("##recent", strings::file_browser::recent_folders)) {
         for (const std::string& pack : state.interface.recent) {
             const std::size_t slash = pack.rfind('/');
             if (slash == std::string::npos) continue;
@@ -123,8 +123,8 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(!browser.problem().empty() ? browser.problem().c_str()
-                               : browser.hidden() != 0    ? strings::file_browser::no_files_of_this_kind
-                                                          : strings::file_browser::this_folder_is_empty);
+                               : browser.hidden() != 0    ? strings::file_browser::none_of_this_kind
+                                                          : strings::file_browser::empty_folder);
     }
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(browser.size()));
@@ -166,7 +166,7 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
     ImGui::SetNextItemWidth(-1);
     ui::focus_first();
-    chosen = ImGui::InputTextWithHint("##name", strings::file_browser::a_name_or_a_full, form.name, sizeof form.name,
+    chosen = ImGui::InputTextWithHint("##name", strings::file_browser::name_hint, form.name, sizeof form.name,
                                       ImGuiInputTextFlags_EnterReturnsTrue) ||
              chosen;
     ui::mark("browse", "name");
@@ -183,7 +183,7 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     bool all = state.files.browser.all();
     if (ImGui::Checkbox(strings::file_browser::all_files, &all)) commands.push(BrowseAllKinds{all});
     ui::mark("browse", "all");
-    ui::tip(strings::file_browser::lists_files_of_other_kinds);
+    ui::tip(strings::file_browser::about_all_files);
     return chosen && choose(state, commands, form);
 }
 

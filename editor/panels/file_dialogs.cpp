@@ -73,7 +73,7 @@ void draw_recent_packs(const State& state, Commands& commands) {
 }
 
 void draw_differences(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::file_dialogs::compared_with_keys_differ,
+    ImGui::TextWrapped(strings::file_dialogs::differences,
                        state.document.compared_path().empty() ? strings::file_dialogs::the_saved_profile
                                                               : state.document.compared_path().c_str(),
                        state.files.differences.size());
@@ -86,7 +86,7 @@ void draw_differences(const State& state, Commands& commands) {
     ImGui::TableSetupColumn(strings::file_dialogs::mine, ImGuiTableColumnFlags_WidthStretch, 1.2F);
     ImGui::TableSetupColumn(strings::file_dialogs::theirs, ImGuiTableColumnFlags_WidthStretch, 1.2F);
     ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed,
-                            ImGui::CalcTextSize(strings::file_dialogs::take_theirs_room).x);
+                            ImGui::CalcTextSize(strings::file_dialogs::take_theirs_column).x);
     ImGui::TableHeadersRow();
     for (const Difference& d : state.files.differences) {
         char name[64];
@@ -101,8 +101,7 @@ void draw_differences(const State& state, Commands& commands) {
         ImGui::TextUnformatted(d.theirs.c_str());
         ImGui::TableNextColumn();
         ImGui::PushID(d.key);
-        if (ImGui::SmallButton(strings::file_dialogs::take_theirs_button))
-            commands.push(SetKey{d.key, d.theirs_value, false});
+        if (ImGui::SmallButton(strings::file_dialogs::take_theirs)) commands.push(SetKey{d.key, d.theirs_value, false});
         ui::mark("take", name);
         ImGui::PopID();
     }
@@ -120,15 +119,15 @@ bool answer(const char* label, const char* name, bool first) {
 } // namespace
 
 void draw_start(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::file_dialogs::fjell_draws_large_terrains_with);
+    ImGui::TextWrapped(strings::file_dialogs::welcome);
     ImGui::Spacing();
     if (wide_button(strings::common::open_the_sample, "sample")) commands.push(OpenSample{});
-    ui::tip(strings::file_dialogs::a_small_synthetic_landscape_baked);
+    ui::tip(strings::file_dialogs::about_sample);
     if (wide_button(strings::file_dialogs::open_a_file, "open")) commands.push(ShowDialog{Dialog::open_file});
-    ui::tip(strings::file_dialogs::a_pack_fjell_a_profile);
+    ui::tip(strings::file_dialogs::about_open_a_file);
     if (wide_button(strings::menu::bake_heights, "bake")) commands.push(ShowDialog{Dialog::bake});
-    ui::tip(strings::file_dialogs::makes_a_pack_from_heights);
-    ImGui::TextDisabled(strings::file_dialogs::or_drop_a_file_onto);
+    ui::tip(strings::file_dialogs::about_bake);
+    ImGui::TextDisabled(strings::file_dialogs::or_drop_a_file);
     draw_sample_progress(state, commands);
     draw_recent_packs(state, commands);
 }
@@ -155,7 +154,7 @@ void draw_compare(const State& state, Commands& commands) {
         if (ui::button(strings::file_dialogs::with_the_saved_profile)) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
-        ImGui::TextUnformatted(strings::file_dialogs::or_with_another_profile);
+        ImGui::TextUnformatted(strings::file_dialogs::or_another_profile);
         if (draw_file_browser(state, commands, browser_form, strings::file_dialogs::compare))
             commands.push(CompareProfile{state.files.browser.path_of(browser_form.name)});
         return;
@@ -163,7 +162,7 @@ void draw_compare(const State& state, Commands& commands) {
     draw_differences(state, commands);
     if (ui::button(strings::file_dialogs::compare_another)) commands.push(StopComparing{});
     ui::mark("compare", "another");
-    ui::tip(strings::file_dialogs::compares_with_another_profile);
+    ui::tip(strings::file_dialogs::about_compare_another);
     ImGui::SameLine();
     if (ui::button(strings::file_dialogs::stop_comparing)) {
         commands.push(StopComparing{});
@@ -173,18 +172,18 @@ void draw_compare(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("compare", "close");
-    ui::tip(strings::file_dialogs::the_other_profiles_values_stay);
+    ui::tip(strings::file_dialogs::about_close_comparison);
 }
 
 void draw_unsaved(const State& state, Commands& commands) {
     if (state.document.unsaved())
-        ImGui::TextWrapped(strings::file_dialogs::the_profile_has_changes_that,
-                           state.document.path().empty() ? strings::file_dialogs::it_has_no_file_yet
-                                                         : state.document.path().c_str());
+        ImGui::TextWrapped(strings::file_dialogs::unsaved_profile, state.document.path().empty()
+                                                                       ? strings::file_dialogs::no_file_yet
+                                                                       : state.document.path().c_str());
     if (state.route.unsaved())
-        ImGui::TextWrapped(strings::file_dialogs::the_camera_path_has_changes,
-                           state.route.path().empty() ? strings::file_dialogs::it_has_no_file_yet
-                                                      : state.route.path().c_str());
+        ImGui::TextWrapped(strings::file_dialogs::unsaved_path, state.route.path().empty()
+                                                                    ? strings::file_dialogs::no_file_yet
+                                                                    : state.route.path().c_str());
     ImGui::Spacing();
     ImGui::BeginDisabled(!state.files.waiting);
     if (answer(strings::common::save, "save", true)) commands.push(AnswerUnsaved{Answer::save});
@@ -196,21 +195,21 @@ void draw_unsaved(const State& state, Commands& commands) {
 void draw_recover(const State& state, Commands& commands) {
     const std::optional<Unsaved>& found = state.files.recovery.found();
     if (!found) {
-        ImGui::TextWrapped(strings::file_dialogs::there_is_nothing_to_recover);
+        ImGui::TextWrapped(strings::file_dialogs::nothing_to_recover);
         if (answer(strings::common::close, "close", true)) commands.push(ShowDialog{Dialog::none});
         return;
     }
-    ImGui::TextWrapped(strings::file_dialogs::an_earlier_run_ended_before);
+    ImGui::TextWrapped(strings::file_dialogs::earlier_run);
     if (found->profile_changed)
         ImGui::BulletText(strings::file_dialogs::of_the_profile,
-                          found->path.empty() ? strings::file_dialogs::that_had_no_file_yet : last_part(found->path));
-    if (!found->points.empty()) ImGui::BulletText(strings::file_dialogs::a_camera_path_of_points, found->points.size());
-    if (!found->pack.empty()) ImGui::BulletText(strings::file_dialogs::over, last_part(found->pack));
+                          found->path.empty() ? strings::file_dialogs::profile_without_file : last_part(found->path));
+    if (!found->points.empty()) ImGui::BulletText(strings::file_dialogs::recovered_path, found->points.size());
+    if (!found->pack.empty()) ImGui::BulletText(strings::file_dialogs::over_terrain, last_part(found->pack));
     ImGui::Spacing();
     if (answer(strings::common::restore, "restore", true)) commands.push(RecoverChanges{true});
     if (answer(strings::file_dialogs::discard, "discard", false)) commands.push(RecoverChanges{false});
     ImGui::SameLine();
-    ImGui::TextDisabled(strings::file_dialogs::close_this_dialog_to_be);
+    ImGui::TextDisabled(strings::file_dialogs::about_later);
 }
 
 } // namespace fjell::editor

@@ -165,7 +165,7 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
             ImGui::Text("%s %.3g %s", line.label, value, graph.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled(strings::graph::click_its_report_drag_zoom);
+    ImGui::TextDisabled(strings::graph::hand_help);
     ImGui::EndTooltip();
 }
 
@@ -229,7 +229,7 @@ GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     if (by_keys) {
         GraphInput input;
         if (clicked) input.clicked = highest(*lines.begin()->values, s.shown);
-        tip(strings::graph::enter_its_highest_frame);
+        tip(strings::graph::keys_help);
         return input;
     }
     const GraphInput input = follow_mouse(list, s, clicked);
@@ -278,7 +278,7 @@ double round_up(double value) {
 
 void short_number(char (&text)[16], double value) {
     if (value >= 1e9)
-        std::snprintf(text, sizeof text, strings::graph::g, value / 1e9);
+        std::snprintf(text, sizeof text, strings::graph::billions, value / 1e9);
     else if (value >= 1e6)
         std::snprintf(text, sizeof text, "%.3g M", value / 1e6);
     else if (value >= 1e4)

@@ -118,7 +118,7 @@ void mark_points_in(const State& state, const ui::Rect& view) {
         const auto at = seen_at(state, view, i);
         if (!at) continue;
         char name[32];
-        std::snprintf(name, sizeof name, strings::path::point, i);
+        std::snprintf(name, sizeof name, "point.%zu", i);
         ui::mark_at("view", name, {at->x - 4, at->y - 4, 8, 8});
     }
 }

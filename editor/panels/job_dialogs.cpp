@@ -33,35 +33,33 @@ struct ScreenshotForm {
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;
-    constexpr const char* kinds[] = {strings::job_dialogs::the_frames, strings::job_dialogs::custom_threshold};
+    constexpr const char* kinds[] = {strings::job_dialogs::frames_own, strings::job_dialogs::custom_threshold};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
-    fields::path(strings::job_dialogs::gltf, "export", "path", form.path, strings::job_dialogs::a_file_that_ends_in,
-                 strings::job_dialogs::mesh_colours_and_camera_in);
-    fields::choice(strings::common::mesh, "export", "own", form.own, kinds, 2,
-                   strings::job_dialogs::the_frames_is_written_as);
+    fields::path(strings::job_dialogs::gltf, "export", "path", form.path, strings::job_dialogs::gltf_hint,
+                 strings::job_dialogs::about_gltf);
+    fields::choice(strings::common::mesh, "export", "own", form.own, kinds, 2, strings::job_dialogs::about_mesh);
     fields::label(strings::job_dialogs::converged);
     ImGui::BeginDisabled(form.own == 1);
     bool converged = form.converged || form.own == 1;
     if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
     ImGui::EndDisabled();
     ui::mark("export", "converged");
-    ui::tip(strings::job_dialogs::not_the_frames_mesh_as);
+    ui::tip(strings::job_dialogs::about_converged);
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
     fields::number(strings::job_dialogs::pixels, "export", "error_px", shown, "%.4g",
-                   strings::job_dialogs::pixels_about);
+                   strings::job_dialogs::about_pixels);
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
-    if (fields::button(strings::job_dialogs::preview, "export", "preview", can,
-                       strings::job_dialogs::counts_and_size_of_the))
+    if (fields::button(strings::job_dialogs::preview, "export", "preview", can, strings::job_dialogs::about_preview))
         commands.push(PreviewExport{form.converged, error_px});
     ImGui::SameLine();
     if (fields::button(strings::job_dialogs::export_, "export", "start", can && form.path[0] != '\0',
-                       strings::job_dialogs::writes_the_file_an_existing, true))
+                       strings::job_dialogs::about_export, true))
         commands.push(ExportMesh{form.path, form.converged, error_px});
     fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
@@ -70,7 +68,7 @@ void draw_snapshot(const State& state, Commands& commands) {
     if (p.bytes != 0) {
         ui::row(strings::common::vertices, "%s", count_text(static_cast<double>(p.vertices)).text);
         ui::row(strings::common::triangles, "%s", count_text(static_cast<double>(p.triangles)).text);
-        ui::row(strings::common::file, strings::job_dialogs::within_px, byte_text(static_cast<double>(p.bytes)).text,
+        ui::row(strings::common::file, strings::job_dialogs::size_within, byte_text(static_cast<double>(p.bytes)).text,
                 p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
@@ -79,16 +77,15 @@ void draw_snapshot(const State& state, Commands& commands) {
 
 void draw_screenshot(const State&, Commands& commands) {
     static ScreenshotForm form;
-    constexpr const char* kinds[] = {strings::job_dialogs::the_terrain,
-                                     strings::job_dialogs::the_window_with_its_panels};
+    constexpr const char* kinds[] = {strings::job_dialogs::terrain_alone, strings::job_dialogs::window_with_panels};
     ui::focus_first();
-    fields::path(strings::common::picture, "screenshot", "path", form.path, strings::common::a_png_file,
-                 strings::common::where_the_png_goes);
+    fields::path(strings::common::picture, "screenshot", "path", form.path, strings::common::png_hint,
+                 strings::common::about_png);
     fields::choice(strings::job_dialogs::contents, "screenshot", "what", form.what, kinds, 2,
-                   strings::job_dialogs::at_the_current_size_of);
+                   strings::job_dialogs::about_contents);
     ImGui::Separator();
     if (fields::button(strings::common::save, "screenshot", "start", form.path[0] != '\0',
-                       strings::job_dialogs::closes_this_dialog_and_saves, true)) {
+                       strings::job_dialogs::about_save, true)) {
         commands.push(ShowDialog{Dialog::none});
         commands.push(TakeScreenshot{form.path, form.what == 1});
     }
@@ -103,7 +100,7 @@ void draw_job_status(const State& state, Commands& commands) {
     ImGui::SameLine();
     if (ImGui::SmallButton(strings::common::cancel)) commands.push(CancelJob{});
     ui::mark("status", "cancel-job");
-    ui::tip(strings::job_dialogs::stops_the_job_no_partial);
+    ui::tip(strings::job_dialogs::about_cancel);
     ImGui::SameLine();
 }
 

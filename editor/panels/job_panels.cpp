@@ -25,34 +25,33 @@ constexpr const char* measures[] = {strings::job_panels::update_cpu, strings::jo
 
 void draw_tune_form(TuneForm& form) {
     fields::number(strings::job_panels::budget_us, "auto-tune", "budget_us", form.budget_us, "%.6g",
-                   strings::job_panels::limit_for_the_p99_time);
+                   strings::job_panels::about_budget);
     fields::choice(strings::job_panels::measure, "auto-tune", "measure", form.measure, measures, 2,
-                   strings::job_panels::update_cpu_time_of_refinement);
-    fields::whole(strings::job_panels::frames_0_auto, "auto-tune", "frames", form.frames,
-                  strings::job_panels::frames_per_flight_10_to);
-    fields::label(strings::job_panels::from_to_px);
+                   strings::job_panels::about_measure);
+    fields::whole(strings::job_panels::frames, "auto-tune", "frames", form.frames, strings::job_panels::about_frames);
+    fields::label(strings::job_panels::threshold_range);
     ImGui::PushID("range");
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
     ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "least_px");
-    ui::tip(strings::job_panels::the_smallest_threshold_to_try);
+    ui::tip(strings::job_panels::about_smallest);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "most_px");
-    ui::tip(strings::job_panels::the_largest_threshold_with_which);
+    ui::tip(strings::job_panels::about_largest);
     ImGui::PopID();
 }
 
 void draw_tune_result(const State& state, const JobView& shown, Commands& commands) {
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
-    std::snprintf(text, sizeof text, strings::job_panels::use_px, shown.best_px);
+    std::snprintf(text, sizeof text, strings::job_panels::use_threshold, shown.best_px);
     const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
-    if (fields::button(text, "auto-tune", "use", !used, strings::job_panels::sets_the_threshold_of_the))
+    if (fields::button(text, "auto-tune", "use", !used, strings::job_panels::about_use_threshold))
         commands.push(SetKey{key, shown.best_px, false});
 }
 
@@ -68,8 +67,7 @@ void draw_auto_tune(const State& state, Commands& commands) {
     static TuneForm form;
     draw_tune_form(form);
     const bool can = !state.job.running && state.scene.open();
-    if (fields::button(strings::job_panels::start, "auto-tune", "start", can,
-                       strings::job_panels::flies_the_path_or_an)) {
+    if (fields::button(strings::job_panels::start, "auto-tune", "start", can, strings::job_panels::about_start)) {
         TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
                       form.budget_us,
@@ -90,19 +88,18 @@ void draw_auto_tune(const State& state, Commands& commands) {
 void draw_benchmark(const State& state, Commands& commands) {
     static CsvForm form;
     fields::suggest(form.path, form.made_for, state, ".csv");
-    fields::path(strings::job_panels::csv, "benchmark", "path", form.path, strings::job_panels::a_file,
-                 strings::job_panels::one_line_per_frame_with);
-    fields::whole(strings::job_panels::frames_0_auto, "benchmark", "frames", form.frames,
-                  strings::job_panels::frames_about);
+    fields::path(strings::job_panels::csv, "benchmark", "path", form.path, strings::job_panels::csv_hint,
+                 strings::job_panels::about_csv);
+    fields::whole(strings::job_panels::frames, "benchmark", "frames", form.frames,
+                  strings::job_panels::about_benchmark_frames);
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::flies_as_the_profile_says,
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::about_flight,
                        state.route.empty() ? strings::job_panels::an_orbit : strings::job_panels::the_path,
                        state.document.profile().width_px, state.document.profile().height_px);
     ImGui::PopTextWrapPos();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
-    if (fields::button(strings::job_panels::run, "benchmark", "start", can,
-                       strings::job_panels::starts_at_once_and_flies))
+    if (fields::button(strings::job_panels::run, "benchmark", "start", can, strings::job_panels::about_run))
         commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
     if (fields::runs(state, JobKind::benchmark)) fields::cancel("benchmark", commands);
     fields::outcome(state, JobKind::benchmark);

@@ -39,7 +39,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);
     ImGui::Dummy({width, 1.15F * em});
     char about[96];
-    std::snprintf(about, sizeof about, strings::levels::level_triangles_with_legs_of, level, number, leg_m);
+    std::snprintf(about, sizeof about, strings::levels::level_bar, level, number, leg_m);
     ui::tip(about);
 }
 
@@ -54,16 +54,16 @@ void draw_levels(const State& state, Commands& commands) {
     const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
     std::uint64_t all = 0;
     for (const std::uint32_t count : levels.triangles) all += count;
-    ui::heading(strings::levels::triangles_drawn_by_level);
-    ui::tip(strings::levels::level_0_the_two_base);
+    ui::heading(strings::levels::heading);
+    ui::tip(strings::levels::about_levels);
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
     ui::row(strings::common::total, "%s", count_text(static_cast<double>(all)).text);
     bool shown = state.interface.mode == flight::PictureMode::levels;
-    if (ImGui::Checkbox(strings::levels::colour_the_picture_by_level, &shown))
+    if (ImGui::Checkbox(strings::levels::colour_picture, &shown))
         commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
     ui::mark("levels", "colour");
-    ui::tip(strings::levels::every_triangle_in_its_levels);
+    ui::tip(strings::levels::about_colour_picture);
 }
 
 } // namespace fjell::editor

@@ -68,7 +68,7 @@ void draw_recent(const State& state, Commands& commands) {
 }
 
 void draw_file(const State& state, Commands& commands) {
-    item("open", strings::common::open_more, strings::keys::ctrl_o, true, commands, ShowDialog{Dialog::open_file});
+    item("open", strings::common::open_dots, strings::keys::ctrl_o, true, commands, ShowDialog{Dialog::open_file});
     draw_recent(state, commands);
     item("sample", strings::common::open_the_sample, "", true, commands, OpenSample{});
     item("bake", strings::menu::bake_heights, "", true, commands, ShowDialog{Dialog::bake});
@@ -174,7 +174,7 @@ void draw_window_items(const State& state, Commands& commands) {
     ui::mark("menu", "floating");
     draw_column_items(state, commands);
     entry(strings::menu::picture_only, strings::keys::f11, Switch::picture_only, i.picture_only);
-    entry(strings::menu::keys_move_in_panels, strings::keys::f6, Switch::panel_keys, i.panel_keys);
+    entry(strings::menu::keyboard_in_panels, strings::keys::f6, Switch::panel_keys, i.panel_keys);
     entry(strings::menu::half_resolution_while_moving, "", Switch::half_resolution, i.half_resolution);
     entry(strings::menu::probe_the_ground, strings::keys::i, Switch::probe, state.probe.on);
 }
@@ -223,9 +223,9 @@ void draw_profile_name(const State& state, Commands& commands) {
     if (ui::begin_tip()) {
         char text[700];
         const std::string& path = state.document.path();
-        (void)std::snprintf(text, sizeof text, strings::menu::the_profile,
-                            path.empty() ? strings::menu::the_defaults_not_saved_to : path.c_str(),
-                            unsaved ? strings::menu::it_has_changes_that_are : "");
+        (void)std::snprintf(text, sizeof text, strings::menu::profile_file,
+                            path.empty() ? strings::menu::profile_without_file : path.c_str(),
+                            unsaved ? strings::menu::profile_is_unsaved : "");
         ImGui::TextUnformatted(text);
         ui::end_tip();
     }

@@ -149,7 +149,7 @@ void mark_points(const Frame& frame, const Route& route) {
     for (std::size_t i = 0; i < count; ++i) {
         const ImVec2 at = frame.at(route.points()[i][0], route.points()[i][2]);
         char name[32];
-        std::snprintf(name, sizeof name, strings::path::point, i);
+        std::snprintf(name, sizeof name, "point.%zu", i);
         ui::mark_at("map", name, {at.x - 3, at.y - 3, 6, 6});
     }
 }
@@ -202,9 +202,9 @@ void draw_overview(const State& state, Commands& commands) {
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
     } else if (!under) {
-        ui::tip(strings::overview::click_or_drag_to_fly);
+        ui::tip(strings::overview::about_overview);
     } else if (ui::begin_tip()) {
-        ImGui::Text(strings::hands::point_on_map, *under);
+        ImGui::Text(strings::hands::map_point_drag, *under);
         ui::end_tip();
     }
 }

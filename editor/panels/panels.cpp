@@ -37,7 +37,7 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
         draw_detaching(panel, section.rect, state, commands);
-        ui::tip(strings::panels::drag_it_onto_the_picture);
+        ui::tip(strings::panels::about_tab);
     }
     ImGui::Separator();
 }
@@ -108,7 +108,7 @@ void draw_strip(std::size_t side, const ui::ColumnLayout& column, const State& s
     }
     if (ImGui::IsItemDeactivated() && !dragged)
         commands.push(ArrangeColumn{c, ColumnPart::folded, column.folded ? 0.0 : 1.0});
-    ui::tip(column.folded ? strings::panels::click_to_unfold_the_panels : strings::panels::drag_to_resize_the_panels);
+    ui::tip(column.folded ? strings::panels::about_folded_strip : strings::panels::about_strip);
     draw_arrow(column.strip, (side == 0) != column.folded, ui::quiet);
     ImGui::End();
 }
@@ -123,7 +123,7 @@ void draw_split(std::size_t side, const ui::ColumnLayout& column, Commands& comm
         const float share = (io.MousePos.y - top - column.split.height / 2) / std::max(all, 1.0F);
         commands.push(ArrangeColumn{static_cast<Column>(side), ColumnPart::split, static_cast<double>(share)});
     }
-    ui::tip(strings::panels::drag_to_divide_the_column);
+    ui::tip(strings::panels::about_split);
     ImGui::End();
 }
 

@@ -19,7 +19,7 @@ void draw_name(const Route& route) {
         path.empty() ? strings::path::not_saved_yet : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (route.points().empty() && route.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped(strings::path::none_record_a_flight_add);
+        ImGui::TextWrapped(strings::path::no_path);
         ImGui::PopStyleColor();
         return;
     }
@@ -29,7 +29,7 @@ void draw_name(const Route& route) {
     if (!path.empty()) ui::tip(path.c_str());
     if (route.as_read()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted(strings::path::as_in_the_file_editing);
+        ImGui::TextUnformatted(strings::path::as_in_the_file);
         ImGui::PopStyleColor();
     }
 }
@@ -38,16 +38,16 @@ void draw_flight(const State& state, Commands& commands) {
     const Route& route = state.route;
     const bool there = !route.empty();
     if (ui::panel_button(route.playing() ? strings::common::pause : strings::path::play, "path", "play", there,
-                         strings::path::fly_along_the_path_or))
+                         strings::path::about_play))
         commands.push(PlayPath{!route.playing()});
     ui::beside(strings::path::restart);
-    if (ui::panel_button(strings::path::restart, "path", "again", there, strings::path::play_from_the_beginning)) {
+    if (ui::panel_button(strings::path::restart, "path", "again", there, strings::path::about_restart)) {
         commands.push(SeekPath{0});
         commands.push(PlayPath{true});
     }
     ui::beside(strings::path::record);
     if (ui::panel_button(route.recording() ? strings::common::stop_recording : strings::path::record, "path", "record",
-                         true, strings::path::record_the_flight_as_points))
+                         true, strings::path::about_record))
         commands.push(RecordPath{!route.recording()});
     ImGui::BeginDisabled(!there);
     auto share = static_cast<float>(route.share());
@@ -58,7 +58,7 @@ void draw_flight(const State& state, Commands& commands) {
         commands.push(SeekPath{static_cast<double>(share)});
     ImGui::EndDisabled();
     ui::mark("path", "seek");
-    ui::tip(strings::path::position_along_the_path_drag);
+    ui::tip(strings::path::about_position);
     {
         const keyboard::PointerOnly by_hand; // keys have the slider above
         draw_timeline(state, commands);
@@ -70,12 +70,12 @@ void draw_flight(const State& state, Commands& commands) {
         std::isfinite(seconds))
         commands.push(SetPathSeconds{seconds});
     ui::mark("path", "seconds");
-    ui::tip(strings::path::duration_of_the_flight_in);
+    ui::tip(strings::path::about_duration);
     ImGui::SameLine();
     bool loops = route.loops();
     if (ImGui::Checkbox(strings::path::loop, &loops)) commands.push(LoopPath{loops});
     ui::mark("path", "loop");
-    ui::tip(strings::path::starts_again_at_the_end);
+    ui::tip(strings::path::about_loop);
     ImGui::SameLine();
     bool closed = route.closed();
     ImGui::BeginDisabled(route.points().size() < 2);
@@ -92,9 +92,9 @@ void draw_point(const Route& route, std::size_t i, Commands& commands) {
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::Selectable(text, route.selected() == i)) commands.push(SelectPoint{i});
     char name[24];
-    std::snprintf(name, sizeof name, strings::path::point, i);
+    std::snprintf(name, sizeof name, "point.%zu", i);
     ui::mark("path", name);
-    ui::tip(strings::path::select_it_and_look_from);
+    ui::tip(strings::path::about_point);
     ImGui::PopID();
 }
 

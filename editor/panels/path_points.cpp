@@ -15,27 +15,23 @@ void row_of(const char* label) {
 void draw_list_edits(const Route& route, Commands& commands) {
     const std::size_t at = route.selected().value_or(0), n = route.points().size();
     const bool selected = route.selected().has_value();
-    if (ui::panel_button(strings::common::add, "path", "add", true, strings::path::a_point_where_the_camera))
+    if (ui::panel_button(strings::common::add, "path", "add", true, strings::path::about_add))
         commands.push(AddPoint{});
     ui::beside(strings::path_points::insert);
     if (ui::panel_button(strings::path_points::insert, "path", "insert", !route.empty(),
                          strings::path_points::about_insert))
         commands.push(InsertPoint{});
     ui::beside(strings::path::replace);
-    if (ui::panel_button(strings::path::replace, "path", "replace", selected,
-                         strings::path::puts_the_selected_point_where))
+    if (ui::panel_button(strings::path::replace, "path", "replace", selected, strings::path::about_replace))
         commands.push(ReplacePoint{at});
     ui::beside(strings::common::remove);
-    if (ui::panel_button(strings::common::remove, "path", "remove", selected,
-                         strings::path::removes_the_selected_point))
+    if (ui::panel_button(strings::common::remove, "path", "remove", selected, strings::path::about_remove))
         commands.push(RemovePoint{at});
     ui::beside(strings::common::up);
-    if (ui::panel_button(strings::common::up, "path", "up", selected && at > 0,
-                         strings::path::swaps_the_selected_point_with))
+    if (ui::panel_button(strings::common::up, "path", "up", selected && at > 0, strings::path::about_up))
         commands.push(MovePoint{at, at - 1});
     ui::beside(strings::path::down);
-    if (ui::panel_button(strings::path::down, "path", "down", selected && at + 1 < n,
-                         strings::path::swaps_the_selected_point_with_the))
+    if (ui::panel_button(strings::path::down, "path", "down", selected && at + 1 < n, strings::path::about_down))
         commands.push(MovePoint{at, at + 1});
 }
 
@@ -83,20 +79,20 @@ void draw_path_edits(const State& state, Commands& commands) {
     draw_speeds(route, commands);
     draw_targets(state, commands);
     if (ui::panel_button(strings::path::turntable, "path", "circle", state.scene.open(),
-                         strings::path::another_path_once_around_what))
+                         strings::path::about_turntable))
         commands.push(CirclePath{});
-    ui::beside(strings::common::open_more);
-    if (ui::panel_button(strings::common::open_more, "path", "open", true, strings::path::a_camera_path_from_a))
+    ui::beside(strings::common::open_dots);
+    if (ui::panel_button(strings::common::open_dots, "path", "open", true, strings::path::about_open))
         commands.push(ShowDialog{Dialog::open_file});
-    ui::beside(strings::path::save);
-    if (ui::panel_button(strings::path::save, "path", "save", n >= 2, strings::path::the_camera_path_to_a))
+    ui::beside(strings::path::save_dots);
+    if (ui::panel_button(strings::path::save_dots, "path", "save", n >= 2, strings::path::about_save))
         commands.push(ShowDialog{Dialog::save_path});
     ui::beside(strings::path::clear);
-    if (ui::panel_button(strings::path::clear, "path", "clear", n > 0, strings::path::removes_the_path_restore_brings))
+    if (ui::panel_button(strings::path::clear, "path", "clear", n > 0, strings::path::about_clear))
         commands.push(ClearPath{});
     ui::beside(strings::common::restore);
     if (ui::panel_button(strings::common::restore, "path", "restore", route.can_restore(),
-                         strings::path::the_path_as_it_was))
+                         strings::path::about_restore))
         commands.push(RestorePath{});
 }
 

@@ -16,25 +16,25 @@ struct Choice {
     const char *label, *about;
 };
 constexpr Choice modes[] = {
-    {strings::picture::shaded, strings::picture::colours_and_light_as_in},
-    {strings::picture::wire, strings::picture::shaded_with_the_edges_of},
-    {strings::common::levels, strings::picture::every_triangle_in_its_levels},
-    {strings::picture::tiles, strings::picture::every_tile_in_a_colour},
-    {strings::picture::mips, strings::picture::by_the_mip_that_is},
-    {strings::picture::residency, strings::picture::by_the_finest_geometry_in},
-    {strings::common::distance, strings::picture::white_at_the_near_plane},
+    {strings::picture::shaded, strings::picture::about_shaded},
+    {strings::picture::wire, strings::picture::about_wire},
+    {strings::common::levels, strings::picture::about_levels},
+    {strings::picture::tiles, strings::picture::about_tiles},
+    {strings::picture::mips, strings::picture::about_mips},
+    {strings::picture::residency, strings::picture::about_residency},
+    {strings::common::distance, strings::picture::about_distance},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
 constexpr Choice overlay_choices[] = {
-    {strings::picture::wireframe, strings::picture::edges_of_all_triangles},
-    {strings::picture::tile_borders, strings::picture::borders_of_tiles_on_the},
-    {strings::picture::page_borders, strings::picture::borders_of_pages_which_are},
-    {strings::picture::bounding_spheres, strings::picture::around_vertices_as_refinement_uses},
-    {strings::picture::culled, strings::picture::with_refinement_frozen_culled_tiles},
-    {strings::picture::true_error, strings::picture::distance_of_the_mesh_from},
-    {strings::common::camera_path, strings::picture::the_path_its_points_and},
-    {strings::picture::contours, strings::picture::lines_of_equal_height_every},
-    {strings::common::slope, strings::picture::steep_ground_in_bands_from},
+    {strings::picture::wireframe, strings::picture::about_wireframe},
+    {strings::picture::tile_borders, strings::picture::about_tile_borders},
+    {strings::picture::page_borders, strings::picture::about_page_borders},
+    {strings::picture::bounding_spheres, strings::picture::about_bounding_spheres},
+    {strings::picture::culled, strings::picture::about_culled},
+    {strings::picture::true_error, strings::picture::about_true_error},
+    {strings::common::camera_path, strings::picture::about_camera_path},
+    {strings::picture::contours, strings::picture::about_contours},
+    {strings::common::slope, strings::picture::about_slope},
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
@@ -80,7 +80,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
 // 0 is the pack's finest.
 void mip_legend(int mips) {
     if (mips == 0) {
-        note(strings::picture::this_pack_has_no_maps);
+        note(strings::picture::no_maps);
         return;
     }
     Legend legend;
@@ -96,10 +96,10 @@ void error_legend(double promised_px) {
     Legend legend;
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : strings::picture::px_the_bound, share * promised_px);
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : strings::picture::bound, share * promised_px);
         legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(ui::colour(gl::error_stops[4]), strings::picture::hatched_above_the_bound);
+    legend.entry(ui::colour(gl::error_stops[4]), strings::picture::above_bound);
     legend.entry(ui::colour(gl::error_stops[5]), strings::picture::no_reference);
 }
 
@@ -117,15 +117,15 @@ void explain_relief(const State& state) {
     char text[80];
     if (state.shows(Overlay::contours)) {
         const double every_m = contour_interval_m(state.scene);
-        std::snprintf(text, sizeof text, strings::picture::contours_every_m_wider_every, every_m, 5 * every_m);
+        std::snprintf(text, sizeof text, strings::picture::contour_key, every_m, 5 * every_m);
         note(text);
     }
     if (!state.shows(Overlay::slope)) return;
-    note(strings::picture::slope_degrees);
+    note(strings::picture::slope_key);
     Legend legend;
     for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
         std::snprintf(text, sizeof text,
-                      i + 1 < std::size(gl::slope_rgb) ? strings::picture::from : strings::picture::and_steeper,
+                      i + 1 < std::size(gl::slope_rgb) ? strings::picture::from_degrees : strings::picture::and_steeper,
                       gl::slope_bands_deg[i]);
         legend.entry(ui::colour(gl::slope_rgb[i]), text);
     }
@@ -133,9 +133,9 @@ void explain_relief(const State& state) {
 
 void explain_overlays(const State& state) {
     explain_relief(state);
-    if (state.shows(Overlay::culled) && !state.eye.frozen) note(strings::picture::culled_tiles_are_out_of);
+    if (state.shows(Overlay::culled) && !state.eye.frozen) note(strings::picture::culled_is_out_of_view);
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note(strings::picture::the_reference_heights_could_not);
+    if (state.heights_share < 0) return note(strings::picture::heights_failed);
     if (state.heights_share < 1) {
         char text[48];
         std::snprintf(text, sizeof text, strings::picture::reading_heights, 100 * state.heights_share);
@@ -164,7 +164,7 @@ void draw_scale(const State& state, Commands& commands) {
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
         ui::mark("scale", names[i]);
-        ui::tip(strings::picture::size_of_text_and_controls);
+        ui::tip(strings::picture::about_interface);
         if (!on) ImGui::PopStyleColor();
     }
 }
@@ -180,7 +180,7 @@ const char* label_of(Overlay overlay) {
 }
 
 void draw_picture(const State& state, Commands& commands) {
-    ui::heading(strings::picture::picture_mode_m_next);
+    ui::heading(strings::picture::mode_heading);
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);

@@ -22,11 +22,11 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     ImGui::BeginGroup();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     if (ImGui::InvisibleButton("go", {width, height})) commands.push(GoToBookmark{index});
-    std::snprintf(name, sizeof name, strings::pictures::go, index);
+    std::snprintf(name, sizeof name, "go.%zu", index);
     ui::mark("bookmark", name);
     const bool hovered = ImGui::IsItemHovered();
     (void)keyboard::outline();
-    ui::tip(strings::pictures::look_from_there);
+    ui::tip(strings::pictures::about_bookmark);
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 high{at.x + width, at.y + height};
     if (b.texture != 0) { // cut to the frame's shape, not stretched
@@ -40,9 +40,9 @@ void draw_bookmark(const Bookmark& b, std::size_t index, float width, Commands& 
     }
     if (hovered) list.AddRect(at, high, IM_COL32_WHITE);
     if (ImGui::SmallButton("x")) commands.push(RemoveBookmark{index});
-    std::snprintf(name, sizeof name, strings::pictures::remove, index);
+    std::snprintf(name, sizeof name, "remove.%zu", index);
     ui::mark("bookmark", name);
-    ui::tip(strings::pictures::removes_this_bookmark);
+    ui::tip(strings::pictures::about_remove);
     ImGui::SameLine();
     const ImVec2 text = ImGui::GetCursorScreenPos();
     ImGui::PushClipRect(text, {high.x, text.y + 2 * ImGui::GetFontSize()}, true);
@@ -57,17 +57,17 @@ void draw_bookmarks(const State& state, Commands& commands) {
     ui::heading(strings::pictures::bookmarks);
     const float add = ImGui::CalcTextSize(strings::common::add).x + 2 * ImGui::GetStyle().FramePadding.x;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
-    const bool entered = ImGui::InputTextWithHint("##name", strings::pictures::a_name_or_none, name, sizeof name,
+    const bool entered = ImGui::InputTextWithHint("##name", strings::pictures::name_hint, name, sizeof name,
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
     ui::mark("bookmark", "name");
-    ui::tip(strings::pictures::what_the_bookmark_is_called);
+    ui::tip(strings::pictures::about_name);
     ImGui::SameLine();
     if (ImGui::Button(strings::common::add) || entered) {
         commands.push(AddBookmark{name});
         name[0] = '\0';
     }
     ui::mark("bookmark", "add");
-    ui::tip(strings::pictures::keeps_where_the_camera_is);
+    ui::tip(strings::pictures::about_add);
     const float gap = ImGui::GetStyle().ItemSpacing.x, room = ImGui::GetContentRegionAvail().x;
     const float width = std::max((room - gap) / 2 - 1, 4 * ImGui::GetFontSize());
     std::size_t index = 0;
@@ -78,7 +78,7 @@ void draw_bookmarks(const State& state, Commands& commands) {
     }
     if (index == 0) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped(strings::pictures::none_of_this_terrain_yet);
+        ImGui::TextWrapped(strings::pictures::none_yet);
         ImGui::PopStyleColor();
     }
 }
@@ -95,29 +95,23 @@ void draw_render(const State& state, Commands& commands) {
     constexpr const char* ways[] = {strings::pictures::this_view, strings::pictures::the_path_frame_by_frame};
     ui::heading(strings::pictures::render);
     fields::suggest(form.file, form.file_made_for, state, ".png");
-    fields::suggest(form.folder, form.folder_made_for, state, strings::pictures::frames);
-    fields::choice(strings::pictures::what, "render", "what", form.way, ways, 2,
-                   strings::pictures::a_picture_of_what_the);
+    fields::suggest(form.folder, form.folder_made_for, state, strings::pictures::frames_suffix);
+    fields::choice(strings::pictures::what, "render", "what", form.way, ways, 2, strings::pictures::about_what);
     const bool path = form.way == 1;
     fields::path(path ? strings::pictures::folder : strings::common::picture, "render", "path",
-                 path ? form.folder : form.file, path ? strings::pictures::a_folder : strings::common::a_png_file,
-                 path ? strings::pictures::the_pictures_go_there_frame : strings::common::where_the_png_goes);
-    fields::whole(strings::pictures::width_px, "render", "width", form.width,
-                  strings::pictures::of_the_picture_whatever_the);
-    fields::whole(strings::pictures::height_px, "render", "height", form.height,
-                  strings::pictures::of_the_picture_whatever_the);
-    if (path)
-        fields::number(strings::pictures::pictures_a_second, "render", "fps", form.fps, "%.4g",
-                       strings::pictures::of_the_paths_flight_1);
+                 path ? form.folder : form.file, path ? strings::pictures::folder_hint : strings::common::png_hint,
+                 path ? strings::pictures::about_folder : strings::common::about_png);
+    fields::whole(strings::pictures::width_px, "render", "width", form.width, strings::pictures::about_size);
+    fields::whole(strings::pictures::height_px, "render", "height", form.height, strings::pictures::about_size);
+    if (path) fields::number(strings::pictures::rate, "render", "fps", form.fps, "%.4g", strings::pictures::about_rate);
     if (path && !state.route.empty()) {
         const double count = std::max(std::round(state.route.seconds() * form.fps), 2.0);
-        ImGui::TextColored(ImColor(ui::quiet).Value, strings::pictures::pictures_of_s, count_text(count).text,
+        ImGui::TextColored(ImColor(ui::quiet).Value, strings::pictures::length, count_text(count).text,
                            state.route.seconds());
     }
     const bool can = !state.job.running && state.scene.open() && (!path || !state.route.empty()) &&
                      (path ? form.folder : form.file)[0] != '\0' && form.width >= 16 && form.height >= 16;
-    if (fields::button(strings::pictures::render, "render", "start", can,
-                       strings::pictures::draws_beside_the_frame_with)) {
+    if (fields::button(strings::pictures::render, "render", "start", can, strings::pictures::about_render)) {
         RenderPictures r;
         r.path = path ? form.folder : form.file;
         r.way = path ? PictureWay::path : PictureWay::still;

@@ -42,20 +42,19 @@ void ground_rows(const State& state, Rows& rows) {
     char text[96];
     const ProbedGround& g = *state.probe.ground;
     rows.row(strings::probe::place, place_text(g.position_m.x, g.position_m.y, g.position_m.z).text);
-    std::snprintf(text, sizeof text, strings::probe::m_away, metre_text(g.distance_m).text);
+    std::snprintf(text, sizeof text, strings::probe::away, metre_text(g.distance_m).text);
     rows.row(strings::common::distance, text);
     std::snprintf(text, sizeof text, "%.0f deg", g.slope_rad * 180 / std::numbers::pi);
     rows.row(strings::common::slope, text);
-    std::snprintf(text, sizeof text, strings::probe::tile_page, g.sample.x, g.sample.y, g.tile_x, g.tile_y, g.page);
+    std::snprintf(text, sizeof text, strings::probe::sample_place, g.sample.x, g.sample.y, g.tile_x, g.tile_y, g.page);
     rows.row(strings::probe::sample, text);
     if (g.finest)
         std::snprintf(text, sizeof text, strings::probe::full_resolution);
     else
-        std::snprintf(text, sizeof text, strings::probe::within_m_pages_missing, g.error_m);
+        std::snprintf(text, sizeof text, strings::probe::pages_missing, g.error_m);
     rows.row(strings::probe::ground, text, g.finest ? IM_COL32_WHITE : ui::warning_colour);
-    if (!g.mesh)
-        return rows.row(strings::common::mesh, state.probe.looking ? "..." : strings::probe::nothing_is_drawn_here);
-    std::snprintf(text, sizeof text, strings::probe::level_off_by_m_px, g.mesh->level,
+    if (!g.mesh) return rows.row(strings::common::mesh, state.probe.looking ? "..." : strings::probe::nothing_drawn);
+    std::snprintf(text, sizeof text, strings::probe::mesh_place, g.mesh->level,
                   std::abs(g.mesh->height_m - g.position_m.y), g.mesh->error_px);
     rows.row(strings::common::mesh, text);
 }
@@ -83,8 +82,8 @@ void profile_rows(const Probe& probe, Rows& rows) {
     const double rise_m = to.y - from.y;
     std::snprintf(text, sizeof text, "%.20s m, %.20s m %s", metre_text(p.length_m).text,
                   metre_text(std::abs(rise_m)).text, rise_m < 0 ? strings::probe::down : strings::probe::up);
-    rows.row(strings::probe::one_to_two, text, mark_colour);
-    std::snprintf(text, sizeof text, strings::probe::to_m, metre_text(static_cast<double>(p.lowest_m)).text,
+    rows.row(strings::probe::between_marks, text, mark_colour);
+    std::snprintf(text, sizeof text, strings::probe::height_range, metre_text(static_cast<double>(p.lowest_m)).text,
                   metre_text(static_cast<double>(p.highest_m)).text);
     rows.row(strings::common::heights, text);
 }
@@ -150,8 +149,7 @@ void draw_probe(const State& state, const ui::Rect& view) {
     if (probe.ground) {
         ground_rows(state, rows);
     } else {
-        rows.row(strings::probe::place,
-                 probe.pointer ? strings::probe::no_ground_here : strings::probe::move_the_pointer_over_the);
+        rows.row(strings::probe::place, probe.pointer ? strings::probe::no_ground : strings::probe::point_somewhere);
         for (int i = 0; i < 5; ++i) rows.line("");
     }
     if (both) {
@@ -159,7 +157,7 @@ void draw_probe(const State& state, const ui::Rect& view) {
         draw_profile(probe.profile, {from.x + 0.6F * em, rows.y(), width - 1.2F * em, graph - 0.4F * em}, list);
         rows.skip(graph);
     }
-    rows.line(probe.marks == 1 ? strings::probe::click_the_second_place_esc : strings::probe::click_mark_a_place_then);
+    rows.line(probe.marks == 1 ? strings::probe::click_second : strings::probe::click_first);
     list.PopClipRect();
 }
 

@@ -86,7 +86,7 @@ void draw_exhausted(ImDrawList& list, const FlownRun& run, ImVec2 low, ImVec2 hi
 
 void tell_place(const State& state, double share, const Strip& strip) {
     ImGui::BeginTooltip();
-    ImGui::Text(strings::runs::of_the_path, 100 * share);
+    ImGui::Text(strings::runs::share_of_path, 100 * share);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
         const float value = strip.value(run.places[run.place_at(share)]);
@@ -97,7 +97,7 @@ void tell_place(const State& state, double share, const Strip& strip) {
             ImGui::Text("%.24s: %.3g %s", run.name.c_str(), static_cast<double>(value), strip.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled(strings::runs::click_look_from_there);
+    ImGui::TextDisabled(strings::runs::hand_help);
     ImGui::EndTooltip();
 }
 
@@ -150,8 +150,8 @@ void run_column(const char* text, ImU32 colour) {
 
 void about_run(const FlownRun& run) {
     if (!ui::begin_tip()) return;
-    ImGui::Text(strings::runs::at_px_frames_vertices_of, run.profile.c_str(), run.error_px,
-                count_text(static_cast<double>(run.frames)).text, count_text(run.vertices).text, 100 * run.converged,
+    ImGui::Text(strings::runs::summary, run.profile.c_str(), run.error_px,
+                count_text(static_cast<double>(run.frames)).text, 100 * run.converged, count_text(run.vertices).text,
                 run.error_p99_px);
     ui::end_tip();
 }
@@ -182,9 +182,9 @@ void draw_run_table(const State& state, Commands& commands) {
         ImGui::TableNextColumn();
         if (ImGui::SmallButton("x")) commands.push(ForgetRun{r});
         char name[32];
-        std::snprintf(name, sizeof name, strings::runs::forget, r);
+        std::snprintf(name, sizeof name, "forget.%zu", r);
         ui::mark("run", name);
-        ui::tip(strings::runs::drops_this_run_from_the);
+        ui::tip(strings::runs::about_forget);
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -203,14 +203,14 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
     ImGui::PushID(static_cast<int>(at));
     const bool chosen = state.runs.chosen && state.runs.chosen->run == index && state.runs.chosen->place == at;
     if (ImGui::Selectable(text, chosen)) commands.push(ChoosePlace{index, run.share_of(at)});
-    ui::tip(strings::runs::share_of_the_path_the);
+    ui::tip(strings::runs::about_place);
     ImGui::PopID();
 }
 
 void draw_worst(const State& state, Commands& commands) {
     const std::size_t index = state.runs.chosen ? state.runs.chosen->run : 0;
     const FlownRun& run = *state.runs.all[index];
-    constexpr const char* kinds[] = {strings::runs::dearest_places, strings::runs::places_beyond_the_threshold};
+    constexpr const char* kinds[] = {strings::runs::slowest_places, strings::runs::places_beyond_the_threshold};
     for (std::size_t by = 0; by < 2; ++by) {
         ui::heading(kinds[by]);
         if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, strings::common::none);
@@ -228,13 +228,13 @@ void draw_worst(const State& state, Commands& commands) {
 
 void draw_heat_choice(const State& state, Commands& commands) {
     constexpr const char* labels[] = {strings::runs::nothing, strings::runs::time, strings::runs::error};
-    ImGui::TextUnformatted(strings::runs::path_on_the_overview_coloured);
+    ImGui::TextUnformatted(strings::runs::overview_colour);
     for (int i = 0; i < 3; ++i) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
         ui::mark("heat", heat_names[i]);
-        ui::tip(strings::runs::colours_the_overview_in_the);
+        ui::tip(strings::runs::about_overview_colour);
     }
 }
 
@@ -247,7 +247,7 @@ void draw_runs(const State& state, Commands& commands) {
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::red_below_a_budget_is);
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::budget_mark);
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }

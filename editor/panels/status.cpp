@@ -23,7 +23,7 @@ struct Part {
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
-    Part part{"", ui::good, 1, "threshold", strings::status::the_threshold_that_the_mesh};
+    Part part{"", ui::good, 1, "threshold", strings::status::about_threshold};
     constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
                                       flight::exhausted_triangles | flight::exhausted_page_slots;
     const char* why = "";
@@ -38,15 +38,15 @@ Part threshold_part(const State& state) {
         why = strings::status::pages_missing;
     } else if (!e.converged) {
         part.colour = ui::warning_colour;
-        why = (e.exhausted & flight::exhausted_items) != 0  ? strings::status::lags_items_exhausted
-              : (e.exhausted & flight::exhausted_time) != 0 ? strings::status::lags_time_exhausted
+        why = (e.exhausted & flight::exhausted_items) != 0  ? strings::status::items_exhausted
+              : (e.exhausted & flight::exhausted_time) != 0 ? strings::status::time_exhausted
               : e.morphing > 0                              ? strings::status::morphing
                                                             : strings::common::lags;
     }
     if (e.error_px_effective >= 1e6)
         std::snprintf(part.text, sizeof part.text, strings::status::error_unbounded, why);
     else
-        std::snprintf(part.text, sizeof part.text, strings::status::within_px, e.error_px_effective, *why ? ", " : "",
+        std::snprintf(part.text, sizeof part.text, strings::status::within, e.error_px_effective, *why ? ", " : "",
                       why);
     return part;
 }
@@ -54,8 +54,7 @@ Part threshold_part(const State& state) {
 Part stream_part(const State& state) {
     const StreamReport& r = state.measures.last().stream;
     const bool there = r.converged && r.maps_converged;
-    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming",
-              strings::status::whether_everything_that_the_view};
+    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming", strings::status::about_streaming};
     if (there)
         std::snprintf(part.text, sizeof part.text, strings::status::streaming_complete);
     else
@@ -71,21 +70,21 @@ std::size_t make_parts(const State& state, Parts& parts) {
     const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text);
     std::size_t n = 0;
     if (!state.scene.open()) {
-        parts[n] = {"", ui::quiet, 1, "nothing", strings::status::use_file_open_or_drop};
+        parts[n] = {"", ui::quiet, 1, "nothing", strings::status::about_no_terrain};
         std::snprintf(parts[n].text, sizeof parts[n].text, strings::status::no_terrain_is_open);
         return 1;
     }
     parts[n++] = threshold_part(state);
     if (m.ring(Series::update_us).size() != 0) {
-        Part& update = parts[n++] = {"", plain, 2, "update", strings::status::update_about};
-        std::snprintf(update.text, sizeof update.text, strings::status::update_p99_ms,
+        Part& update = parts[n++] = {"", plain, 2, "update", strings::status::about_update};
+        std::snprintf(update.text, sizeof update.text, strings::status::update,
                       ms_text(static_cast<double>(m.ring(Series::update_us).quantiles().p99)).text);
-        Part& fps = parts[n++] = {"", plain, 3, "fps", strings::status::frames_per_second_from_the};
+        Part& fps = parts[n++] = {"", plain, 3, "fps", strings::status::about_fps};
         const float frame_us = m.ring(Series::frame_us).quantiles().p50;
         std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
     }
     if (m.last().streamed) parts[n++] = stream_part(state);
-    Part& drawn = parts[n++] = {"", plain, 5, "triangles", strings::status::triangles_drawn_in_this_frame};
+    Part& drawn = parts[n++] = {"", plain, 5, "triangles", strings::status::about_triangles};
     std::snprintf(drawn.text, sizeof drawn.text, strings::status::triangles, count_text(m.last().triangles_drawn).text);
     return n;
 }

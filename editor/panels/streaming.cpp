@@ -24,48 +24,46 @@ void bytes_row(const char* label, double bytes, const char* about) {
 }
 
 void draw_not_streamed(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::streaming::the_whole_terrain_is_in, count_text(state.scene.pages).text);
+    ImGui::TextWrapped(strings::streaming::all_in_memory, count_text(state.scene.pages).text);
     ImGui::Spacing();
-    ImGui::TextWrapped(strings::streaming::to_stream_it_give_the);
+    ImGui::TextWrapped(strings::streaming::how_to_stream);
     const std::uint32_t tiles = state.scene.tiles;
     const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
     if (slots >= state.scene.pages) return;
     char label[64];
-    std::snprintf(label, sizeof label, strings::streaming::stream_with_page_slots, count_text(slots).text);
+    std::snprintf(label, sizeof label, strings::streaming::stream_with, count_text(slots).text);
     if (ImGui::Button(label))
         commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
     ui::mark("streaming", "begin");
-    ui::tip(strings::streaming::half_of_its_pages_the);
+    ui::tip(strings::streaming::about_stream_with);
 }
 
 void draw_geometry(const StreamReport& r) {
     ui::heading(strings::streaming::geometry);
     flag(strings::streaming::pages_for_this_view, r.converged, strings::streaming::complete,
-         strings::streaming::incomplete, strings::streaming::complete_the_threshold_holds_against);
+         strings::streaming::incomplete, strings::streaming::about_pages_for_this_view);
     ui::row(strings::streaming::wanted_missing, "%s", count_text(r.pages_wanted).text);
-    ui::tip(strings::streaming::pages_that_the_views_want);
-    ui::row(strings::streaming::accepted_left, "%s, %s", count_text(r.pages_inserted).text,
-            count_text(r.pages_left).text);
-    ui::tip(strings::streaming::arrived_pages_that_were_accepted);
+    ui::tip(strings::streaming::about_wanted);
+    ui::row(strings::streaming::accepted, "%s, %s", count_text(r.pages_inserted).text, count_text(r.pages_left).text);
+    ui::tip(strings::streaming::about_accepted);
     ui::row(strings::streaming::evicting, "%s", count_text(r.pages_evicting).text);
-    ui::tip(strings::streaming::pages_that_are_no_longer);
+    ui::tip(strings::streaming::about_evicting);
     ui::row(strings::common::page_slots, strings::streaming::of, count_text(r.page_slots.used).text,
             count_text(r.page_slots.capacity).text);
     if (r.missing_px >= 1e7)
         ui::row(strings::streaming::missing_error, strings::common::unbounded);
     else
         ui::row(strings::streaming::missing_error, "%.2f px", r.missing_px);
-    ui::tip(strings::streaming::the_largest_error_on_screen);
+    ui::tip(strings::streaming::about_missing_error);
 }
 
 void draw_maps(const StreamReport& r) {
     ui::heading(strings::streaming::maps);
     flag(strings::streaming::mips_for_this_view, r.maps_converged, strings::streaming::complete,
-         strings::streaming::incomplete, strings::streaming::complete_loaded_and_faded_in);
-    ui::row(strings::streaming::accepted_left, "%s, %s", count_text(r.mips_uploaded).text,
-            count_text(r.mips_left).text);
+         strings::streaming::incomplete, strings::streaming::about_mips_for_this_view);
+    ui::row(strings::streaming::accepted, "%s, %s", count_text(r.mips_uploaded).text, count_text(r.mips_left).text);
     ui::row(strings::streaming::missing_mips, "%.1f", r.missing_mips);
-    ui::tip(strings::streaming::mips_that_the_blurriest_tile);
+    ui::tip(strings::streaming::about_missing_mips);
     ui::row(strings::streaming::on_the_gpu, strings::streaming::of,
             byte_text(static_cast<double>(r.map_bytes_used)).text,
             byte_text(static_cast<double>(r.map_bytes_capacity)).text);
@@ -74,23 +72,23 @@ void draw_maps(const StreamReport& r) {
 void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
     ui::heading(strings::streaming::reading);
     ui::row(strings::streaming::in_flight, "%s", count_text(r.in_flight).text);
-    ui::tip(strings::streaming::pages_and_mips_that_were);
+    ui::tip(strings::streaming::about_in_flight);
     ui::row(strings::streaming::pages_mips, "%s, %s", count_text(static_cast<double>(r.pages_read)).text,
             count_text(static_cast<double>(r.mips_read)).text);
-    bytes_row(strings::streaming::bytes, static_cast<double>(r.bytes_read), strings::streaming::compressed_in_total);
+    bytes_row(strings::streaming::bytes, static_cast<double>(r.bytes_read), strings::streaming::about_bytes);
     ui::row(strings::streaming::reads, "%s", count_text(static_cast<double>(reader.reads)).text);
     const double a_second = reader.read_s > 0 ? static_cast<double>(reader.bytes) / reader.read_s : 0;
     ui::row(strings::streaming::read_rate, "%s/s", byte_text(a_second).text);
-    ui::tip(strings::streaming::over_the_time_that_the);
+    ui::tip(strings::streaming::about_read_rate);
     ui::row(strings::streaming::decompression, "%.2f s", reader.provide_s);
-    ui::tip(strings::streaming::checking_and_decompressing_on_the);
+    ui::tip(strings::streaming::about_decompression);
     ui::row(strings::streaming::withdrawn, "%s", count_text(static_cast<double>(reader.unwanted)).text);
-    ui::tip(strings::streaming::requests_that_were_no_longer);
+    ui::tip(strings::streaming::about_withdrawn);
     const bool failed = r.failed > 0 || reader.errors > 0;
     if (failed) ImGui::PushStyleColor(ImGuiCol_Text, ui::bad);
     ui::row(strings::streaming::failed, "%s", count_text(r.failed).text);
     if (failed) ImGui::PopStyleColor();
-    ui::tip(strings::streaming::pages_and_mips_that_are);
+    ui::tip(strings::streaming::about_failed);
 }
 
 } // namespace
@@ -105,8 +103,8 @@ void draw_streaming(const State& state, Commands& commands) {
         return;
     }
     const StreamReport& r = state.measures.last().stream;
-    flag(strings::common::streaming, r.complete, strings::streaming::coarse_terrain_loaded,
-         strings::streaming::loading_coarse_terrain, strings::streaming::whether_the_coarsest_page_and);
+    flag(strings::common::streaming, r.complete, strings::streaming::started, strings::streaming::starting,
+         strings::streaming::about_started);
     draw_measured_graph(
         {"queue", strings::streaming::pages_mips_unit, 7},
         {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), strings::streaming::wanted, 1, true},

@@ -16,10 +16,8 @@ constexpr ImU32 blue = IM_COL32(125, 175, 235, 255), teal = IM_COL32(95, 200, 19
 constexpr ImU32 yellow = IM_COL32(225, 205, 110, 255), green = IM_COL32(120, 190, 120, 255),
                 grey = IM_COL32(140, 146, 158, 255);
 constexpr double frame_budget_ms = 1000.0 / 60;
-constexpr const char *upload_about = strings::time::what_has_changed_of_the,
-                     *draw_about = strings::time::the_terrain_what_giving_it,
-                     *present_about = strings::time::the_picture_copied_panels_drawn,
-                     *other_about = strings::time::input_the_overview_and_what;
+constexpr const char *upload_about = strings::time::about_upload, *draw_about = strings::time::about_draw,
+                     *present_about = strings::time::about_present, *other_about = strings::time::about_other;
 
 // A row of the table: its quantiles in milliseconds.
 void quantiles(const char* label, const State& state, Series series, const char* about) {
@@ -56,26 +54,25 @@ void draw_table(const State& state) {
     ImGui::TableNextColumn();
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "ms");
     for (const char* name : {"p50", "p99", strings::common::max, strings::time::last}) right_aligned(name);
-    quantiles(strings::time::frame, state, Series::frame_us, strings::time::all_that_the_editor_does);
-    quantiles(strings::time::update, state, Series::update_us, strings::time::the_methods_update_on_the);
+    quantiles(strings::time::frame, state, Series::frame_us, strings::time::about_frame);
+    quantiles(strings::time::update, state, Series::update_us, strings::time::about_update);
     if (state.measures.last().prepare_us > 0 || state.measures.ring(Series::refine_us).quantiles().max > 0) {
-        quantiles(strings::time::prepare, state, Series::prepare_us, strings::time::part_of_the_update_views);
-        quantiles(strings::time::refine, state, Series::refine_us, strings::time::part_of_the_update_evaluating);
-        quantiles(strings::time::output, state, Series::output_us, strings::time::part_of_the_update_writing);
+        quantiles(strings::time::prepare, state, Series::prepare_us, strings::time::about_prepare);
+        quantiles(strings::time::refine, state, Series::refine_us, strings::time::about_refine);
+        quantiles(strings::time::output, state, Series::output_us, strings::time::about_output);
     }
-    if (state.scene.streamed)
-        quantiles(strings::common::stream, state, Series::stream_us, strings::time::accepting_arrived_pages_and_mips);
+    if (state.scene.streamed) quantiles(strings::common::stream, state, Series::stream_us, strings::time::about_stream);
     quantiles(strings::time::upload, state, Series::upload_us, upload_about);
     quantiles(strings::time::draw, state, Series::draw_us, draw_about);
     quantiles(strings::time::present, state, Series::present_us, present_about);
-    quantiles(strings::time::editor, state, Series::editor_us, strings::time::the_editors_own_code_panels);
+    quantiles(strings::time::editor, state, Series::editor_us, strings::time::about_editor);
     quantiles(strings::time::other, state, Series::other_us, other_about);
     if (state.measures.ring(Series::gpu_us).size() != 0)
-        quantiles(strings::time::gpu, state, Series::gpu_us, strings::time::what_the_gpu_took_by);
+        quantiles(strings::time::gpu, state, Series::gpu_us, strings::time::about_gpu);
     ImGui::EndTable();
     if (!state.software) return;
     ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextWrapped(strings::time::gpu_not_measured_software_draws);
+    ImGui::TextWrapped(strings::time::no_gpu);
     ImGui::PopStyleColor();
 }
 
@@ -91,20 +88,19 @@ void draw_parts(const State& state) {
         update_us = state.chosen->entry.update_us + state.chosen->entry.stream_us;
     }
     const double parts_us = update_us + t.upload_us + t.draw_us + t.present_us + t.editor_us;
-    const ui::Share shares[] = {
-        {strings::time::update_part, update_us, blue, strings::time::the_methods_update_on_the_cpu},
-        {strings::time::upload_part, t.upload_us, yellow, upload_about},
-        {strings::time::draw_part, t.draw_us, orange, draw_about},
-        {strings::time::present_part, t.present_us, green, present_about},
-        {strings::time::editor_part, t.editor_us, violet, strings::time::the_editors_own_code},
-        {strings::time::other_part, std::max(t.frame_us - parts_us, 0.0), grey, other_about}};
+    const ui::Share shares[] = {{strings::time::update_part, update_us, blue, strings::time::about_update_part},
+                                {strings::time::upload_part, t.upload_us, yellow, upload_about},
+                                {strings::time::draw_part, t.draw_us, orange, draw_about},
+                                {strings::time::present_part, t.present_us, green, present_about},
+                                {strings::time::editor_part, t.editor_us, violet, strings::time::about_editor_part},
+                                {strings::time::other_part, std::max(t.frame_us - parts_us, 0.0), grey, other_about}};
     char value[64];
     std::snprintf(value, sizeof value, "%s ms", ms_text(t.frame_us).text);
     char label[48];
     if (state.chosen)
         std::snprintf(label, sizeof label, strings::time::frame);
     else
-        std::snprintf(label, sizeof label, strings::time::frame_mean_of, m.ring(Series::frame_us).size());
+        std::snprintf(label, sizeof label, strings::time::mean_of_frames, m.ring(Series::frame_us).size());
     ui::row(label, "%s", value);
     ui::stacked_bar("frame", shares);
 }
@@ -117,12 +113,11 @@ void draw_report(const State& state, Commands& commands) {
     const std::uint64_t ago = state.measures.recorded() - f.number;
     ui::row(strings::time::before_the_newest, strings::time::frames, count_text(static_cast<double>(ago)).text);
     if (e.error_px_effective < 1e6)
-        ui::row(strings::time::threshold, strings::time::px_of, e.error_px_effective, e.error_px_requested);
+        ui::row(strings::time::threshold, strings::time::threshold_of, e.error_px_effective, e.error_px_requested);
     else
         ui::row(strings::time::threshold, strings::common::unbounded);
     ui::row(strings::common::work_items, "%s", count_text(e.items).text);
-    ui::row(strings::time::activated_deactivated, "%s, %s", count_text(e.activations).text,
-            count_text(e.deactivations).text);
+    ui::row(strings::time::changes, "%s, %s", count_text(e.activations).text, count_text(e.deactivations).text);
     ui::row(strings::time::triangles_drawn, "%s", count_text(e.triangles_drawn).text);
     ui::row(strings::time::uploaded, "%s", byte_text(static_cast<double>(e.upload_bytes)).text);
     const Vec3& p = f.pose.position_m;
@@ -133,11 +128,11 @@ void draw_report(const State& state, Commands& commands) {
         commands.push(PlaceCamera{camera.position_m, camera.heading, camera.pitch});
     }
     ui::mark("frame", "camera");
-    ui::tip(strings::time::places_the_camera_where_this);
+    ui::tip(strings::time::about_go_to_its_camera);
     ImGui::SameLine();
     if (ImGui::Button(strings::time::all_frames)) commands.push(ChooseFrame{});
     ui::mark("frame", "all");
-    ui::tip(strings::time::shows_the_mean_of_all);
+    ui::tip(strings::time::about_all_frames);
     const auto step = [&](const char* label, const char* name, bool can, std::size_t to, const char* about) {
         ImGui::SameLine();
         ImGui::BeginDisabled(!can);
@@ -147,8 +142,8 @@ void draw_report(const State& state, Commands& commands) {
         ui::tip(about);
     };
     const std::size_t size = state.measures.ring(Series::frame_us).size();
-    step("<", "older", ago + 1 < size, ago + 1, strings::time::the_frame_before);
-    step(">", "newer", ago > 0, ago - 1, strings::time::the_frame_after);
+    step("<", "older", ago + 1 < size, ago + 1, strings::time::about_older);
+    step(">", "newer", ago > 0, ago - 1, strings::time::about_newer);
 }
 
 // Half of the frames that are shown, around the chosen one or else the newest.
@@ -166,17 +161,17 @@ void draw_hold(const State& state, Commands& commands) {
     const bool held = state.measures.held();
     if (ImGui::Button(held ? strings::time::continue_ : strings::time::pause)) commands.push(HoldMeasures{!held});
     ui::mark("graphs", "hold");
-    ui::tip(held ? strings::time::measures_on_over_all_frames : strings::time::graphs_and_times_stand_still);
+    ui::tip(held ? strings::time::about_continue : strings::time::about_pause);
     ImGui::SameLine();
     ImGui::BeginDisabled(state.graphs.whole());
     if (ImGui::Button(strings::time::zoom_out)) commands.push(ZoomGraphs{measured_frames - 1, 0});
     ImGui::EndDisabled();
     ui::mark("graphs", "whole");
-    ui::tip(strings::time::shows_all_frames_again_drag);
+    ui::tip(strings::time::about_zoom_out);
     ImGui::SameLine();
     if (ImGui::Button(strings::time::zoom_in)) zoom_in(state, commands);
     ui::mark("graphs", "zoom-in");
-    ui::tip(strings::time::half_as_many_frames_around);
+    ui::tip(strings::time::about_zoom_in);
     if (!held) return;
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
@@ -209,7 +204,7 @@ void draw_time(const State& state, Commands& commands) {
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
     if (ring(Series::frame_us)->size() == 0) {
-        ImGui::TextWrapped(strings::time::no_frame_has_been_measured);
+        ImGui::TextWrapped(strings::time::nothing_measured);
         return;
     }
     const auto graph = [&](const ui::Graph& g, std::initializer_list<ui::GraphLine> lines) {

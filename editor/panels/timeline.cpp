@@ -189,7 +189,7 @@ void draw_point_marks(ImDrawList& list, const Route& route, const TimelineScale&
                            selected ? IM_COL32_WHITE : timeline_path);
         if (!ui::recording_marks() || i >= most_marked) continue;
         char name[32];
-        std::snprintf(name, sizeof name, strings::path::point, i);
+        std::snprintf(name, sizeof name, "point.%zu", i);
         ui::mark_at("timeline", name, {x - r, y - r, 2 * r, 2 * r});
     }
 }
@@ -205,7 +205,7 @@ void draw_speed_curve(ImDrawList& list, const Route& route, const TimelineScale&
     for (std::size_t i = 0; ui::recording_marks() && i + 1 < route.points().size() && i < most_marked; ++i) {
         const double share = (route.share_of(i) + route.share_of(i + 1)) / 2;
         char name[32];
-        std::snprintf(name, sizeof name, strings::timeline::speed_mark, i);
+        std::snprintf(name, sizeof name, "speed.%zu", i);
         ui::mark_at("timeline", name,
                     {scale.x(share * route.seconds()) - 2, scale.y(static_cast<double>(speeds.at(share))) - 2, 4, 4});
     }
@@ -237,10 +237,10 @@ void write_head(ImDrawList& list, const Route& route, const TimelineScale& scale
     char text[80];
     const bool holds = timeline_held.moved && timeline_held.point < route.points().size();
     if (holds && timeline_held.part == TimelinePart::point)
-        std::snprintf(text, sizeof text, strings::timeline::point_at, timeline_held.point,
+        std::snprintf(text, sizeof text, strings::timeline::point, timeline_held.point,
                       route.time_of(timeline_held.point));
     else if (holds && timeline_held.part == TimelinePart::speed)
-        std::snprintf(text, sizeof text, strings::timeline::stretch_at, timeline_held.point,
+        std::snprintf(text, sizeof text, strings::timeline::stretch, timeline_held.point,
                       speed_text(route.mean_speed_m_s(timeline_held.point)).text);
     else
         std::snprintf(text, sizeof text, strings::timeline::speed_up_to,
@@ -253,14 +253,14 @@ void explain_timeline(const Route& route, const TimelineScale& scale, const Spee
     const double share = std::clamp(scale.time_s(ImGui::GetMousePos().x) / route.seconds(), 0.0, 1.0);
     const NumberText speed = speed_text(static_cast<double>(speeds.at(share)));
     if (shown.part == TimelinePart::point && shown.point == 0)
-        ImGui::Text(strings::timeline::first_point_drag, shown.point);
+        ImGui::Text(strings::timeline::about_first_point, shown.point);
     else if (shown.part == TimelinePart::point)
-        ImGui::Text(strings::timeline::point_drag, shown.point, route.time_of(shown.point));
+        ImGui::Text(strings::timeline::about_point, shown.point, route.time_of(shown.point));
     else if (shown.part == TimelinePart::speed)
-        ImGui::Text(strings::timeline::speed_drag, speed.text, speed_text(route.mean_speed_m_s(shown.point)).text,
+        ImGui::Text(strings::timeline::about_speed, speed.text, speed_text(route.mean_speed_m_s(shown.point)).text,
                     shown.point, shown.point + 1);
     else
-        ImGui::Text(strings::timeline::playhead_drag, share * route.seconds(), speed.text);
+        ImGui::Text(strings::timeline::about_playhead, share * route.seconds(), speed.text);
     ui::end_tip();
 }
 

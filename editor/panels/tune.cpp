@@ -38,9 +38,9 @@ struct Row {
 
 const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case flight::Rebuild::nothing: return strings::tune::a_change_takes_effect_in;
-    case flight::Rebuild::method: return strings::tune::a_change_reallocates_the_methods;
-    case flight::Rebuild::session: return strings::tune::a_change_reopens_the_pack;
+    case flight::Rebuild::nothing: return strings::tune::about_next_frame;
+    case flight::Rebuild::method: return strings::tune::about_method_memory;
+    case flight::Rebuild::session: return strings::tune::about_reopening;
     }
     return "";
 }
@@ -50,7 +50,7 @@ void tip(const Row& row) {
     const flight::ProfileKey& key = row.key;
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
-        (void)std::snprintf(range, sizeof range, strings::tune::range_to, key.least, key.most,
+        (void)std::snprintf(range, sizeof range, strings::tune::range, key.least, key.most,
                             *key.unit != '\0' ? " " : "", key.unit);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
                         row.idle != nullptr ? strings::tune::not_used_now : "", row.idle != nullptr ? row.idle : "");
@@ -83,7 +83,7 @@ void draw_label(const Row& row) {
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
-    (void)std::snprintf(text, sizeof text, strings::tune::reset_to_the_saved_value,
+    (void)std::snprintf(text, sizeof text, strings::tune::about_reset,
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ImGui::TextUnformatted(text);
     ui::end_tip();

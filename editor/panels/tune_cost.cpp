@@ -167,18 +167,16 @@ const char* why_idle(const flight::ProfileKey& key, const State& state) {
     switch (key.used_by) {
     case flight::UsedBy::any: break;
     case flight::UsedBy::incremental:
-        if (profile.method != flight::Method::incremental) return strings::tune_cost::for_the_incremental_method_only;
+        if (profile.method != flight::Method::incremental) return strings::tune_cost::incremental_only;
         break;
     case flight::UsedBy::recursive:
-        if (profile.method != flight::Method::recursive) return strings::tune_cost::for_the_recursive_method_only;
+        if (profile.method != flight::Method::recursive) return strings::tune_cost::recursive_only;
         break;
     case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
-        if (!state.scene.streamed && !is(key, "stream", "page_slots"))
-            return strings::tune_cost::for_streaming_only_a_pack;
+        if (!state.scene.streamed && !is(key, "stream", "page_slots")) return strings::tune_cost::streaming_only;
         break;
     }
-    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time)
-        return strings::tune_cost::for_morph_time_only;
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return strings::tune_cost::morph_time_only;
     return nullptr;
 }
 

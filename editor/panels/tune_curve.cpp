@@ -120,12 +120,12 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
         list.AddLine({a->x(p.error_px), a->low.y}, {a->x(p.error_px), a->high.y}, best_colour);
     ImGui::BeginTooltip();
     ImGui::Text("%.3g px", p.error_px);
-    ImGui::Text(strings::tune_curve::p50_us_p99_us_max, count_text(p.p50_us).text, count_text(p.p99_us).text,
+    ImGui::Text(strings::tune_curve::times, count_text(p.p50_us).text, count_text(p.p99_us).text,
                 count_text(p.max_us).text);
-    ImGui::Text(strings::tune_curve::vertices_flights_of_frames, count_text(p.vertices).text, p.flights, p.frames);
-    if (p.reached < 0.9999) ImGui::Text(strings::tune_curve::of_the_frames_reached_it, 100 * p.reached);
+    ImGui::Text(strings::tune_curve::flights, count_text(p.vertices).text, p.flights, p.frames);
+    if (p.reached < 0.9999) ImGui::Text(strings::tune_curve::reached, 100 * p.reached);
     if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
-        ImGui::Text(strings::tune_curve::dearest_frames, 100 * limit.share, limit.name);
+        ImGui::Text(strings::tune_curve::limit, 100 * limit.share, limit.name);
     ImGui::TextUnformatted(p.keeps ? strings::tune_curve::keeps_the_budget
                                    : strings::tune_curve::does_not_keep_the_budget);
     ImGui::EndTooltip();
@@ -140,7 +140,7 @@ void draw_tune_curve(const JobView& job, float height) {
     ui::mark("job", "curve");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     if (job.curve.empty()) {
-        list.AddText({at.x, at.y + height / 2}, ui::quiet, strings::tune_curve::the_curve_appears_here_flight);
+        list.AddText({at.x, at.y + height / 2}, ui::quiet, strings::tune_curve::no_curve_yet);
         return;
     }
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
@@ -154,8 +154,8 @@ void draw_tune_curve(const JobView& job, float height) {
                                   {right, split + font * 1.7F + plots * 0.38F});
     draw_grid(list, time, false);
     draw_grid(list, vertices, true);
-    float x = draw_legend(list, left, at.y, p99_colour, strings::tune_curve::p99_us);
-    x = draw_legend(list, x, at.y, p50_colour, strings::tune_curve::p50_us);
+    float x = draw_legend(list, left, at.y, p99_colour, strings::tune_curve::p99_axis);
+    x = draw_legend(list, x, at.y, p50_colour, strings::tune_curve::p50_axis);
     (void)draw_legend(list, x, at.y, budget_colour, strings::common::budget);
     (void)draw_legend(list, left, split + font * 0.35F, vertex_colour, strings::common::vertices_unit);
     const float budget_y = time.y(job.tuned.budget_us);
@@ -168,7 +168,7 @@ void draw_tune_curve(const JobView& job, float height) {
     draw_line(
         list, time, job, [](const TunePoint& p) { return p.p99_us; }, p99_colour);
     draw_line(list, vertices, job, vertices_of, vertex_colour);
-    constexpr const char* name = strings::tune_curve::threshold_px_finer_to_the;
+    constexpr const char* name = strings::tune_curve::threshold_axis;
     list.AddText({(left + right - ImGui::CalcTextSize(name).x) / 2, vertices.high.y + font * 1.2F}, ui::quiet, name);
     if (const TunePoint* const p = hovered(job, time, time.low.y, vertices.high.y))
         draw_hover(list, *p, time, vertices);

@@ -112,19 +112,19 @@ void write_over(const State& state, const ui::Rect& view) {
     const Eye& eye = state.eye;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, strings::view::refinement_frozen_f_to_release);
+    if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, strings::view::frozen);
     if (state.now_s < eye.speed_shown_until_s) {
         plate(view, 1, 1, IM_COL32_WHITE, speed_text(eye.free.speed_m_s).text);
     }
     if (state.route.recording()) {
-        std::snprintf(text, sizeof text, strings::view::recording_points_r_to_stop, state.route.recorded());
+        std::snprintf(text, sizeof text, strings::view::recording, state.route.recorded());
         plate(view, 0, 1, ui::bad, text);
     } else if (state.route.playing()) {
-        std::snprintf(text, sizeof text, strings::view::path_of_s_p_to, state.route.share() * state.route.seconds(),
+        std::snprintf(text, sizeof text, strings::view::playing, state.route.share() * state.route.seconds(),
                       state.route.seconds());
         plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
-        plate(view, 0, 1, IM_COL32_WHITE, strings::view::orbit_1_to_fly);
+        plate(view, 0, 1, IM_COL32_WHITE, strings::view::orbiting);
     }
     list.PopClipRect();
 }
@@ -144,7 +144,7 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         std::snprintf(text, sizeof text, strings::view::opening, state.opening.c_str());
         plate(layout.view, 0.5F, 0.5F, IM_COL32_WHITE, text);
     } else if (!state.scene.open()) {
-        plate(layout.view, 0.5F, 0.5F, ui::quiet, strings::view::no_terrain_is_open_use);
+        plate(layout.view, 0.5F, 0.5F, ui::quiet, strings::view::no_terrain);
     }
     if (!state.scene.open()) return;
     MoveCamera move;

@@ -218,7 +218,7 @@ TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
 TEST_CASE("jobs without a terrain, beside another job or out of range are refused in a line") {
     const EditorFiles place;
     for (const std::string command : {"tune", "benchmark b.csv", "export m.glb", "preview"}) {
-        CHECK_THAT(last_message(place.after({command})), Catch::Contains("open a terrain first"));
+        CHECK_THAT(last_message(place.after({command})), Catch::Contains("no terrain is open; open a pack first"));
         CHECK(place.last_code == 2);
     }
     place.bake();

@@ -131,6 +131,17 @@ TEST_CASE("rules are looked at before the bake: what they lay where, and a fault
         CHECK(layer.share == Approx(layer.name == "basalt" ? 0 : 0.5).margin(0.051));
     CHECK(laid.bare_share == Approx(0).margin(1e-6));
     CHECK(laid.texels != bare.texels);
+    // A hole is no ground, and spoils none of that beside it, whose slope is asked for.
+    std::string holed = ascii_grid(0, "-9999");
+    holed.insert(holed.find("cellsize"), "NODATA_value -9999\n");
+    spit(folder / "holed.asc", holed);
+    spit(folder / "gentle.json", R"({"rules": [{"layer": "grass", "slope_deg": [0, 80], "ragged": 0}]})");
+    BakePack over_hole = pack_of({folder / "holed.asc"});
+    over_hole.rules = folder / "gentle.json";
+    const HeightFacts around = facts_of(over_hole);
+    CHECK(around.void_share == Approx(1 / 200.0));
+    REQUIRE(around.layers.size() == 1);
+    CHECK(around.layers[0].share == Approx(1));
     spit(folder / "rules.json",
          "{\"rules\": [\n  {\"layer\": \"grass\"},\n  {\"layer\": \"snow\", \"hight_m\": [1, 2]}]}");
     const HeightFacts wrong = facts_of(pack);

@@ -205,13 +205,18 @@ TEST_CASE("a path is followed as it is held, until a hand moves the camera") {
 
 TEST_CASE("what cannot be done says so and changes nothing") {
     CameraPlace place(8);
-    const std::size_t said = place.state.messages.all.size();
+    const auto told = [&place] { // the same again is counted
+        std::size_t times = 0;
+        for (const Message& message : place.state.messages.all) times += message.times;
+        return times;
+    };
+    const std::size_t said = told();
     const flight::FreeCamera before = place.state.eye.free;
     for (const Command& command :
          std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, SetNavigation{Navigation::path}, RemovePoint{0},
                                         RestorePath{}, SavePath{}, PlaceCamera{{1e9, 0, 0}, 0, 0}})
         place.act(command);
-    CHECK(place.state.messages.all.size() == said + 7);
+    CHECK(told() == said + 7);
     for (const Message& message : place.state.messages.all) CHECK(message.severity == Severity::error);
     CHECK(place.state.eye.navigation == Navigation::fly);
     CHECK(length(place.state.eye.free.position_m - before.position_m) == 0);

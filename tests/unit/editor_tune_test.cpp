@@ -255,5 +255,5 @@ TEST_CASE("what limits a threshold is the part that its dearest frames spend mos
         },
         [](const TuneResult&) {});
     REQUIRE(r.best_px > 0);
-    CHECK_THAT(tune_text(r, asked(1000)), Catch::Contains("dearest frames: 75% refining"));
+    CHECK_THAT(tune_text(r, asked(1000)), Catch::Contains("slowest frames: 75% refining"));
 }
