@@ -13,7 +13,8 @@
 
 namespace fjell::baker {
 
-ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
+ReadStatistics read_windows(const BakeContext& context, Store<float>& heights,
+                            const std::function<bool(const Window&, const float*)>& has_ground) {
     constexpr std::size_t window_samples = std::size_t{1} << 20;
     std::vector<Window> windows = context.source.windows(window_samples);
     const Window own = context.sample_window();
@@ -28,11 +29,17 @@ ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
         std::min(context.source.readers(context.threads), context.workers_for(largest * 2 * sizeof(float)));
     context.run_units({"read", windows.size(), workers, context.samples() / static_cast<double>(windows.size())},
                       [&](std::uint64_t i) {
+                          const Window& w = windows[i];
                           std::unique_ptr<HeightReader> reader = readers.take();
-                          Buffer<float> read(windows[i].area());
                           ReadStatistics part;
-                          reader->read(windows[i], read.data(), part);
-                          heights.write(windows[i], read.data(), windows[i].columns);
+                          if (heights.is_unwritten_void() && !reader->covers(w)) {
+                              part.voids.add({w.area(), w.x, w.y});
+                          } else {
+                              Buffer<float> read(w.area());
+                              reader->read(w, read.data(), part);
+                              const bool ground = !has_ground || has_ground(w, read.data());
+                              if (ground || !heights.is_unwritten_void()) heights.write(w, read.data(), w.columns);
+                          }
                           readers.give(std::move(reader));
                           const std::lock_guard hold(adding);
                           all.add(part);

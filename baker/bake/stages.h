@@ -24,7 +24,11 @@ namespace fjell::baker {
 
 // ---- heights
 
-[[nodiscard]] ReadStatistics read_windows(const BakeContext& context, Store<float>& heights);
+// has_ground(window, its heights): asked of what was read; what is nothing but void is not written where the store reads
+// so without (Store::unwritten_is_void).
+[[nodiscard]] ReadStatistics
+read_windows(const BakeContext& context, Store<float>& heights,
+             const std::function<bool(const Window&, const float*)>& has_ground = {});
 struct ReadResult {
     SourceProperties properties;
     bool has_voids = false; // samples without height: NaN in the store
