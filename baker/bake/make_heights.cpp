@@ -13,8 +13,21 @@
 
 namespace fjell::baker {
 
-ReadStatistics read_windows(const BakeContext& context, Store<float>& heights,
-                            const std::function<bool(const Window&, const float*)>& has_ground) {
+namespace {
+
+void write_ground(const Window& w, const float* read, const HasGround& has_ground, Store<float>& heights) {
+    constexpr std::int32_t side = 256;
+    for (std::int32_t y = w.y; y < w.y + w.rows; y += side)
+        for (std::int32_t x = w.x; x < w.x + w.columns; x += side) {
+            const Window piece = common(w, {x, y, side, side});
+            const float* const from = read + std::ptrdiff_t{y - w.y} * w.columns + (x - w.x);
+            if (has_ground(piece, from, w.columns)) heights.write(piece, from, w.columns);
+        }
+}
+
+} // namespace
+
+ReadStatistics read_windows(const BakeContext& context, Store<float>& heights, const HasGround& has_ground) {
     constexpr std::size_t window_samples = std::size_t{1} << 20;
     std::vector<Window> windows = context.source.windows(window_samples);
     const Window own = context.sample_window();
@@ -37,8 +50,10 @@ ReadStatistics read_windows(const BakeContext& context, Store<float>& heights,
                           } else {
                               Buffer<float> read(w.area());
                               reader->read(w, read.data(), part);
-                              const bool ground = !has_ground || has_ground(w, read.data());
-                              if (ground || !heights.is_unwritten_void()) heights.write(w, read.data(), w.columns);
+                              if (heights.is_unwritten_void())
+                                  write_ground(w, read.data(), has_ground, heights);
+                              else
+                                  heights.write(w, read.data(), w.columns);
                           }
                           readers.give(std::move(reader));
                           const std::lock_guard hold(adding);

@@ -235,8 +235,7 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
                 return MixedPageVertex{static_cast<std::int32_t>(steps[at] & ~hole_flag), error,
                                        static_cast<std::uint8_t>(radius | hole)};
             };
-            for (const std::uint16_t r : records)
-                worst[u] = std::max(worst[u], static_cast<std::uint8_t>(r & 0xff));
+            for (const std::uint16_t r : records) worst[u] = std::max(worst[u], static_cast<std::uint8_t>(r & 0xff));
             ChunkBatch batch;
             for (std::uint32_t page = 0; page < pages; ++page) {
                 const EncodedPage encoded = encode_mixed_page(plan.header, page, vertex);

@@ -44,10 +44,10 @@ void make_set_folder(const std::string& folder);
 
 // Packs grow in `work`, a folder of the caller's inside `folder`. When all of them are complete the old index goes,
 // they are renamed into their places, and the new index is written: so whatever is interrupted, an index speaks of
-// complete packs, and an old set stays until then. Then packs of the old set that the new one does not name are removed;
-// their names are in set.old until they are, for the next one that writes here. Files that no index has named stay.
-// Rectangles without any ground are left out. progress(done, total):
-// tiles. Throws Failure: 1 for chunks that are damaged, 3 for the disk.
+// complete packs, and an old set stays until then. Then packs of the old set that the new one does not name are
+// removed; their names are in set.old until they are, for the next one that writes here. Files that no index has named
+// stay. Rectangles without any ground are left out. progress(done, total): tiles. Throws Failure: 1 for chunks that are
+// damaged, 3 for the disk.
 [[nodiscard]] SetSummary write_set(const SetInput& whole, const SetGrid& grid, const std::string& folder,
                                    const std::string& work,
                                    const std::function<void(std::uint64_t, std::uint64_t)>& progress);

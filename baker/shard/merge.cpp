@@ -27,7 +27,8 @@ bool has_any(const std::vector<T>& values) {
 class Merge {
 public:
     Merge(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options, const std::string& out_path)
-        : plan_(plan), context_(source, options, out_path), ground_(plan, context_), last_{ShardStep::Kind::errors, plan.rounds - 1} {
+        : plan_(plan), context_(source, options, out_path),
+          ground_(plan, context_), last_{ShardStep::Kind::errors, plan.rounds - 1} {
         context_.folder.empty();
         context_.folder.keep(false);
         for (const ShardStep& step : shard_steps(plan.rounds))

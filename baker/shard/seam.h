@@ -50,7 +50,8 @@ template <typename T>
     const std::vector<T> none(sparse ? std::size_t{1} << 10 : 0, unwritten(store));
     const auto has_any = [&](const std::vector<T>& values) {
         for (std::size_t at = 0; at < values.size(); at += none.size())
-            if (std::memcmp(values.data() + at, none.data(), std::min(none.size(), values.size() - at) * sizeof(T)) != 0)
+            if (std::memcmp(values.data() + at, none.data(), std::min(none.size(), values.size() - at) * sizeof(T)) !=
+                0)
                 return true;
         return false;
     };

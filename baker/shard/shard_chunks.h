@@ -54,7 +54,7 @@ private:
     const ChunkSpool& own_;
     std::uint64_t own_begin_ = 0;
     std::vector<File> files_;
-    mutable std::mutex lock_;          // of what follows
+    mutable std::mutex lock_;        // of what follows
     mutable std::vector<Open> open_; // the one used last at the end
     std::vector<ChunkEntry> entries_;
 };

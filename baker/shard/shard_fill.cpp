@@ -42,8 +42,8 @@ void ShardFill::find_pieces(std::int32_t frame) {
     std::vector<Window> wanted;
     for (std::uint64_t u = 0; u < context_.region_count(); ++u) {
         const auto region = static_cast<std::int32_t>(context_.region_at(u)), across = context_.regions.across();
-        wanted.push_back(with_frame(
-            {context_.tree, context_.regions, {region % across, region / across, 1, 1}}, frame));
+        wanted.push_back(
+            with_frame({context_.tree, context_.regions, {region % across, region / across, 1, 1}}, frame));
     }
     for (std::size_t level = 0; level < needs_.size(); ++level) {
         const Window& all = needs_[level];

@@ -53,8 +53,8 @@ private:
     const int shard_;
     const std::int32_t mean_frame_; // of the coarser levels
     ScratchFolder& scratch_;
-    std::vector<Window> levels_; // the whole of each: level 0 are the samples
-    std::vector<Window> needs_;  // of each: what is filled here
+    std::vector<Window> levels_;              // the whole of each: level 0 are the samples
+    std::vector<Window> needs_;               // of each: what is filled here
     std::vector<std::vector<Window>> pieces_; // of each, in it
 };
 

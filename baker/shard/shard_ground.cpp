@@ -8,7 +8,7 @@
 
 namespace fjell::baker {
 
-bool GroundSeen::note(const Window& w, const float* heights) {
+bool GroundSeen::note(const Window& w, const float* heights, std::ptrdiff_t stride) {
     const std::int32_t side = tree_.side();
     bool any = false;
     // A border is both tiles'; the last column and row are nobody's first.
@@ -19,7 +19,7 @@ bool GroundSeen::note(const Window& w, const float* heights) {
             const Window shared = common(w, {tx * side, ty * side, side + 1, side + 1});
             bool ground = false;
             for (std::int32_t y = shared.y; y < shared.y + shared.rows && !ground; ++y) {
-                const float* const row = heights + std::ptrdiff_t{y - w.y} * w.columns + (shared.x - w.x);
+                const float* const row = heights + (y - w.y) * stride + (shared.x - w.x);
                 ground = std::any_of(row, row + shared.columns, [](float h) { return !std::isnan(h); });
             }
             if (!ground) continue;
@@ -56,8 +56,10 @@ void ShardGround::find(bool holes) {
 
 // All tiles of packs that have ground, and a ring around them.
 void ShardGround::find_baked() {
-    // A vertex' descendants lie less than a tile beside its own, and so does what its tile's mips are made from.
-    constexpr std::int32_t ring = 1;
+    // A tile's root looks at descendants up to one tile beside it, 3 (1/2 + 1/4 + ...) halves of a side from its
+    // centre; blocks of 4 x 4 squares that share a radius (errors/step.h) add up to half a side to that, because they
+    // are the steps' from the seventh on. What its mips are made from lies nearer.
+    constexpr std::int32_t ring = 2;
     baked_.assign(static_cast<std::size_t>(regions_.count()), 0);
     works_.assign(plan_.parts.size(), false);
     const std::int32_t group = regions_.cells() / tree_.side();
@@ -65,9 +67,9 @@ void ShardGround::find_baked() {
         for (std::uint32_t px = 0; px < plan_.packs->packs_x; ++px) {
             const Window tiles = tiles_of_pack(*plan_.packs, tree_, px, py);
             if (!in_tiles(tiles)) continue;
-            const Window needed = common(
-                {tiles.x - ring, tiles.y - ring, tiles.columns + 2 * ring, tiles.rows + 2 * ring},
-                {0, 0, tree_.tiles_x, tree_.tiles_y});
+            const Window needed =
+                common({tiles.x - ring, tiles.y - ring, tiles.columns + 2 * ring, tiles.rows + 2 * ring},
+                       {0, 0, tree_.tiles_x, tree_.tiles_y});
             for (std::int32_t y = needed.y / group; y <= (needed.y + needed.rows - 1) / group; ++y)
                 for (std::int32_t x = needed.x / group; x <= (needed.x + needed.columns - 1) / group; ++x)
                     baked_[static_cast<std::size_t>(y) * static_cast<std::size_t>(regions_.across()) +
@@ -92,7 +94,8 @@ bool ShardGround::in_tiles(const Window& tiles) const {
 
 bool ShardGround::in_samples(const Window& samples) const {
     const std::int32_t side = tree_.side();
-    return in_tiles({samples.x / side, samples.y / side, (samples.columns - 2) / side + 1, (samples.rows - 2) / side + 1});
+    return in_tiles(
+        {samples.x / side, samples.y / side, (samples.columns - 2) / side + 1, (samples.rows - 2) / side + 1});
 }
 
 std::uint64_t ShardGround::samples_left_out() const {

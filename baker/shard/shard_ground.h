@@ -17,8 +17,8 @@ class GroundSeen {
 public:
     explicit GroundSeen(const Tree& tree)
         : tree_(tree), tiles_(static_cast<std::size_t>(tree.tiles_x) * static_cast<std::size_t>(tree.tiles_y)) {}
-    // heights: of a window, NaN where there is none. Returns whether it has any.
-    bool note(const Window& window, const float* heights);
+    // heights: of a window, NaN where there is none, `stride` floats from row to row. Returns whether it has any.
+    bool note(const Window& window, const float* heights, std::ptrdiff_t stride);
     [[nodiscard]] std::vector<std::uint32_t> tiles() const;
 
 private:

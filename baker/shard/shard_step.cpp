@@ -169,7 +169,9 @@ void ShardRun::read() {
     GroundSeen seen(context_.tree);
     ParcelWriter facts;
     if (plan_.packs) {
-        facts.put(read_windows(context_, heights, [&](const Window& w, const float* h) { return seen.note(w, h); }));
+        facts.put(read_windows(context_, heights, [&](const Window& w, const float* h, std::ptrdiff_t stride) {
+            return seen.note(w, h, stride);
+        }));
         facts.put_all(std::span<const std::uint32_t>(seen.tiles()));
     } else {
         facts.put(read_windows(context_, heights));

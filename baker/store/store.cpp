@@ -46,9 +46,8 @@ WorkFile WorkFile::complete(const std::string& path, std::uint64_t bytes) {
 
 void WorkFile::reserve(std::uint64_t bytes, Room room) {
     // Taken where the file system can.
-    const bool taken =
-        bytes == 0 || room == Room::as_written ||
-        io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
+    const bool taken = bytes == 0 || room == Room::as_written ||
+                       io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
     if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) io::disk_failure(path_, "reserve");
     if (io::uninterrupted([&] { return ftruncate(fd_, static_cast<off_t>(bytes)); }) != 0)
         io::disk_failure(path_, "reserve");

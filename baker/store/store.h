@@ -99,9 +99,7 @@ public:
 
     // What was never written is void, NaN, and takes no room: the file holds NaN as zeros. Before anything is read or
     // written, each time that the store is opened.
-    void unwritten_is_void()
-        requires std::is_same_v<T, float>
-    {
+    void unwritten_is_void() requires std::is_same_v<T, float> {
         flip_ = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
     }
     [[nodiscard]] bool is_unwritten_void() const { return flip_ != 0; }
