@@ -68,15 +68,31 @@ Window BakeContext::region_window() const {
 }
 
 std::int64_t BakeContext::region_at(std::uint64_t u) const {
+    if (leaves_out_) return kept_[u];
     const Window r = region_window();
     const auto i = static_cast<std::int64_t>(u);
     return (r.y + i / r.columns) * regions.across() + r.x + i % r.columns;
 }
 
 std::uint32_t BakeContext::tile_at(std::uint64_t u) const {
+    if (leaves_out_) return kept_tiles_[u];
     const Window t = tile_window();
     const auto i = static_cast<std::int64_t>(u);
     return static_cast<std::uint32_t>((t.y + i / t.columns) * tree.tiles_x + t.x + i % t.columns);
+}
+
+void BakeContext::leave_out(const std::function<bool(std::int64_t region)>& keeps) {
+    std::vector<std::int64_t> kept;
+    std::vector<std::uint32_t> tiles;
+    for (std::uint64_t u = 0; u < region_window().area(); ++u)
+        if (const std::int64_t region = region_at(u); keeps(region)) {
+            kept.push_back(region);
+            regions.for_each_tile(regions.at(region), [&](std::uint32_t tile, Coord) { tiles.push_back(tile); });
+        }
+    std::sort(tiles.begin(), tiles.end()); // row by row, as they are without
+    kept_ = std::move(kept);
+    kept_tiles_ = std::move(tiles);
+    leaves_out_ = true;
 }
 
 std::string BakeContext::store_path(const std::string& name) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
@@ -39,7 +40,8 @@ public:
     // A new store, or what an earlier run has left of it.
     template <typename T>
     [[nodiscard]] Store<T> open(const std::string& name, std::int64_t columns, std::int64_t rows) const {
-        return {store_path(name), columns, rows};
+        const auto room = leaves_out_ ? WorkFile::Room::as_written : WorkFile::Room::reserved;
+        return {store_path(name), columns, rows, {}, room};
     }
     // Where the pack grows until it is complete; empty: at its own place, which is a device.
     [[nodiscard]] std::string temporary() const;
@@ -50,14 +52,21 @@ public:
     [[nodiscard]] Window region_window() const;
     [[nodiscard]] Window tile_window() const { return regions.tiles_of(region_window()); }
     [[nodiscard]] Window sample_window() const { return regions.samples_of(region_window()); }
-    [[nodiscard]] std::uint64_t region_count() const { return region_window().area(); }
-    [[nodiscard]] std::uint64_t tile_count() const { return tile_window().area(); }
+    // Regions and tiles that are baked: all of the window, or what leave_out() has left of it.
+    [[nodiscard]] std::uint64_t region_count() const { return leaves_out_ ? kept_.size() : region_window().area(); }
+    [[nodiscard]] std::uint64_t tile_count() const { return leaves_out_ ? kept_tiles_.size() : tile_window().area(); }
     // The u-th of them: its number among all.
     [[nodiscard]] std::int64_t region_at(std::uint64_t u) const;
     [[nodiscard]] std::uint32_t tile_at(std::uint64_t u) const;
+    // From now on only regions for which keeps(number) is true are baked: shards leave voids out.
+    void leave_out(const std::function<bool(std::int64_t region)>& keeps);
+    [[nodiscard]] bool leaves_out() const { return leaves_out_; }
 
 private:
     [[nodiscard]] std::string control_identity() const;
+    bool leaves_out_ = false;
+    std::vector<std::int64_t> kept_;
+    std::vector<std::uint32_t> kept_tiles_;
 
 public:
     const HeightSource& source;

@@ -13,7 +13,21 @@
 
 namespace fjell::baker {
 
-ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
+namespace {
+
+void write_ground(const Window& w, const float* read, const HasGround& has_ground, Store<float>& heights) {
+    constexpr std::int32_t side = 256;
+    for (std::int32_t y = w.y; y < w.y + w.rows; y += side)
+        for (std::int32_t x = w.x; x < w.x + w.columns; x += side) {
+            const Window piece = common(w, {x, y, side, side});
+            const float* const from = read + std::ptrdiff_t{y - w.y} * w.columns + (x - w.x);
+            if (has_ground(piece, from, w.columns)) heights.write(piece, from, w.columns);
+        }
+}
+
+} // namespace
+
+ReadStatistics read_windows(const BakeContext& context, Store<float>& heights, const HasGround& has_ground) {
     constexpr std::size_t window_samples = std::size_t{1} << 20;
     std::vector<Window> windows = context.source.windows(window_samples);
     const Window own = context.sample_window();
@@ -28,11 +42,19 @@ ReadStatistics read_windows(const BakeContext& context, Store<float>& heights) {
         std::min(context.source.readers(context.threads), context.workers_for(largest * 2 * sizeof(float)));
     context.run_units({"read", windows.size(), workers, context.samples() / static_cast<double>(windows.size())},
                       [&](std::uint64_t i) {
+                          const Window& w = windows[i];
                           std::unique_ptr<HeightReader> reader = readers.take();
-                          Buffer<float> read(windows[i].area());
                           ReadStatistics part;
-                          reader->read(windows[i], read.data(), part);
-                          heights.write(windows[i], read.data(), windows[i].columns);
+                          if (heights.is_unwritten_void() && !reader->covers(w)) {
+                              part.voids.add({w.area(), w.x, w.y});
+                          } else {
+                              Buffer<float> read(w.area());
+                              reader->read(w, read.data(), part);
+                              if (heights.is_unwritten_void())
+                                  write_ground(w, read.data(), has_ground, heights);
+                              else
+                                  heights.write(w, read.data(), w.columns);
+                          }
                           readers.give(std::move(reader));
                           const std::lock_guard hold(adding);
                           all.add(part);

@@ -1,5 +1,6 @@
 // Stages that make materials: near mips tile by tile from the heights, then mip by mip from the texels of the one
 // before.
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -72,13 +73,13 @@ void make_near_maps(const BakeContext& context, const BakePlan& plan, const Heig
 }
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out) {
-    // Tiles are small by now: many at once, in rows.
-    const Window tiles = context.tile_window();
-    const auto rows = static_cast<std::uint64_t>(tiles.rows), across = static_cast<std::uint64_t>(tiles.columns);
+    // Tiles are small by now: many at once, as many as a row has.
+    const auto across = static_cast<std::uint64_t>(context.tile_window().columns);
+    const std::uint64_t tiles = context.tile_count(), rows = (tiles + across - 1) / across;
     context.run_units({"mips", rows, context.threads, static_cast<double>(across)}, [&](std::uint64_t row) {
         ChunkBatch batch;
-        for (std::uint64_t x = 0; x < across; ++x) {
-            const std::uint32_t tile = context.tile_at(row * across + x);
+        for (std::uint64_t u = row * across; u < std::min(tiles, (row + 1) * across); ++u) {
+            const std::uint32_t tile = context.tile_at(u);
             const Window stored = in_channels(finer_texels(plan.maps, in.kind, in.mip, tile), in.kind);
             Texels finer(stored.area());
             in.finer.read(stored, finer.data(), stored.columns);

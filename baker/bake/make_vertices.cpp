@@ -217,7 +217,8 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
     std::vector<std::uint8_t> worst(context.tile_count(), 0);
     context.run_units(
         {"root pages", context.tile_count(), context.workers_for(place_count * 8), static_cast<double>(place_count)},
-        [&](std::uint64_t tile) {
+        [&](std::uint64_t u) {
+            const std::uint32_t tile = context.tile_at(u);
             const auto t = static_cast<std::int32_t>(tile);
             const Window w{t % tree.tiles_x * (places - 1), t / tree.tiles_x * (places - 1), places, places};
             std::vector<std::uint16_t> records(w.area());
@@ -234,12 +235,11 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
                 return MixedPageVertex{static_cast<std::int32_t>(steps[at] & ~hole_flag), error,
                                        static_cast<std::uint8_t>(radius | hole)};
             };
-            for (const std::uint16_t r : records)
-                worst[tile] = std::max(worst[tile], static_cast<std::uint8_t>(r & 0xff));
+            for (const std::uint16_t r : records) worst[u] = std::max(worst[u], static_cast<std::uint8_t>(r & 0xff));
             ChunkBatch batch;
             for (std::uint32_t page = 0; page < pages; ++page) {
                 const EncodedPage encoded = encode_mixed_page(plan.header, page, vertex);
-                batch.add_page({ChunkKind::geometry, static_cast<std::uint32_t>(tile), page}, encoded);
+                batch.add_page({ChunkKind::geometry, tile, page}, encoded);
             }
             spool.append(std::move(batch));
         });

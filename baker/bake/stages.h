@@ -24,7 +24,11 @@ namespace fjell::baker {
 
 // ---- heights
 
-[[nodiscard]] ReadStatistics read_windows(const BakeContext& context, Store<float>& heights);
+// has_ground(window, its heights, floats from row to row): asked of every piece of what was read into a store that
+// reads as void where nobody has written (Store::unwritten_is_void). Pieces without are not written.
+using HasGround = std::function<bool(const Window& piece, const float* heights, std::ptrdiff_t stride)>;
+[[nodiscard]] ReadStatistics read_windows(const BakeContext& context, Store<float>& heights,
+                                          const HasGround& has_ground = {});
 struct ReadResult {
     SourceProperties properties;
     bool has_voids = false; // samples without height: NaN in the store

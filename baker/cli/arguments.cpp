@@ -122,6 +122,8 @@ void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     add_recipe_options(*c.plan, a.given);
     c.plan->add_option("-o,--output", a.plan_folder, "the shared folder to write the plan to");
     c.plan->add_option("--shards", a.shards, "how many")->check(io::whole_within(1, max_shards));
+    add_packs_option(*c.plan, a,
+                     "plan for a pack set of so many packs across and down: packs without any ground are not baked");
     c.plan->add_option("--recipe", a.recipe_path, "take from this file what is not given here");
     c.plan->add_flag("--status", a.status, "of the plan in the folder IN: which shards have completed which step");
     c.shard = app.add_subcommand("shard",

@@ -116,7 +116,7 @@ int run_plan(const Arguments& a) {
     if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake plan --help");
     if (a.plan_folder.empty()) throw Failure(2, "no folder for the plan given; add -o DIR");
     if (a.shards == 0) throw Failure(2, "give the number of shards with --shards N");
-    ShardPlan plan = make_shard_plan(*open_inputs(recipe), bake_options(recipe), a.shards);
+    ShardPlan plan = make_shard_plan(*open_inputs(recipe), bake_options(recipe), a.shards, a.packs);
     plan.inputs = inputs_of(recipe);
     write_plan(plan, recipe, a.plan_folder);
     std::string steps;
@@ -162,8 +162,8 @@ int run_shard(const Arguments& a) {
 }
 
 int run_launch(const Arguments& a) {
-    check_output(a);
     const ShardPlan plan = load_plan(a.plan_folder);
+    check_output(a);
     check_program(plan);
     const Recipe recipe = plan_recipe(plan.folder);
     const LaunchOptions options{a.launcher == "slurm" ? Launcher::slurm

@@ -113,24 +113,72 @@ private:
     std::vector<std::byte> corners_;
 };
 
+// Packs that the index of a folder names, or the list of those that an interrupted publish() has still to remove.
+std::vector<std::string> named_in(const fs::path& index) {
+    std::vector<std::string> names;
+    try {
+        for (const io::SetFilePack& pack : io::parse_set_file(io::read_text(index.string()), index.string()).packs)
+            names.push_back(pack.file);
+    } catch (const Failure&) { // none, or damaged: then it names nothing
+    }
+    return names;
+}
+
+void write_index(const io::SetFile& set, const fs::path& to) {
+    io::AtomicFile file(to.string());
+    const std::string text = io::set_file_text(set);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+// Packs of the set that is replaced, which the new one has no use for. Written down before the old index goes, which
+// alone names them; as an index, though nobody opens it.
+std::vector<std::string> note_old_packs(const io::SetFile& set, const fs::path& folder) {
+    std::vector<std::string> old = named_in(folder / "set.json");
+    const std::vector<std::string> before = named_in(folder / "set.old");
+    old.insert(old.end(), before.begin(), before.end());
+    std::sort(old.begin(), old.end());
+    old.erase(std::unique(old.begin(), old.end()), old.end());
+    std::erase_if(old, [&](const std::string& name) {
+        return std::any_of(set.packs.begin(), set.packs.end(), [&](const auto& pack) { return pack.file == name; });
+    });
+    if (old.empty()) return old;
+    io::SetFile list = set;
+    list.packs.clear();
+    for (const std::string& name : old) list.packs.push_back({name, 0, 0, 1, 1, 0, false});
+    write_index(list, folder / "set.old");
+    return old;
+}
+
 // The index goes first and comes last.
 void publish(const io::SetFile& set, const std::string& folder, const std::string& work) {
     const fs::path to(folder);
     const std::string index = (to / "set.json").string();
     std::error_code error;
+    const std::vector<std::string> old = note_old_packs(set, to);
     fs::remove(index, error);
     if (error) errno = error.value(), io::disk_failure(index, "replace");
     for (const io::SetFilePack& pack : set.packs) {
         fs::rename(fs::path(work) / pack.file, to / pack.file, error);
         if (error) errno = error.value(), io::disk_failure((to / pack.file).string(), "rename");
     }
-    io::AtomicFile file(index);
-    const std::string text = io::set_file_text(set);
-    file.write(std::as_bytes(std::span(text)));
-    file.commit();
+    write_index(set, index);
+    bool gone = true; // what cannot be removed now stays in the list
+    for (const std::string& name : old) gone = (fs::remove(to / name, error), !error) && gone;
+    if (gone) fs::remove(to / "set.old", error);
 }
 
 } // namespace
+
+Window tiles_of_pack(const SetGrid& grid, const Tree& tree, std::uint32_t px, std::uint32_t py) {
+    const auto begin_x = [&](std::uint32_t n) {
+        return static_cast<std::int32_t>(part_begin(n, grid.packs_x, static_cast<std::uint32_t>(tree.tiles_x)));
+    };
+    const auto begin_y = [&](std::uint32_t n) {
+        return static_cast<std::int32_t>(part_begin(n, grid.packs_y, static_cast<std::uint32_t>(tree.tiles_y)));
+    };
+    return {begin_x(px), begin_y(py), begin_x(px + 1) - begin_x(px), begin_y(py + 1) - begin_y(py)};
+}
 
 void check_grid(const SetGrid& grid, std::uint32_t tiles_x, std::uint32_t tiles_y, const std::string& name) {
     if (grid.packs_x < 1 || grid.packs_y < 1 || grid.packs_x > tiles_x || grid.packs_y > tiles_y)

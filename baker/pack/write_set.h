@@ -9,6 +9,7 @@
 #include "baker/pack/chunk_spool.h"
 #include "baker/store/window.h"
 #include "fjell/pack.h"
+#include "tree/tree.h"
 
 namespace fjell::baker {
 
@@ -16,7 +17,10 @@ namespace fjell::baker {
 // it each pack's bytes, follow from these alone.
 struct SetGrid {
     std::uint32_t packs_x = 2, packs_y = 2;
+    friend bool operator==(const SetGrid&, const SetGrid&) = default;
 };
+// Tiles of pack (px, py) of the grid.
+[[nodiscard]] Window tiles_of_pack(const SetGrid& grid, const Tree& tree, std::uint32_t px, std::uint32_t py);
 struct SetSummary {
     std::uint32_t packs = 0, left_out = 0; // left out: without any ground
     std::uint64_t file_bytes = 0;
@@ -40,8 +44,10 @@ void make_set_folder(const std::string& folder);
 
 // Packs grow in `work`, a folder of the caller's inside `folder`. When all of them are complete the old index goes,
 // they are renamed into their places, and the new index is written: so whatever is interrupted, an index speaks of
-// complete packs, and an old set stays until then. Rectangles without any ground are left out. progress(done, total):
-// tiles. Throws Failure: 1 for chunks that are damaged, 3 for the disk.
+// complete packs, and an old set stays until then. Then packs of the old set that the new one does not name are
+// removed; their names are in set.old until they are, for the next one that writes here. Files that no index has named
+// stay. Rectangles without any ground are left out. progress(done, total): tiles. Throws Failure: 1 for chunks that are
+// damaged, 3 for the disk.
 [[nodiscard]] SetSummary write_set(const SetInput& whole, const SetGrid& grid, const std::string& folder,
                                    const std::string& work,
                                    const std::function<void(std::uint64_t, std::uint64_t)>& progress);

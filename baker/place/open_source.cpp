@@ -134,6 +134,10 @@ public:
         own.ends.move(-crop.x, -crop.y);
         statistics.add(own);
     }
+    bool covers(const Window& window) override {
+        const Window& crop = plan_->crop;
+        return mosaic_.covers({window.x + crop.x, window.y + crop.y, window.columns, window.rows});
+    }
 
 private:
     std::shared_ptr<const ReadPlan> plan_;

@@ -153,6 +153,9 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     }
     facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
     facts_.height_unit = unit_name(first, file_->GetSpatialRef());
+    int tagged = 0;
+    (void)first.GetNoDataValue(&tagged);
+    tagged_ = tagged != 0;
     facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
     floats_ = fits_float(first.GetRasterDataType());
     first.GetBlockSize(&block_columns_, &block_rows_);
@@ -268,6 +271,16 @@ void HeightFile::read_as(const Window& in_file, const Window& window, T* raw, fl
         float* const a = to + static_cast<std::size_t>(row) * columns;
         std::swap_ranges(a, a + columns, to + static_cast<std::size_t>(window.rows - 1 - row) * columns);
     }
+}
+
+bool HeightFile::covers(const Window& window) const {
+    if (!tagged_ || mask_) return true;
+    Window in_file = window;
+    if (facts_.at.flip_x) in_file.x = facts_.at.columns - window.x - window.columns;
+    if (facts_.at.flip_y) in_file.y = facts_.at.rows - window.y - window.rows;
+    const GdalMessages messages; // what a file cannot say about itself is no failure
+    return file_->GetRasterBand(1)->GetDataCoverageStatus(in_file.x, in_file.y, in_file.columns, in_file.rows, 0,
+                                                          nullptr) != GDAL_DATA_COVERAGE_STATUS_EMPTY;
 }
 
 void HeightFile::read(const Window& window, float* to, ReadStatistics& statistics, const std::uint8_t* wanted) {

@@ -33,6 +33,9 @@ public:
     // window.area() heights, row by row, row 0 north and column 0 west whichever way the file runs. wanted: samples
     // with 0 are not looked at and become NaN; null: all. Places in the statistics are the window's.
     void read(const Window& window, float* to, ReadStatistics& statistics, const std::uint8_t* wanted = nullptr);
+    // False where the file says of itself that it has nothing but no-data: what a VRT's files leave free, blocks that a
+    // GeoTIFF does not store.
+    [[nodiscard]] bool covers(const Window& window) const;
 
 private:
     template <typename T>
@@ -48,6 +51,7 @@ private:
     GdalFile file_;
     FileFacts facts_;
     Encoding encoding_ = Encoding::none;
+    bool tagged_ = false;            // what it has no data for is no height
     bool floats_ = false;            // float holds every raw number
     GDALRasterBand* mask_ = nullptr; // none: all are valid
     bool by_blocks_ = false;         // GDAL need not keep blocks: its driver finds each by itself

@@ -181,6 +181,17 @@ void Mosaic::paint(std::size_t index, const Window& window, float* to, ReadStati
     }
 }
 
+bool Mosaic::covers(const Window& window) {
+    for (std::size_t index = 0; index < layout_.files.size(); ++index) {
+        const MosaicFile& f = layout_.files[index];
+        const Window part = common(window, {f.x, f.y, f.facts.at.columns, f.facts.at.rows});
+        if (part.area() == 0) continue;
+        if (layout_.files.size() > 1 || open(index).covers({part.x - f.x, part.y - f.y, part.columns, part.rows}))
+            return true;
+    }
+    return false;
+}
+
 void Mosaic::read(const Window& window, float* to, ReadStatistics& statistics) {
     if (layout_.files.size() == 1) return open(0).read(window, to, statistics);
     std::fill_n(to, window.area(), std::numeric_limits<float>::quiet_NaN());

@@ -33,6 +33,8 @@ public:
     Mosaic(const MosaicLayout& layout, const ReadOptions& options); // both must outlive it
     // As HeightFile::read. Samples that no file covers are voids. The last file is on top, where it has heights.
     void read(const Window& window, float* to, ReadStatistics& statistics);
+    // False where no file has samples, by their places, and what they know themselves (HeightFile::covers).
+    [[nodiscard]] bool covers(const Window& window);
 
 private:
     struct Open {

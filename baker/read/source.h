@@ -37,6 +37,8 @@ public:
     // window.area() heights in metres, row by row; NaN where there is none. What is read is added to the statistics.
     // The numbers do not depend on how windows are cut or ordered. Throws Failure.
     virtual void read(const Window& window, float* to, ReadStatistics& statistics) = 0;
+    // False where a window is known to be void without reading it: no file reaches there.
+    [[nodiscard]] virtual bool covers(const Window& /*window*/) { return true; }
 };
 
 // A height that so many samples share, at an end of all heights, that it may stand for none.

@@ -169,7 +169,7 @@ std::vector<std::string> launch_commands(const ShardPlan& plan, const LaunchOpti
 }
 
 void launch(const ShardPlan& plan, const LaunchOptions& o) {
-    if (o.packs) check_grid(*o.packs, plan);
+    check_packs(plan, o.packs);
     const char* const needs = o.with == Launcher::slurm ? "sbatch" : o.with == Launcher::mpi ? "mpirun" : nullptr;
     if (needs == nullptr) return launch_local(plan, o);
     if (run_shell(fmt::format("command -v {} > /dev/null", needs)) != 0)

@@ -8,6 +8,7 @@
 #include "baker/bake/plan.h"
 #include "baker/bake/stages.h"
 #include "baker/shard/shard_chunks.h"
+#include "baker/shard/shard_ground.h"
 #include "baker/shard/shard_step.h"
 
 namespace fjell::baker {
@@ -17,14 +18,23 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t piece_values = std::size_t{1} << 20;
 
+template <typename T>
+bool has_any(const std::vector<T>& values) {
+    const auto bytes = std::as_bytes(std::span(values));
+    return std::any_of(bytes.begin(), bytes.end(), [](std::byte b) { return b != std::byte{0}; });
+}
+
 class Merge {
 public:
     Merge(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options, const std::string& out_path)
-        : plan_(plan), context_(source, options, out_path), last_{ShardStep::Kind::errors, plan.rounds - 1} {
+        : plan_(plan), context_(source, options, out_path),
+          ground_(plan, context_), last_{ShardStep::Kind::errors, plan.rounds - 1} {
         context_.folder.empty();
         context_.folder.keep(false);
         for (const ShardStep& step : shard_steps(plan.rounds))
             for (int shard = 1; shard <= plan.shards; ++shard) (void)require_record(plan, step, shard);
+        if (!needs_all_heights(context_)) ground_.find(found_by_shards(plan, context_, false).holes != 0);
+        if (ground_.leaves_out()) context_.leave_out([&](std::int64_t region) { return ground_.bakes(region); });
     }
     BakeSummary to_pack();
     MergedSet to_set(const SetGrid& grid, const std::string& folder);
@@ -36,7 +46,7 @@ private:
     template <typename Visit>
     void for_each_shard(const Visit& visit) const {
         for (int shard = 1; shard <= plan_.shards; ++shard)
-            if (!plan_.empty(shard)) visit(shard, windows_of(shard));
+            if (!ground_.idles(shard)) visit(shard, windows_of(shard));
     }
     // Copies what all shards have left of a store into the whole of it; take: every take-th column and row, of each
     // axis.
@@ -59,6 +69,7 @@ private:
 
     const ShardPlan& plan_;
     BakeContext context_;
+    ShardGround ground_;
     const ShardStep last_;
     const Clock::time_point start_ = Clock::now();
 };
@@ -88,7 +99,8 @@ void Merge::gather(const ShardStep& step, const std::string& name, const Window&
                 for (std::int32_t x = 0; x < held.columns; x += take_x)
                     taken.push_back(values[static_cast<std::size_t>(row) * static_cast<std::size_t>(held.columns) +
                                            static_cast<std::size_t>(x)]);
-            to.write({held.x / take_x, (held.y + y) / take_y, columns, rows}, taken.data(), columns);
+            if (!ground_.leaves_out() || has_any(taken)) // where nothing is baked nothing is stored
+                to.write({held.x / take_x, (held.y + y) / take_y, columns, rows}, taken.data(), columns);
         }
     });
 }
@@ -183,6 +195,7 @@ Store<std::uint8_t> Merge::holes_of(int shard, const MapPlan& maps) const {
 // As shards have marked them, each of its own samples.
 std::uint64_t Merge::voids_in(const Window& samples, const MapPlan& maps) const {
     constexpr std::int32_t band = 64;
+    if (ground_.leaves_out() && !ground_.in_samples(samples)) return samples.area();
     std::uint64_t voids = 0;
     for_each_shard([&](int shard, const PartWindows& windows) {
         const Window mine = common(windows.samples(), samples);
@@ -203,7 +216,7 @@ std::uint64_t Merge::voids_in(const Window& samples, const MapPlan& maps) const 
 BakeSummary Merge::to_pack() {
     Made made = make_rest();
     const PackHeader& header = made.plan.header;
-    write_pack(context_, header, ShardChunks(plan_, header, *made.spool), made.summary);
+    write_pack(context_, header, ShardChunks(plan_, header, *made.spool, ground_), made.summary);
     made.summary.seconds_total = std::chrono::duration<double>(Clock::now() - start_).count();
     return made.summary;
 }
@@ -211,7 +224,7 @@ BakeSummary Merge::to_pack() {
 MergedSet Merge::to_set(const SetGrid& grid, const std::string& folder) {
     Made made = make_rest();
     const PackHeader& header = made.plan.header;
-    const ShardChunks chunks(plan_, header, *made.spool);
+    const ShardChunks chunks(plan_, header, *made.spool, ground_);
     const std::string notes = notes_of(context_, made.summary);
     const Progress& progress = context_.options.progress;
     MergedSet merged;
@@ -229,21 +242,28 @@ MergedSet Merge::to_set(const SetGrid& grid, const std::string& folder) {
 
 } // namespace
 
-void check_grid(const SetGrid& grid, const ShardPlan& plan) {
+void check_packs(const ShardPlan& plan, const std::optional<SetGrid>& grid) {
+    if (plan.packs && plan.packs != grid)
+        throw Failure(2, fmt::format("{}: was planned for a set of {}x{} packs, and what that has no use for was not "
+                                     "baked; give --packs {}x{}, or plan anew into another folder",
+                                     plan.folder, plan.packs->packs_x, plan.packs->packs_y, plan.packs->packs_x,
+                                     plan.packs->packs_y));
+    if (!grid) return;
     const Tree tree = Tree::covering(plan.columns, plan.rows, plan.tile_log2);
-    check_grid(grid, static_cast<std::uint32_t>(tree.tiles_x), static_cast<std::uint32_t>(tree.tiles_y), plan.folder);
+    check_grid(*grid, static_cast<std::uint32_t>(tree.tiles_x), static_cast<std::uint32_t>(tree.tiles_y), plan.folder);
 }
 
 BakeSummary merge_shards(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
                          const std::string& out_path) {
     check_source(plan, source);
+    if (plan.packs) check_packs(plan, {});
     return Merge(plan, source, options, out_path).to_pack();
 }
 
 MergedSet merge_shards_to_set(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
                               const SetGrid& grid, const std::string& folder) {
     check_source(plan, source);
-    check_grid(grid, plan);
+    check_packs(plan, grid);
     make_set_folder(folder);
     return Merge(plan, source, options, set_work_name(folder)).to_set(grid, folder);
 }

@@ -3,6 +3,7 @@
 // that of split_pack() of it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "baker/bake/bake.h"
@@ -16,8 +17,8 @@ namespace fjell::baker {
 BakeSummary merge_shards(const ShardPlan& plan, const HeightSource& source, const BakeOptions& options,
                          const std::string& out_path);
 
-// Throws Failure 2 when the plan has fewer tiles than packs.
-void check_grid(const SetGrid& grid, const ShardPlan& plan);
+// Throws Failure 2 when the plan has fewer tiles than packs, or is for a set of others. grid: none: one pack.
+void check_packs(const ShardPlan& plan, const std::optional<SetGrid>& grid);
 // A set without a pack of all: folder holds it. The summary counts the bytes of all packs. Throws Failure as above, and
 // as write_set() does.
 struct MergedSet {

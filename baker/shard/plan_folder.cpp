@@ -77,6 +77,7 @@ std::string plan_text(const ShardPlan& plan) {
     j["columns"] = plan.columns;
     j["rows"] = plan.rows;
     j["tile_log2"] = plan.tile_log2;
+    if (plan.packs) j["packs"] = {plan.packs->packs_x, plan.packs->packs_y};
     j["parts"] = ordered_json::array();
     for (const Window& p : plan.parts) j["parts"].push_back({p.x, p.y, p.columns, p.rows});
     j["inputs"] = ordered_json::array();
@@ -94,7 +95,8 @@ std::string recipe_path(const std::string& folder) {
 
 } // namespace
 
-ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards) {
+ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards,
+                          const std::optional<SetGrid>& packs) {
     if (shards < 1 || shards > max_shards)
         throw Failure(2, fmt::format("--shards {}: must be from 1 to {}", shards, max_shards));
     ShardPlan plan;
@@ -110,6 +112,10 @@ ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options
     const Regions regions(tree, BakeOptions{}.region_cells);
     plan.parts = cut_into_shards(regions.across(), regions.down(), shards);
     plan.program = this_program();
+    plan.packs = packs;
+    if (packs)
+        check_grid(*packs, static_cast<std::uint32_t>(tree.tiles_x), static_cast<std::uint32_t>(tree.tiles_y),
+                   "the plan");
     return plan;
 }
 
@@ -160,6 +166,7 @@ ShardPlan load_plan(const std::string& folder) {
         plan.columns = j.at("columns");
         plan.rows = j.at("rows");
         plan.tile_log2 = j.at("tile_log2");
+        if (j.contains("packs")) plan.packs = SetGrid{j["packs"].at(0), j["packs"].at(1)};
         for (const json& p : j.at("parts")) plan.parts.push_back({p.at(0), p.at(1), p.at(2), p.at(3)});
         for (const json& i : j.at("inputs")) plan.inputs.push_back({i.at("file"), i.at("bytes")});
     } catch (const json::exception&) {

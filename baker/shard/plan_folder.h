@@ -24,6 +24,7 @@
 
 #include "baker/bake/context.h"
 #include "baker/bake/recipe.h"
+#include "baker/pack/write_set.h"
 #include "baker/shard/shard_plan.h"
 #include "baker/store/digest.h"
 
@@ -38,6 +39,8 @@ struct ShardPlan {
     int tile_log2 = 0;
     std::vector<Window> parts; // of regions; no area: nothing to do
     std::string program;       // of the build that has planned
+    // Of a plan for a set: its packs. Then regions that it has no use for are not baked (shard_ground.h).
+    std::optional<SetGrid> packs;
     struct Input {
         std::string path; // as the recipe's
         std::uint64_t bytes = 0;
@@ -57,7 +60,8 @@ struct ShardPlan {
 };
 
 // The regions of shards are those of a bake with default options.
-[[nodiscard]] ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards);
+[[nodiscard]] ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options, int shards,
+                                        const std::optional<SetGrid>& packs = {});
 // Files of a recipe with their sizes.
 [[nodiscard]] std::vector<ShardPlan::Input> inputs_of(const Recipe& recipe);
 // Into a folder that is new, empty, or has the same plan already: then nothing changes. Sets folder and id.

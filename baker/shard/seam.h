@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,31 +28,57 @@ namespace fjell::baker {
             {right, inner.y, outer.x + outer.columns - right, inner.rows}};
 }
 
-// The frame inside what a store holds, as a parcel. width_x may differ from width_y: channels of texels lie along x.
+// What a store holds where nobody has written.
 template <typename T>
-[[nodiscard]] std::vector<std::byte> frame_of_store(const Store<T>& store, std::int32_t width_x, std::int32_t width_y) {
+[[nodiscard]] T unwritten(const Store<T>& store) {
+    if constexpr (std::is_same_v<T, float>)
+        if (store.is_unwritten_void()) return std::numeric_limits<float>::quiet_NaN();
+    return T{};
+}
+
+// The frame inside what a store holds, as a parcel. width_x may differ from width_y: channels of texels lie along x.
+// sparse: without pieces in which nobody has written.
+template <typename T>
+[[nodiscard]] std::vector<std::byte> frame_of_store(const Store<T>& store, std::int32_t width_x, std::int32_t width_y,
+                                                    bool sparse = false) {
     const Window& all = store.held();
     const std::int32_t wx = std::min(width_x, (all.columns + 1) / 2), wy = std::min(width_y, (all.rows + 1) / 2);
     std::vector<Window> strips =
         ring(all, {all.x + wx, all.y + wy, std::max(all.columns - 2 * wx, 0), std::max(all.rows - 2 * wy, 0)});
     // Of an odd middle that is no more than one column or row wide the last strip begins where the first one ends.
     ParcelWriter to;
-    for (Window w : strips) {
-        w = common(w, all);
-        to.put(w);
+    const std::vector<T> none(sparse ? std::size_t{1} << 10 : 0, unwritten(store));
+    const auto has_any = [&](const std::vector<T>& values) {
+        for (std::size_t at = 0; at < values.size(); at += none.size())
+            if (std::memcmp(values.data() + at, none.data(), std::min(none.size(), values.size() - at) * sizeof(T)) !=
+                0)
+                return true;
+        return false;
+    };
+    const auto put = [&](const Window& w) {
         std::vector<T> values(w.area());
         if (w.area() != 0) store.read(w, values.data(), w.columns);
+        if (sparse && !has_any(values)) return;
+        to.put(w);
         to.put_all(std::span<const T>(values));
+    };
+    const std::int32_t most = sparse ? 512 : std::max(all.columns, all.rows);
+    for (Window w : strips) {
+        w = common(w, all);
+        if (w.area() == 0 && !sparse) put(w);
+        for (std::int32_t y = w.y; y < w.y + w.rows; y += most)
+            for (std::int32_t x = w.x; x < w.x + w.columns; x += most) put(common(w, {x, y, most, most}));
     }
     return std::move(to.bytes);
 }
 
 // Lays around `store` what the neighbours' frames of the same name hold, as far as the whole reaches. window_of(shard):
-// what that shard holds of this store. Returns the bytes that were read.
+// what that shard holds of this store; without area: it has left none. sparse: what no frame has is unwritten. Returns
+// the bytes that were read.
 template <typename T>
 std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std::string& name, int shard,
                          std::int32_t width_x, std::int32_t width_y, const std::function<Window(int)>& window_of,
-                         Store<T>& store) {
+                         Store<T>& store, bool sparse = false) {
     const Window& own = store.held();
     const Window whole{0, 0, static_cast<std::int32_t>(store.columns()), static_cast<std::int32_t>(store.rows())};
     const Window outer =
@@ -75,7 +104,8 @@ std::uint64_t add_frames(const ShardPlan& plan, const ShardStep& step, const std
     std::vector<Strip> strips;
     std::vector<T> values;
     for (const Window& w : ring(outer, own))
-        if (w.area() != 0) strips.push_back({w, Buffer<T>(w.area()), std::vector<bool>(w.area())});
+        if (w.area() != 0)
+            strips.push_back({w, Buffer<T>(w.area(), unwritten(store)), std::vector<bool>(w.area(), sparse)});
     std::uint64_t bytes_read = 0;
     for (int other = 1; other <= plan.shards; ++other) {
         if (other == shard || plan.empty(other) || common(window_of(other), outer).area() == 0) continue;

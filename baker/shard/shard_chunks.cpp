@@ -22,17 +22,18 @@ std::vector<std::byte> ChunkFile::index() const {
     return index_.bytes;
 }
 
-ShardChunks::ShardChunks(const ShardPlan& plan, const PackHeader& layout, const ChunkSpool& own)
+ShardChunks::ShardChunks(const ShardPlan& plan, const PackHeader& layout, const ChunkSpool& own,
+                         const ShardGround& ground)
     : own_(own), entries_(chunk_count(layout)) {
     std::uint64_t begin = 0;
     for (const ShardStep& step : shard_steps(plan.rounds)) {
         if (step.kind != ShardStep::Kind::errors) continue;
         for (int shard = 1; shard <= plan.shards; ++shard) {
-            if (plan.empty(shard)) continue;
+            if (ground.idles(shard)) continue;
             const ShardRecord record = require_record(plan, step, shard);
             const std::uint64_t bytes = record.files.at("chunks").bytes;
             const std::string path = plan.file(step, shard, "chunks");
-            files_.push_back({begin, path, plan.command(step, shard), WorkFile::complete(path, bytes)});
+            files_.push_back({begin, bytes, path, plan.command(step, shard)});
             const std::vector<std::byte> index = read_parcel(plan, step, shard, "index");
             for (ParcelReader from(index); !from.ended();) {
                 const auto chunk = from.get<std::uint64_t>();
@@ -61,8 +62,17 @@ const ShardChunks::File* ShardChunks::file_at(std::uint64_t offset) const {
 
 void ShardChunks::read(std::uint64_t offset, std::span<std::byte> to) const {
     if (to.empty()) return;
-    if (const File* const file = file_at(offset)) return file->file.read(offset - file->begin, to);
-    own_.read(offset - own_begin_, to);
+    const File* const file = file_at(offset);
+    if (file == nullptr) return own_.read(offset - own_begin_, to);
+    const std::lock_guard hold(lock_);
+    const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& open) { return open.file == file; });
+    if (found != open_.end()) {
+        std::rotate(found, found + 1, open_.end());
+    } else {
+        if (open_.size() == most_open) open_.erase(open_.begin());
+        open_.push_back({file, WorkFile::complete(file->path, file->bytes)});
+    }
+    open_.back().work.read(offset - file->begin, to);
 }
 
 std::string ShardChunks::damage(std::uint64_t offset) const {

@@ -10,6 +10,7 @@
 
 #include "baker/pack/chunk_spool.h"
 #include "baker/shard/plan_folder.h"
+#include "baker/shard/shard_ground.h"
 
 namespace fjell::baker {
 
@@ -32,21 +33,29 @@ private:
 // Those of all shards and steps, and of the merge's own spool.
 class ShardChunks final : public ChunkSource {
 public:
-    ShardChunks(const ShardPlan& plan, const PackHeader& layout, const ChunkSpool& own);
+    ShardChunks(const ShardPlan& plan, const PackHeader& layout, const ChunkSpool& own, const ShardGround& ground);
     [[nodiscard]] std::vector<ChunkEntry> entries() const override { return entries_; }
     void read(std::uint64_t offset, std::span<std::byte> to) const override;
     [[nodiscard]] std::string damage(std::uint64_t offset) const override;
 
 private:
+    // Two a step and shard would be more than a system has descriptors for: few are open at a time.
+    static constexpr std::size_t most_open = 32;
     struct File {
         std::uint64_t begin; // in offsets of entries
+        std::uint64_t bytes;
         std::string path, command;
-        WorkFile file;
+    };
+    struct Open {
+        const File* file;
+        WorkFile work;
     };
     [[nodiscard]] const File* file_at(std::uint64_t offset) const; // none: the spool
     const ChunkSpool& own_;
     std::uint64_t own_begin_ = 0;
     std::vector<File> files_;
+    mutable std::mutex lock_;        // of what follows
+    mutable std::vector<Open> open_; // the one used last at the end
     std::vector<ChunkEntry> entries_;
 };
 

@@ -13,6 +13,7 @@
 #include "baker/shard/seam.h"
 #include "baker/shard/shard_chunks.h"
 #include "baker/shard/shard_fill.h"
+#include "baker/shard/shard_ground.h"
 #include "baker/shard/shard_maps.h"
 
 namespace fjell::baker {
@@ -45,16 +46,21 @@ public:
              const ShardStep& step)
         : plan_(plan), step_(step), shard_(shard), scratch_(plan, step, shard),
           context_(source, options, scratch_.file("bake"), plan.parts[static_cast<std::size_t>(shard) - 1]),
-          own_(windows_of(shard)) {}
+          own_(windows_of(shard)), ground_(plan, context_) {}
 
     void run() {
         const Clock::time_point start = Clock::now();
         const double cpu = cpu_seconds();
-        switch (step_.kind) {
-        case Kind::read: read(); break;
-        case Kind::means: means(); break;
-        case Kind::measure: measure(); break;
-        case Kind::errors: errors(); break;
+        if (step_.kind == Kind::read) {
+            read();
+        } else if (const CheckpointState found = found_by_shards(plan_, context_, step_.kind == Kind::errors);
+                   find_ground(found)) {
+            switch (step_.kind) {
+            case Kind::read: break;
+            case Kind::means: means(found); break;
+            case Kind::measure: measure(found); break;
+            case Kind::errors: errors(found); break;
+            }
         }
         record_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
         record_.cpu_seconds = cpu_seconds() - cpu;
@@ -78,10 +84,23 @@ private:
         return maps;
     }
 
-    // A new store in the scratch folder.
+    // False where there is nothing to do for this shard.
+    [[nodiscard]] bool find_ground(const CheckpointState& found) {
+        if (!needs_all_heights(context_)) ground_.find(found.holes != 0);
+        if (!ground_.leaves_out()) return true;
+        context_.leave_out([&](std::int64_t region) { return ground_.bakes(region); });
+        return !ground_.idles(shard_);
+    }
+    // A new store in the scratch folder. Of a plan for a set it takes room as it is written.
     template <typename T>
     [[nodiscard]] Store<T> make(const std::string& name, const Window& whole, const Window& held) const {
-        return {scratch_.file(name), whole.columns, whole.rows, held};
+        return {scratch_.file(name), whole.columns, whole.rows, held,
+                plan_.packs ? WorkFile::Room::as_written : WorkFile::Room::reserved};
+    }
+    [[nodiscard]] Store<float> make_heights(const std::string& name) const {
+        Store<float> heights = make<float>(name, {0, 0, context_.tree.columns(), context_.tree.rows()}, own_.samples());
+        if (plan_.packs) heights.unwritten_is_void();
+        return heights;
     }
     template <typename T>
     void leave(const std::string& name, const Store<T>& store) {
@@ -89,7 +108,7 @@ private:
     }
     template <typename T>
     void leave_frame(const std::string& name, const Store<T>& store, std::int32_t width_x, std::int32_t width_y) {
-        scratch_.write_parcel(name + "-frame", frame_of_store(store, width_x, width_y));
+        scratch_.write_parcel(name + "-frame", frame_of_store(store, width_x, width_y, plan_.packs.has_value()));
     }
     // What this shard has left in an earlier step, compared with its digest.
     template <typename T>
@@ -108,13 +127,17 @@ private:
                        std::int32_t width_y, const HeldOf& held_of) {
         record_.seam_bytes_read += add_frames<T>(
             plan_, step, name + "-frame", shard_, width_x, width_y,
-            [&](int other) { return held_of(windows_of(other)); }, store);
+            [&](int other) {
+                const bool none = step.kind == Kind::read ? ground_.is_void(other) : ground_.idles(other);
+                return none ? Window{} : held_of(windows_of(other));
+            },
+            store, ground_.leaves_out());
     }
 
     void read();
-    void means();
-    void measure();
-    void errors();
+    void means(const CheckpointState& found);
+    void measure(const CheckpointState& found);
+    void errors(const CheckpointState& found);
     void near_maps(const BakePlan& plan, const HeightStores& heights, ChunkFile& chunks);
     void finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
     void coarser(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step);
@@ -129,8 +152,9 @@ private:
     const ShardStep step_;
     const int shard_;
     ScratchFolder scratch_;
-    const BakeContext context_;
+    BakeContext context_;
     const PartWindows own_;
+    ShardGround ground_;
     ShardRecord record_;
 };
 
@@ -139,35 +163,47 @@ Window samples_of(const Tree& tree) {
 }
 
 void ShardRun::read() {
+    static_assert(sizeof(ReadStatistics) % alignof(std::uint32_t) == 0);
     static_assert(std::is_trivially_copyable_v<ReadStatistics>, "ReadStatistics goes into a parcel as it is");
-    Store<float> heights = make<float>("heights", samples_of(context_.tree), own_.samples());
+    Store<float> heights = make_heights("heights");
+    GroundSeen seen(context_.tree);
     ParcelWriter facts;
-    facts.put(read_windows(context_, heights));
+    if (plan_.packs) {
+        facts.put(read_windows(context_, heights, [&](const Window& w, const float* h, std::ptrdiff_t stride) {
+            return seen.note(w, h, stride);
+        }));
+        facts.put_all(std::span<const std::uint32_t>(seen.tiles()));
+    } else {
+        facts.put(read_windows(context_, heights));
+    }
     scratch_.write_parcel("facts", facts.bytes);
+    if (plan_.packs && facts.bytes.size() == sizeof(ReadStatistics)) return; // nothing but voids
     scratch_.add("heights", heights.written());
     const std::int32_t width = ShardFill::raw_frame(height_frame(map_sizes())); // in case there are voids
     leave_frame("heights", heights, width, width);
 }
 
 Store<float> ShardRun::find_heights(std::int32_t frame) {
-    Store<float> heights = find<float>(read_step, "heights", samples_of(context_.tree), own_.samples());
+    Store<float> heights = ground_.is_void(shard_)
+                               ? make_heights("no-heights")
+                               : find<float>(read_step, "heights", samples_of(context_.tree), own_.samples());
+    if (plan_.packs) heights.unwritten_is_void();
     if (frame != 0)
         add_frames_to(heights, read_step, "heights", frame, frame, [](const PartWindows& w) { return w.samples(); });
     return heights;
 }
 
-void ShardRun::means() {
-    if (!found_by_shards(plan_, context_, false).has_voids) return;
-    ShardFill(plan_, context_, shard_, height_frame(map_sizes()), scratch_).leave_means(find_heights(0));
+void ShardRun::means(const CheckpointState& found) {
+    if (!found.has_voids || ground_.is_void(shard_)) return;
+    ShardFill({plan_, context_, ground_, shard_}, height_frame(map_sizes()), scratch_).leave_means(find_heights(0));
 }
 
-void ShardRun::measure() {
-    const CheckpointState found = found_by_shards(plan_, context_, false);
+void ShardRun::measure(const CheckpointState& found) {
     const std::int32_t frame = height_frame(map_sizes());
     Store<float> heights;
     Store<std::uint8_t> holes;
     if (found.has_voids) {
-        const ShardFill fill(plan_, context_, shard_, frame, scratch_);
+        const ShardFill fill({plan_, context_, ground_, shard_}, frame, scratch_);
         const Store<float> raw = find_heights(ShardFill::raw_frame(frame));
         const Window all = samples_of(context_.tree), filled = fill.filled_window();
         heights = make<float>("filled", all, filled);
@@ -175,7 +211,7 @@ void ShardRun::measure() {
         leave("filled", heights);
         if (found.holes) {
             holes = make<std::uint8_t>("holes", all, filled);
-            mark_voids(context_, raw, filled, holes);
+            for (const Window& w : fill.filled_windows()) mark_voids(context_, raw, w, holes);
             leave("holes", holes);
         }
     } else {
@@ -188,8 +224,7 @@ void ShardRun::measure() {
     scratch_.write_parcel("facts", facts.bytes);
 }
 
-void ShardRun::errors() {
-    const CheckpointState found = found_by_shards(plan_, context_, true);
+void ShardRun::errors(const CheckpointState& found) {
     const BakePlan plan = make_plan(context_, found);
     ChunkFile chunks(scratch_.file("chunks"), plan.header);
     const int z = step_.z;
@@ -215,7 +250,7 @@ void ShardRun::errors() {
 void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step) {
     const std::int32_t frame = height_frame(plan.maps);
     const Window samples = samples_of(context_.tree);
-    const Window filled = ShardFill(plan_, context_, shard_, frame, scratch_).filled_window();
+    const Window filled = with_frame(own_, frame);
     const Store<float> heights =
         found.has_voids ? find<float>(measure_step, "filled", samples, filled) : find_heights(frame);
     const Store<std::uint8_t> holes =
@@ -336,12 +371,18 @@ CheckpointState found_by_shards(const ShardPlan& plan, const BakeContext& contex
         if (plan.empty(shard)) continue;
         const std::vector<std::byte> bytes = read_parcel(plan, read_step, shard, "facts");
         read.add(ParcelReader(bytes).get<ReadStatistics>());
-        if (!measured) continue;
-        const std::vector<std::byte> measures = read_parcel(plan, measure_step, shard, "facts");
-        found.heights.add(ParcelReader(measures).get<HeightStatistics>());
     }
     const ReadResult result = read_result(context, read);
     found.note_source(result.properties, result.has_voids);
+    if (!measured) return found;
+    ShardGround ground(plan, context);
+    if (!needs_all_heights(context)) ground.find(found.holes != 0);
+    for (int shard = 1; shard <= plan.shards; ++shard) {
+        if (ground.idles(shard)) continue;
+        const std::vector<std::byte> measures = read_parcel(plan, measure_step, shard, "facts");
+        found.heights.add(ParcelReader(measures).get<HeightStatistics>());
+    }
+    found.heights.voids += ground.samples_left_out();
     return found;
 }
 

@@ -19,7 +19,7 @@ namespace fjell::baker {
 
 using io::Failure;
 
-WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path)) {
+WorkFile::WorkFile(std::string path, std::uint64_t bytes, Room room) : path_(std::move(path)) {
     if (path_.empty()) {
         memory_ = ZeroedMemory(bytes);
         return;
@@ -29,7 +29,7 @@ WorkFile::WorkFile(std::string path, std::uint64_t bytes) : path_(std::move(path
     sum_ = std::make_unique<Sum>();
     const std::uint64_t before = size();
     found_ = before != 0;
-    if (bytes != grows && before != bytes) reserve(bytes);
+    if (bytes != grows && before != bytes) reserve(bytes, room);
 }
 
 WorkFile WorkFile::complete(const std::string& path, std::uint64_t bytes) {
@@ -44,10 +44,10 @@ WorkFile WorkFile::complete(const std::string& path, std::uint64_t bytes) {
     return file;
 }
 
-void WorkFile::reserve(std::uint64_t bytes) {
-    // Taken at once where the file system can, so that a disk that is too small is known before the work.
-    const bool taken =
-        bytes == 0 || io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
+void WorkFile::reserve(std::uint64_t bytes, Room room) {
+    // Taken where the file system can.
+    const bool taken = bytes == 0 || room == Room::as_written ||
+                       io::uninterrupted([&] { return fallocate(fd_, 0, 0, static_cast<off_t>(bytes)); }) == 0;
     if (!taken && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) io::disk_failure(path_, "reserve");
     if (io::uninterrupted([&] { return ftruncate(fd_, static_cast<off_t>(bytes)); }) != 0)
         io::disk_failure(path_, "reserve");
@@ -61,7 +61,7 @@ void WorkFile::clear() {
     if (!found_) return;
     const std::uint64_t bytes = size();
     if (io::uninterrupted([&] { return ftruncate(fd_, 0); }) != 0) io::disk_failure(path_, "empty");
-    reserve(bytes);
+    reserve(bytes, Room::reserved);
     found_ = false;
 }
 
@@ -77,10 +77,17 @@ Digest WorkFile::written() const {
 Digest WorkFile::digest(std::uint64_t bytes) const {
     Digest sum;
     if (fd_ < 0) return sum;
-    Buffer<std::byte> piece(std::size_t{1} << 20);
+    constexpr std::size_t piece_bytes = std::size_t{1} << 20;
+    Buffer<std::byte> piece(piece_bytes);
     bytes = std::min(bytes, size());
     for (std::uint64_t at = 0; at < bytes; at += piece.size()) {
-        piece.resize(std::min<std::uint64_t>(piece.size(), bytes - at));
+        // Over what was never written; where the file system cannot tell, this says that all of it was.
+        if (const off_t data = lseek(fd_, static_cast<off_t>(at), SEEK_DATA); data < 0 && errno == ENXIO)
+            break;
+        else if (data > static_cast<off_t>(at))
+            at = std::min(bytes, static_cast<std::uint64_t>(data) / piece_bytes * piece_bytes);
+        if (at == bytes) break;
+        piece.resize(std::min<std::uint64_t>(piece_bytes, bytes - at));
         read(at, piece);
         sum += digest_of(at, piece);
     }

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,7 +29,9 @@ public:
     WorkFile() = default;
     // Made, or found as an earlier run left it. bytes: its size, or `grows`.
     static constexpr std::uint64_t grows = ~std::uint64_t{0};
-    WorkFile(std::string path, std::uint64_t bytes);
+    // Room on the disk: taken at once, so that a disk that is too small is known before the work, or as it is written.
+    enum class Room : bool { reserved, as_written };
+    WorkFile(std::string path, std::uint64_t bytes, Room room = Room::reserved);
     // One that is complete and only read. Throws Failure 1 where it is missing or of another size.
     [[nodiscard]] static WorkFile complete(const std::string& path, std::uint64_t bytes);
     ~WorkFile();
@@ -44,7 +49,7 @@ public:
 
     // What a file holds, to be compared by a later run; of memory, which no later run meets, always the same.
     // written(): of what was written so far, each place at most once. digest(): of its first bytes, read again; as of
-    // zeros where it is shorter.
+    // zeros where it is shorter. What the file system knows for never written is not read.
     [[nodiscard]] Digest written() const;
     [[nodiscard]] Digest digest(std::uint64_t bytes) const;
 
@@ -52,7 +57,7 @@ private:
     struct Sum {
         std::atomic<std::uint64_t> forwards{0}, backwards{0};
     };
-    void reserve(std::uint64_t bytes);
+    void reserve(std::uint64_t bytes, Room room);
     void swap(WorkFile& other) noexcept {
         std::swap(path_, other.path_);
         std::swap(fd_, other.fd_);
@@ -75,8 +80,10 @@ public:
     Store(const std::string& path, std::int64_t columns, std::int64_t rows)
         : columns_(columns), rows_(rows), file_(path, static_cast<std::uint64_t>(columns * rows) * sizeof(T)) {}
     // Holds only a window; places are counted over the whole all the same.
-    Store(const std::string& path, std::int64_t columns, std::int64_t rows, const Window& held)
-        : columns_(columns), rows_(rows), held_(held), file_(path, held.area() * sizeof(T)) {}
+    Store(const std::string& path, std::int64_t columns, std::int64_t rows, const Window& held,
+          WorkFile::Room room = WorkFile::Room::reserved)
+        : columns_(columns), rows_(rows), held_(held),
+          file_(path, (held.area() ? held.area() : static_cast<std::uint64_t>(columns * rows)) * sizeof(T), room) {}
     // The same of a file that is complete (WorkFile::complete).
     [[nodiscard]] static Store complete(const std::string& path, std::int64_t columns, std::int64_t rows,
                                         const Window& held) {
@@ -89,6 +96,13 @@ public:
     [[nodiscard]] std::int64_t rows() const { return rows_; }
     [[nodiscard]] const Window& held() const { return held_; } // no area: the whole
     [[nodiscard]] bool exists() const { return columns_ != 0; }
+
+    // What was never written is void, NaN, and takes no room: the file holds NaN as zeros. Before anything is read or
+    // written, each time that the store is opened.
+    void unwritten_is_void() requires std::is_same_v<T, float> {
+        flip_ = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
+    }
+    [[nodiscard]] bool is_unwritten_void() const { return flip_ != 0; }
 
     // Values beside the window that is held, for reading. Windows do not overlap, nor the one that is held.
     void add_frame(const Window& at, Buffer<T> values) { frame_.push_back({at, std::move(values)}); }
@@ -115,8 +129,15 @@ public:
     }
     void write(const Window& w, const T* from, std::ptrdiff_t stride) {
         if (!holds(w)) throw std::logic_error("a window is written that a store does not hold");
+        Buffer<T> flipped;
         each_run(w, stride, [&](std::uint64_t at, std::ptrdiff_t offset, std::size_t count) {
-            file_.write(at, std::as_bytes(std::span(from + offset, count)));
+            const T* run = from + offset;
+            if (flip_ != 0) {
+                flipped.assign(run, run + count);
+                flip(flipped.data(), count);
+                run = flipped.data();
+            }
+            file_.write(at, std::as_bytes(std::span(run, count)));
         });
     }
     void remove() {
@@ -145,7 +166,13 @@ private:
     void read_held(const Window& w, T* to, std::ptrdiff_t stride) const {
         each_run(w, stride, [&](std::uint64_t at, std::ptrdiff_t offset, std::size_t count) {
             file_.read(at, std::as_writable_bytes(std::span(to + offset, count)));
+            if (flip_ != 0) flip(to + offset, count);
         });
+    }
+    void flip(T* values, std::size_t count) const {
+        if constexpr (std::is_same_v<T, float>)
+            for (std::size_t i = 0; i < count; ++i)
+                values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(values[i]) ^ flip_);
     }
     template <typename Run>
     void each_run(const Window& w, std::ptrdiff_t stride, const Run& run) const {
@@ -158,6 +185,7 @@ private:
     }
     std::int64_t columns_ = 0, rows_ = 0;
     Window held_;
+    std::uint32_t flip_ = 0; // of the bits of floats, between the file and whoever reads
     WorkFile file_;
     std::vector<Frame> frame_;
 };

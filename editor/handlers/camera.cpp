@@ -19,8 +19,10 @@ double least_above_m(const flight::Ground& ground) {
 
 // The surface of triangles that the mesh approaches, as fine as it is there: the camera must not sink into that one.
 flight::Ground live_ground(HandlerContext context) {
-    const Terrain& terrain = open_engine(context).session().terrain();
+    const flight::Session& session = open_engine(context).session();
+    const Terrain& terrain = session.terrain();
     flight::Ground ground = flight::ground_of(terrain);
+    ground.start = session.start;
     ground.height_m = [&terrain](double x_m, double z_m) { return ground_height(terrain, x_m, z_m).height_m; };
     return ground;
 }
@@ -130,10 +132,12 @@ void start_at_scene(HandlerContext context) {
     state.graphs = {};
     state.probe.marks = 0; // of another terrain
     const flight::Ground ground = live_ground(context);
-    // From the south, over the terrain's near third, looking at its middle.
-    const double w = state.scene.width_m(), d = state.scene.depth_m(), longer = std::max(w, d);
+    // From the south, over the terrain's near third, looking at its middle; of a sparse one, whose middle may be empty,
+    // the same over the ground nearest to it.
+    const flight::Area area = ground.start_area();
+    const double longer = area.longer_m(), x_m = area.x_m + area.width_m / 2, z_m = area.z_m + 0.85 * area.depth_m;
     flight::FreeCamera camera;
-    camera.position_m = {w / 2, ground.height_m(w / 2, 0.85 * d) + 0.12 * longer, 0.85 * d};
+    camera.position_m = {x_m, ground.height_m(x_m, z_m) + 0.12 * longer, z_m};
     camera.heading = 0;
     camera.pitch = -0.35;
     camera.speed_m_s = longer / 60;
@@ -200,13 +204,13 @@ void handle(const JumpTo& c, HandlerContext context) {
 }
 
 void handle(const ViewAll&, HandlerContext context) {
-    const flight::Ground ground = live_ground(context);
     const Interface& i = context.state.interface;
     // At 45 degrees and twice as wide as high, 1.15 times the longer side away; a narrow picture takes more.
     const double aspect = i.view_height_px > 0 ? static_cast<double>(i.view_width_px) / i.view_height_px : 1.6;
-    const double away_m = 1.15 * ground.longer_m() * std::max(1.0, 1.5 / std::max(aspect, 0.1));
+    const flight::Area area = flight::area_of_tiles(open_engine(context).session().terrain());
+    const double away_m = 1.15 * area.longer_m() * std::max(1.0, 1.5 / std::max(aspect, 0.1));
     flight::FreeCamera& free = context.state.eye.free;
-    const Vec3 centre{ground.extent_x_m / 2, context.state.scene.min_m, ground.extent_z_m / 2};
+    const Vec3 centre{area.x_m + area.width_m / 2, context.state.scene.min_m, area.z_m + area.depth_m / 2};
     free.heading = 0;
     free.pitch = -0.75;
     free.position_m = centre - free.pose().direction * away_m;

@@ -24,17 +24,33 @@ FileGround::FileGround(const io::PackFile& file) : file_(file) {
     if (!s.ok()) throw io::Failure(1, fmt::format("{}: {}: {}", file.path(), s.field, message(s.code)));
 }
 
-double FileGround::ground_m(double x_m, double z_m) {
+Coord FileGround::north_west_of(double x_m, double z_m) const {
     const PackHeader& h = terrain_.header();
     const auto first = [](double at, std::int32_t count) {
         return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
     };
-    const Coord nw{first(x_m / h.spacing_m[0], data_of(terrain_).tree.columns()),
-                   first(z_m / h.spacing_m[1], data_of(terrain_).tree.rows())};
+    return {first(x_m / h.spacing_m[0], data_of(terrain_).tree.columns()),
+            first(z_m / h.spacing_m[1], data_of(terrain_).tree.rows())};
+}
+
+void FileGround::make_room() {
     if (terrain_.page_count() - terrain_.pages_missing() + most_pages > data_of(terrain_).slot_count)
         for (std::uint32_t slot = 0; slot < data_of(terrain_).slot_count; ++slot)
             if (const std::uint32_t page = data_of(terrain_).slot_page[slot]; page != no_index)
                 (void)unload_page(terrain_, page / terrain_.pages_per_tile(), page % terrain_.pages_per_tile());
+}
+
+bool FileGround::has_ground(double x_m, double z_m) {
+    const Coord at = north_west_of(x_m, z_m);
+    make_room();
+    fetch(at);
+    const TerrainData::Vertex v = data_of(terrain_).vertex(at);
+    return v.loaded && v.in_tile && !v.hole;
+}
+
+double FileGround::ground_m(double x_m, double z_m) {
+    const Coord nw = north_west_of(x_m, z_m);
+    make_room();
     bool all = true;
     for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         fetch(nw + by);

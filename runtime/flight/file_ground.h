@@ -23,8 +23,12 @@ public:
 
     // TerrainData::ground_m, whatever is loaded.
     [[nodiscard]] double ground_m(double x_m, double z_m);
+    // Of the sample nearest to the north-west: that it is no hole.
+    [[nodiscard]] bool has_ground(double x_m, double z_m);
 
 private:
+    [[nodiscard]] Coord north_west_of(double x_m, double z_m) const; // not the last column or row
+    void make_room();
     void fetch(Coord sample);
     bool load(std::uint32_t tile, std::uint32_t page);
 

@@ -194,9 +194,10 @@ constexpr std::size_t places_on_the_way = 4096;
 std::vector<Pose> resample_orbit(const CameraPath& path, const Orbit& orbit, const Ground& ground,
                                  std::span<const double> share) {
     const bool metres = path.units == Units::metres;
-    const double unit = metres ? 1 : ground.longer_m();
-    Vec3 centre{orbit.centre_x * (metres ? 1 : ground.extent_x_m), 0,
-                orbit.centre_z * (metres ? 1 : ground.extent_z_m)};
+    const Area all{0, 0, ground.extent_x_m, ground.extent_z_m}, area = orbit.over_start ? ground.start_area() : all;
+    const double unit = metres ? 1 : area.longer_m();
+    Vec3 centre{orbit.centre_x * (metres ? 1 : area.width_m), 0, orbit.centre_z * (metres ? 1 : area.depth_m)};
+    if (!metres) centre.x += area.x_m, centre.z += area.z_m;
     centre.y = ground.height_m(centre.x, centre.z);
     // The first frame looks north; then the camera goes round clockwise, seen from above.
     const auto on_circle = [&](double s) {

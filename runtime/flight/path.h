@@ -34,6 +34,7 @@
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 #include "flight/spline.h"
+#include "flight/start_area.h"
 
 namespace fjell::flight {
 
@@ -53,10 +54,12 @@ enum class Units : std::uint8_t {
 // What a path needs to know of the terrain it crosses.
 struct Ground {
     double extent_x_m = 1, extent_z_m = 1;
-    double cell_m = 1; // the smaller of the two spacings
+    double cell_m = 1;         // the smaller of the two spacings
+    std::optional<Area> start; // of a sparse terrain: where there is ground (start_area.h)
     std::function<double(double x_m, double z_m)> height_m = [](double, double) { return 0.0; };
 
     [[nodiscard]] double longer_m() const { return extent_x_m > extent_z_m ? extent_x_m : extent_z_m; }
+    [[nodiscard]] Area start_area() const { return start.value_or(Area{0, 0, extent_x_m, extent_z_m}); }
 };
 // terrain must outlive the result.
 [[nodiscard]] Ground ground_of(const Terrain& terrain);
@@ -75,6 +78,7 @@ struct SplinePath {
 struct Orbit {
     double centre_x = 0.5, centre_z = 0.5;
     double radius = 0.3, height = 0.2, turns = 1;
+    bool over_start = false; // shares are those of Ground::start_area(): of the flight that nobody has given a path
 };
 struct Straight {
     Vec3 from, to;

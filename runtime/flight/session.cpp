@@ -134,6 +134,11 @@ void open_terrain(const FlightOptions& options, Session& session) {
     }
     if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
         session.reference = std::make_unique<io::LoadedPack>(io::load_pack(file, io::LoadTerrain::yes));
+    if (data_of(session.terrain()).is_sparse())
+        session.start = start_area(session.terrain(), [&](double x_m, double z_m) {
+            if (session.file_ground) return session.file_ground->has_ground(x_m, z_m);
+            return !ground_height(session.terrain(), x_m, z_m).hole;
+        });
 }
 
 FrameEntry run_incremental(Session& session, std::span<const View> views, CutSettings settings, bool rebuild,
@@ -231,7 +236,7 @@ CameraPath path_of(const FlightOptions& options) {
     }
     if (options.seeded) return random_path(options.seed);
     if (!options.path.empty()) return read_path(options.path);
-    return {"orbit", Units::terrain, Orbit{}};
+    return {"orbit", Units::terrain, Orbit{.over_start = true}};
 }
 
 View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {

@@ -44,6 +44,7 @@ struct Session {
     std::unique_ptr<io::LoadedPack> reference; // loaded whole to measure against, where `loaded` is not
     std::shared_ptr<const io::PackFile> file;  // open as long as the session, and whoever else wants this pack
     std::unique_ptr<FileGround> file_ground;   // of a streamed pack: for camera paths
+    std::optional<Area> start;                 // of a sparse terrain
     io::AlignedMemory method_memory;
     std::size_t method_bytes = 0;
     Method method = Method::incremental;
@@ -62,11 +63,14 @@ struct Session {
     [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }
     // At full resolution, also where no page is there yet; of a streamed pack by reading the file.
     [[nodiscard]] Ground ground() const {
-        return file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);
+        Ground ground = file_ground ? ground_of(*file_ground, loaded.terrain) : ground_of(loaded.terrain);
+        ground.start = start;
+        return ground;
     }
     // For the frame's thread: as fine as it is there.
     [[nodiscard]] Ground live_ground() const {
         Ground ground = ground_of(loaded.terrain);
+        ground.start = start;
         if (streamed)
             ground.height_m = [this](double x_m, double z_m) { return ground_height(terrain(), x_m, z_m).height_m; };
         return ground;

@@ -45,11 +45,25 @@ std::vector<std::string> layer_names(std::string_view text) {
     return names;
 }
 
+namespace {
+
+// Somebody who names a folder means a set: what makes one of it is not to be seen from outside.
+void refuse_folder(const std::string& path) {
+    struct stat info {};
+    if (stat(path.c_str(), &info) != 0 || !S_ISDIR(info.st_mode)) return;
+    throw Failure(1, path + ": is a folder without a set.json, which would make it a pack set; give a pack or a set's "
+                            "folder, make a set with fjell-bake split PACK -o FOLDER, or run the merge or split into "
+                            "it again if it was interrupted");
+}
+
+} // namespace
+
 PackFile::PackFile(const std::string& path) : path_(path) {
     if (const std::string set = set_file_of(path); !set.empty()) {
         open_set_file(set);
         return;
     }
+    refuse_folder(path);
     fd_ = open_regular_file(path);
     try {
         open_pack_file();

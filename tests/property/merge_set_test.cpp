@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fjell/io/pack_file.h"
+#include "io/set_file.h"
 #include "support/rounds.h"
 #include "support/shard_scene.h"
 
@@ -141,9 +142,44 @@ TEST_CASE("a merge into a set that is interrupted leaves no set, or the old one 
     }
     CHECK(call > 7);
     CHECK((files_in(job.folder / "new") == split));
-    // The old set's packs that the new one has no use for stay, and no index speaks of them.
-    CHECK(io::PackFile(job.folder / "old").pack().header.directory_hash ==
-          io::PackFile(job.folder / "split").pack().header.directory_hash);
+    CHECK((files_in(job.folder / "old") == split)); // packs of the old set are gone
+}
+
+TEST_CASE("packs of an older, finer set go with it, whoever was killed before, and files of others stay") {
+    Random random(46);
+    baker::BakeOptions options;
+    options.tile_log2 = 6;
+    const Job job(terrain(random, 520, 400, true), options);
+    const Files coarse = split_of(job, {2, 1}, "coarse");
+    const auto folder_of = [&](const char* name) {
+        (void)split_of(job, {4, 3}, name);
+        spit(job.folder / name + "/notes.txt", "mine");
+        spit(job.folder / name + "/9-9.fjell", "mine too"); // named as packs are, but in no index
+        return job.folder / name;
+    };
+    Files expected = coarse;
+    expected["notes.txt"] = io::read_file(folder_of("first") + "/notes.txt");
+    expected["9-9.fjell"] = io::read_file(job.folder / "first/9-9.fjell");
+    CHECK((split_of(job, {2, 1}, "first") == expected));
+
+    // What publish() leaves when it is killed at each of its steps: the list before the old index goes; no index, with
+    // some packs of the new set; the new index beside packs of the old one.
+    const std::string folder = folder_of("killed"), index = folder + "/set.json", list = folder + "/set.old";
+    io::SetFile old = io::parse_set_file(io::read_text(index), index);
+    std::erase_if(old.packs, [](const io::SetFilePack& pack) { return pack.file == "0-0.fjell"; });
+    for (io::SetFilePack& pack : old.packs) pack.tile_x = pack.tile_y = 0;
+    const std::string text = io::set_file_text(old);
+    spit(list, text);
+    CHECK(io::PackFile(folder).packs() == 12);
+    fs::remove(index);
+    CHECK((split_of(job, {2, 1}, "killed") == expected));
+    for (const io::SetFilePack& pack : old.packs)
+        if (!fs::exists(folder + "/" + pack.file)) spit(folder + "/" + pack.file, "old");
+    spit(list, text);
+    CHECK(io::PackFile(folder).packs() == 2);
+    CHECK((split_of(job, {2, 1}, "killed") == expected));
+    spit(list, "{"); // no list: it names nothing
+    CHECK((split_of(job, {2, 1}, "killed") == expected));
 }
 
 TEST_CASE(
@@ -159,7 +195,7 @@ TEST_CASE(
     const auto refusal = [&] { return failure_of([&] { (void)io::PackFile(set); }); };
     // Where write_set() may be killed: its index is gone, and some packs are new.
     fs::remove(set + "/set.json");
-    CHECK_THAT(refusal(), Catch::Contains(set));
+    CHECK_THAT(refusal(), Catch::Contains(set + ": is a folder without a set.json"));
     CHECK((merged_of(job, plan, {2, 2}, "set") == whole));
     fs::resize_file(set + "/1-0.fjell", fs::file_size(set + "/1-0.fjell") - 1);
     CHECK_THAT(refusal(), Catch::Contains("1-0.fjell"));

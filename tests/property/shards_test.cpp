@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
+
+#include <sys/resource.h>
 
 #include "support/rounds.h"
 #include "support/shard_scene.h"
@@ -61,6 +64,28 @@ TEST_CASE("holes and filled voids, several rounds of steps and mips, are the sam
         run_all(job, plan, random, true);
         CHECK((job.merged(plan) == job.whole));
     }
+}
+
+TEST_CASE("a merge of more files of chunks than it may open makes the pack of one bake") {
+    Random random(24);
+    baker::BakeOptions options;
+    options.tile_log2 = 7;
+    const Job job(terrain(random, 1250, 1200, false), options);
+    const baker::ShardPlan plan = job.plan(25, "plan"); // two files each
+    run_all(job, plan, random, false);
+    const auto open_files = static_cast<rlim_t>(
+        std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
+    rlimit limit{};
+    REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+    const rlim_t before = limit.rlim_cur;
+    limit.rlim_cur = open_files + 44;
+    REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
+    std::vector<std::byte> merged;
+    const std::string failure = failure_of([&] { merged = job.merged(plan); });
+    limit.rlim_cur = before;
+    REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
+    CHECK(failure == "");
+    CHECK((merged == job.whole));
 }
 
 TEST_CASE(

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,8 +40,9 @@ struct Job {
         baker::bake(source, options, folder / "whole.fjell");
         whole = io::read_file(folder / "whole.fjell");
     }
-    [[nodiscard]] baker::ShardPlan plan(int shards, const std::string& name) const {
-        baker::ShardPlan made = baker::make_shard_plan(source, options, shards);
+    [[nodiscard]] baker::ShardPlan plan(int shards, const std::string& name,
+                                        const std::optional<baker::SetGrid>& packs = {}) const {
+        baker::ShardPlan made = baker::make_shard_plan(source, options, shards, packs);
         baker::write_plan(made, {}, folder / name);
         return made;
     }
