@@ -10,12 +10,13 @@
 #include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
+#include "cut/slot_grid.h"
 
 namespace fjell {
 
 namespace {
 
-// A page's groups, a plane of a step at a time. What it writes nothing to is zero.
+// A page's groups, a plane of a step at a time: all of them, so that nobody has to clear them before.
 class Installer {
 public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
@@ -25,7 +26,7 @@ public:
         PageState& info = s.page_state[slot_];
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
-        zero_groups(s, slot_);
+        if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
         for (int z = coarsest; z >= finest; --z) step(z);
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
@@ -43,7 +44,14 @@ private:
         split_rows(masks_.finer, 2 * n_ + 1, even_, odd_);
         sides_x();
         sides_y();
-        if (masks_.owns_east) column();
+        column();
+    }
+
+    // Rows that are other pages', or have nothing that might be active.
+    void put_none(std::uint32_t first, std::uint32_t rows) {
+        const std::uint32_t words_log2 = at_.step->words_log2;
+        GroupState* const groups = s.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
+        std::fill_n(groups, rows << words_log2, GroupState{});
     }
 
     // Rows of a plane from `first` on. What the rim says of parents that do not exist comes after them.
@@ -53,19 +61,14 @@ private:
         write_groups(s.groups + group, rows, 1u << words_log2,
                      {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
         parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
-        std::uint32_t* slots = s.vertex_slot + std::size_t{group} * group_lanes;
-        const BulkSlots taken = taken_;
-        for (std::uint32_t row = 0; row < rows; ++row, slots += group_lanes << words_log2) {
-            std::uint32_t number = page_.number + page_.first[first + row];
-            for (std::uint32_t left = active[row]; left != 0; left &= left - 1)
-                slots[std::countr_zero(left)] = taken[number++];
-        }
+        put_slots(taken_, {&page_, first, rows}, s.vertex_slot + std::size_t{group} * group_lanes,
+                  std::size_t{group_lanes} << words_log2);
     }
 
     void centres() {
         std::uint32_t parents[2][page_squares];
-        if (!centre_parents(s, at_, parents)) return;
         const std::uint32_t first = at_.row(VertexKind::centre, 0);
+        if (!centre_parents(s, at_, parents)) return put_none(first, n_);
         for (std::uint32_t j = 0; j < n_; ++j) {
             const std::uint32_t active = page_.active[first + j];
             child_[0][j] = active & static_cast<std::uint32_t>(masks_.side_y[j]);
@@ -87,7 +90,9 @@ private:
             child_[2][j] = below ? even_[2 * j + 1] : 0;
             child_[3][j] = below ? odd_[2 * j + 1] : 0;
         }
-        put(at_.row(VertexKind::side_x, 0), rows, masks_.centre, south);
+        const std::uint32_t first = at_.row(VertexKind::side_x, 0);
+        put(first, rows, masks_.centre, south);
+        if (!masks_.owns_south) put_none(first + n_, 1);
     }
     void sides_y() {
         std::uint32_t west[page_squares];
@@ -103,6 +108,7 @@ private:
     }
     // East of the last squares, where the terrain ends: its lanes go south.
     void column() {
+        if (!masks_.owns_east) return put_none(at_.column(), 1);
         std::uint32_t west = 0, child[4] = {};
         for (std::uint32_t j = 0; j < n_; ++j) {
             west |= (masks_.centre[j + 1] >> (n_ - 1) & 1) << j;
