@@ -24,6 +24,11 @@ public:
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
         PageState& info = s.page_state[slot_];
+        if (stays_clear(info)) {
+            // The root alone is ready there, and may have waited.
+            s.groups[slot_ * max_page_groups + s.steps[s.terrain->tree.tile_log2 - 1].centres].queue = unqueued;
+            return 0;
+        }
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
@@ -34,6 +39,16 @@ public:
     }
 
 private:
+    // Of a large terrain most tiles: nothing in page 0 is active, nor was, and nothing beside it either.
+    [[nodiscard]] bool stays_clear(const PageState& info) const {
+        if (info.shape != 0 || page_.wanted != 0 || !page_.was_clear) return false;
+        const int z = s.terrain->tree.tile_log2 - 1; // a square a tile
+        const BulkPage *const west = found_at(s, z, info.tile_x - 1, info.tile_y), *const north =
+                                                                                       found_at(s, z, info.tile_x,
+                                                                                                info.tile_y - 1);
+        return (west == nullptr || west->wanted == 0) && (north == nullptr || north->wanted == 0);
+    }
+
     void step(int z) {
         at_ = listed_squares(s, slot_, z);
         n_ = static_cast<std::uint32_t>(at_.n);
