@@ -98,20 +98,29 @@ Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const Cut
     return f;
 }
 
+// As many samples a side around the middle of the mountains; beyond their rim they go on as in a mirror.
+baker::Dem middle_of_mountains(std::int32_t side) {
+    const baker::Dem all = baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json");
+    baker::Dem part = all;
+    part.columns = part.rows = side;
+    part.heights_m.clear();
+    part.heights_m.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    const std::int32_t last = all.columns - 1, first = (last - (side - 1)) / 2;
+    const auto mirrored = [&](std::int32_t at) {
+        const std::int32_t round = ((first + at) % (2 * last) + 2 * last) % (2 * last);
+        return round <= last ? round : 2 * last - round;
+    };
+    for (std::int32_t y = 0; y < side; ++y)
+        for (std::int32_t x = 0; x < side; ++x) part.heights_m.push_back(all.at(mirrored(x), mirrored(y)));
+    return part;
+}
+
 // The middle tenth of the mountains, a hundredth of the samples.
 const Scene& small_mountains() {
-    static const Scene scene = [] {
-        const auto make = [] {
-            const baker::Dem all = baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json");
-            baker::Dem part = all;
-            part.columns = part.rows = 411;
-            part.heights_m.clear();
-            for (std::int32_t y = 0; y < part.rows; ++y)
-                for (std::int32_t x = 0; x < part.columns; ++x) part.heights_m.push_back(all.at(1843 + x, 1843 + y));
-            return part;
-        };
-        return Scene{io::load_pack(bake_scene("mountains-411", make, 10), io::LoadTerrain::yes), 0.8};
-    }();
+    static const Scene scene{io::load_pack(bake_scene(
+                                               "mountains-411", [] { return middle_of_mountains(411); }, 10),
+                                           io::LoadTerrain::yes),
+                             0.8};
     return scene;
 }
 
@@ -238,6 +247,52 @@ void from_nothing(benchmark::State& state, double error_px) {
     state.counters["two_workers_ratio"] = rank(lean_ns, 0.5) / rank(ns[1], 0.5);
 }
 
+// As many vertices from nothing, around the same eye, on 1,025, 4,097 and 16,385 squared: with the threshold at which
+// each has 10,000. Tiles of 1,024, so that the largest has 256.
+void from_nothing_sizes(benchmark::State& state) {
+    constexpr double wanted = 10'000;
+    const CutBudget budget{1u << 16, 1u << 18, 512, 1};
+    double us[3] = {};
+    for (auto _ : state)
+        for (std::size_t n = 0; n < 3; ++n) {
+            const std::int32_t side = (1024 << 2 * n) + 1;
+            const std::string name = std::to_string(side);
+            const io::LoadedPack pack =
+                io::load_pack(bake_scene(
+                                  "middle-" + name, [&] { return middle_of_mountains(side); }, 10),
+                              io::LoadTerrain::yes);
+            const std::vector<View> views = flight_views(pack.terrain, 3, 130);
+            const std::size_t bytes = cut_bytes(pack.terrain, budget);
+            const io::AlignedMemory memory = io::allocate(bytes);
+            LiveCut cut;
+            if (!create_cut(pack.terrain, budget, {memory.get(), bytes}, cut).ok()) std::abort();
+            CutReport report;
+            CutSettings settings;
+            double low = std::log(0.1), high = std::log(1e3); // fewer vertices with a higher threshold
+            for (int i = 0; i < 24; ++i) {
+                settings.error_px = std::exp((low + high) / 2);
+                (void)rebuild_cut(cut, {&views[views.size() / 2], 1}, settings, report);
+                (report.vertices > wanted || !report.converged ? low : high) = std::log(settings.error_px);
+            }
+            std::vector<double> each;
+            double vertices = 0;
+            for (std::size_t i = 0; i < views.size(); i += 8) {
+                const auto start = Clock::now();
+                (void)rebuild_cut(cut, {&views[i], 1}, settings, report);
+                each.push_back(us_since(start) * wanted / report.vertices);
+                if (!report.converged) return state.SkipWithError("a budget did not suffice");
+                vertices += report.vertices;
+            }
+            us[n] = rank(each, 0.5);
+            state.counters["px_" + name] = settings.error_px;
+            state.counters["vertices_" + name] = vertices / static_cast<double>(each.size());
+            state.counters["us_" + name] = us[n];
+        }
+    state.counters["ratio_4097"] = us[1] / us[0];
+    state.counters["ratio_16385"] = us[2] / us[0];
+    state.counters["ratio_16385_to_4097"] = us[2] / us[1];
+}
+
 // A hundred times the samples around the same eye.
 void compare_sizes(benchmark::State& state) {
     const Terrain &large = mountains().pack.terrain, &small = small_mountains().pack.terrain;
@@ -275,6 +330,7 @@ int main(int argc, char** argv) {
     declare("from-nothing/4px", [](benchmark::State& s) { from_nothing(s, 4); });
     declare("from-nothing/1px", [](benchmark::State& s) { from_nothing(s, 1); });
     declare("from-nothing/0.5px", [](benchmark::State& s) { from_nothing(s, 0.5); });
+    declare("from-nothing/sizes", from_nothing_sizes);
     declare("sizes", compare_sizes);
     declare_frames_that_time_ends();
     benchmark::Initialize(&argc, argv);

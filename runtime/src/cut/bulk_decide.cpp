@@ -330,18 +330,58 @@ void decide_unit(const CutState& s, BulkUnit& unit) {
     page.finish();
 }
 
+namespace {
+
+// The first planes of a full page in rows of 32, its vertices in slots one after the other: row by row, without picking
+// them first. first, end: rows. Returns the number of the next vertex.
+std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, std::uint32_t first, std::uint32_t end,
+                          std::uint32_t number) {
+    constexpr std::uint32_t planes[4] = {0, page_squares, 2 * page_squares + 1, 3 * page_squares + 1};
+    const std::uint32_t slot = BulkSlots(s)[number];
+    std::uint32_t placed = 0;
+    const auto plane = [&](std::uint32_t n) {
+        const std::uint32_t from = std::max(first, planes[n]), to = std::max(std::min(end, planes[n + 1]), from);
+        return rows.rows(std::min(from, planes[n + 1] - 1), to - from, page.active + from);
+    };
+    const auto place = [&](const PageRows* of, std::uint32_t count) {
+        static_assert(hole_bit == 1);
+        std::uint8_t* const holes = s.hole + slot + placed;
+        const std::uint32_t more = place_rows(s.criterion, of, count, s.vertices + slot + placed,
+                                              s.morph + slot + placed, s.some_hidden ? holes : nullptr);
+        if (!s.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
+        placed += more;
+    };
+    const PageRows centres = plane(0), sides[2] = {plane(1), plane(2)};
+    if (centres.count != 0) place(&centres, 1);
+    if (sides[0].count + sides[1].count != 0) place(sides, 2);
+    return number + placed;
+}
+
+} // namespace
+
 void place_unit(CutState& s, BulkUnit& unit) {
     BulkPage& page = s.bulk.pages[unit.slot];
+    if (page.wanted == 0) return;
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
     const std::uint32_t before = count_bits(page.active, first);
     unit.wanted = number_bits(page.active + first, end - first, before, page.first + first) - before;
     unit.own += 2 * unit.wanted;
-    Placer placer(s, unit.slot, page.number + before);
-    for (std::uint32_t row = first; row < end; ++row) {
-        if (page.active[row] == 0) continue;
-        placer.add(row, page.active[row]);
-        leave_triangles(s, placer.rows().group(row), page.active[row], unit);
+    const Rows rows(s, unit.slot);
+    const std::uint32_t number = page.number + before, column = 3 * page_squares + 1;
+    // Its rows on the tile's border, and the column at the terrain's rim, may have triangles of other tiles.
+    const PageState& info = s.page_state[unit.slot];
+    const bool inside = info.shape != 0 && info.i0 != 0 && info.j0 != 0;
+    for (std::uint32_t row = first; row < end; ++row)
+        if (page.active[row] != 0 && (!inside || row == 2 * page_squares || row == column))
+            leave_triangles(s, rows.group(row), page.active[row], unit);
+    std::uint32_t next = first, done = 0;
+    if (rows.is_whole(first) && BulkSlots(s).are_consecutive(number)) {
+        next = std::min(end, column);
+        done = place_whole(s, rows, page, first, next, number) - number;
     }
+    Placer placer(s, unit.slot, number + done);
+    for (; next < end; ++next)
+        if (page.active[next] != 0) placer.add(next, page.active[next]);
     placer.place();
 }
 

@@ -9,6 +9,7 @@
 #include "cut/jobs.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
+#include "cut/slot_grid.h"
 
 namespace fjell {
 
@@ -127,31 +128,13 @@ private:
         const BulkSquares at = squares_at(s, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
         const BulkPage* const found = found_in(s, at.slot);
         if (found == nullptr) return false;
-        std::uint32_t any = 0;
-        for (std::int32_t j = 0; j < finer; ++j) any |= found->active[at.row(VertexKind::centre, j)];
-        if (any == 0) return false;
+        const auto rows = static_cast<std::uint32_t>(
+            rows_in_use(found->active + at.row(VertexKind::centre, 0), static_cast<std::uint32_t>(finer)));
+        if (rows == 0) return false;
         hand_down(down_.grids[z], down_.grids[z - 1], static_cast<std::uint32_t>(qx), static_cast<std::uint32_t>(qy),
-                  static_cast<std::uint32_t>(half));
+                  static_cast<std::uint32_t>(half), rows);
         page(at);
         return true;
-    }
-
-    // What stands around and in the squares from (qx, qy) on are the corners of the finer ones.
-    static void hand_down(const SlotGrid& from, SlotGrid& to, std::uint32_t qx, std::uint32_t qy, std::uint32_t half) {
-        // A number of turns that is known makes vectors of it.
-        const auto interleave_rows = [half](const std::uint32_t* even, const std::uint32_t* odd, std::uint32_t* out) {
-            constexpr std::uint32_t most = page_squares / 2;
-            if (half == most)
-                for (std::uint32_t i = 0; i < most; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
-            else
-                for (std::uint32_t i = 0; i < half; ++i) out[2 * i] = even[i], out[2 * i + 1] = odd[i];
-            out[2 * half] = even[half];
-        };
-        for (std::uint32_t j = 0; j <= half; ++j) {
-            interleave_rows(from.corner[qy + j] + qx, from.side_x[qy + j] + qx, to.corner[2 * j]);
-            if (j != half)
-                interleave_rows(from.side_y[qy + j] + qx, from.centre[qy + j + 1] + qx + 1, to.corner[2 * j + 1]);
-        }
     }
 
     // A page with active centres, whose grid has the corners of its squares.
@@ -172,6 +155,8 @@ private:
         grid_ = &down_.grids[at.z];
         masks_.gather(s, at);
         masks_.gather_finer(s, at);
+        // A side has an active centre in its row, or the row to the north.
+        rows_ = static_cast<std::uint32_t>(rows_in_use(masks_.centre + 1, static_cast<std::uint32_t>(at.n)));
     }
     // A unit of work: a quarter of a full page.
     void rows() {
@@ -179,30 +164,53 @@ private:
         const auto first = static_cast<std::int32_t>(place.rows), end = b.beside ? std::min(first + 8, at_.n) : at_.n;
         place.rows = static_cast<std::uint32_t>(end);
         open();
-        const std::int32_t tile_side = (1 << at_.step->log2) - 1;
-        const bool west_border = (at_.i0 & tile_side) == 0, east_border = ((at_.i0 + at_.n) & tile_side) == 0,
-                   south_border = ((at_.j0 + at_.n) & tile_side) == 0;
-        for (std::int32_t j = first; j < end; ++j) {
-            if (masks_.centre[j + 1] != 0) centre_row(j);
-            const bool north_border = ((at_.j0 + j) & tile_side) == 0;
-            if (masks_.side_x[j] != 0) side_x_row(j, north_border);
-            if (const std::uint32_t own = static_cast<std::uint32_t>(masks_.side_y[j]) & at_.all(); own != 0)
-                side_y_row(j, own, west_border);
-            if (east_border && (masks_.side_y[j] >> at_.n & 1) != 0)
-                border_side(VertexKind::side_y, at_.n, j, drawn_y(j, at_.n));
+        std::uint32_t left =
+            rows_ & static_cast<std::uint32_t>((std::uint64_t{1} << end) - (std::uint64_t{1} << first));
+        if (morphs_) flatten_rows(left);
+        const FanPage of{grid_,        masks_.centre + 1, masks_.side_x, masks_.side_y,
+                         masks_.finer, masks_.finer_west, at_.all()};
+        const std::uint32_t on_border = border_rows(left);
+        while (left != 0) {
+            // Those up to the next one with a side on the tile's border.
+            const std::uint32_t stop = left & on_border, before = stop == 0 ? left : left & ((stop & -stop) - 1);
+            left = (left & ~before) | fan_rows(out_, of, before);
+            if (left == 0) break;
+            row(std::countr_zero(left)); // that one, or one for which the segment has no room
+            left &= left - 1;
         }
-        if (end == at_.n && south_border && masks_.side_x[end] != 0) side_x_row(end, true);
+        if (end == at_.n && south_border() && masks_.side_x[end] != 0) border_sides_x(end);
         close();
+    }
+    [[nodiscard]] bool is_border(std::int32_t square) const { return (square & ((1 << at_.step->log2) - 1)) == 0; }
+    [[nodiscard]] bool south_border() const { return is_border(at_.j0 + at_.n); }
+    // Of some rows those with a side on the border of the tile, but for the one south of all.
+    [[nodiscard]] std::uint32_t border_rows(std::uint32_t rows) const {
+        const std::uint64_t west = is_border(at_.i0) ? 1 : 0,
+                            east = is_border(at_.i0 + at_.n) ? std::uint64_t{1} << at_.n : 0;
+        std::uint32_t on_border = is_border(at_.j0) && masks_.side_x[0] != 0 ? 1 : 0;
+        for (std::uint32_t left = (west | east) != 0 ? rows : 0; left != 0; left &= left - 1)
+            if ((masks_.side_y[std::countr_zero(left)] & (west | east)) != 0) on_border |= left & -left;
+        return on_border;
+    }
+    // One row, in whatever room there is.
+    void row(std::int32_t j) {
+        centre_row(j);
+        if (masks_.side_x[j] != 0 && is_border(at_.j0 + j))
+            border_sides_x(j);
+        else if (masks_.side_x[j] != 0)
+            side_x_row(j);
+        auto own = static_cast<std::uint32_t>(masks_.side_y[j]) & at_.all();
+        if (is_border(at_.i0) && (own & 1) != 0) {
+            border_side(VertexKind::side_y, 0, j, drawn_y(j, 0));
+            own &= ~1u;
+        }
+        if (own != 0) side_y_row(j, own);
+        if (is_border(at_.i0 + at_.n) && (masks_.side_y[j] >> at_.n & 1) != 0)
+            border_side(VertexKind::side_y, at_.n, j, drawn_y(j, at_.n));
     }
 
     // --- slots
 
-    void put_slots(std::uint32_t* to, const BulkPage& page, std::uint32_t row) const {
-        const BulkSlots slots = slots_;
-        std::uint32_t number = page.number + page.first[row];
-        for (std::uint32_t active = page.active[row]; active != 0; active &= active - 1)
-            to[std::countr_zero(active)] = slots[number++];
-    }
     [[nodiscard]] std::uint32_t slot_in(const BulkPage& page, std::uint32_t row, std::uint32_t lane) const {
         const std::uint32_t before = page.active[row] & ((1u << lane) - 1);
         return slots_[page.number + page.first[row] + static_cast<std::uint32_t>(std::popcount(before))];
@@ -211,26 +219,23 @@ private:
         const BulkPage& own = *masks_.own;
         SlotGrid& g = *grid_;
         const std::int32_t n = at_.n;
-        for (std::int32_t j = 0; j < n; ++j) {
-            const std::uint32_t c = at_.row(VertexKind::centre, j), x = at_.row(VertexKind::side_x, j),
-                                y = at_.row(VertexKind::side_y, j);
-            put_slots(g.centre[j + 1] + 1, own, c);
-            put_slots(g.side_x[j], own, x);
-            put_slots(g.side_y[j], own, y);
+        const auto count = static_cast<std::uint32_t>(n);
+        put_slots(slots_, {&own, at_.row(VertexKind::centre, 0), count}, g.centre[1] + 1, std::size(g.centre[0]));
+        put_slots(slots_, {&own, at_.row(VertexKind::side_x, 0), count}, g.side_x[0], std::size(g.side_x[0]));
+        put_slots(slots_, {&own, at_.row(VertexKind::side_y, 0), count}, g.side_y[0], std::size(g.side_y[0]));
+        for (std::uint32_t left = rows_; left != 0; left &= left - 1) {
+            const std::int32_t j = std::countr_zero(left);
             if ((masks_.side_y[j] & 1) != 0 && masks_.west != nullptr)
-                g.centre[j + 1][0] = slot_in(*masks_.west, c, static_cast<std::uint32_t>(n) - 1);
+                g.centre[j + 1][0] = slot_in(*masks_.west, at_.row(VertexKind::centre, j), count - 1);
             if ((masks_.side_y[j] >> n & 1) != 0)
                 g.side_y[j][n] = masks_.owns_east ? slot_in(own, at_.column(), static_cast<std::uint32_t>(j))
-                                                  : slot_in(*masks_.east, y, 0);
+                                                  : slot_in(*masks_.east, at_.row(VertexKind::side_y, j), 0);
         }
-        if (masks_.north != nullptr && masks_.side_x[0] != 0) {
-            const std::uint32_t row = at_.row(VertexKind::centre, n - 1);
-            put_slots(g.centre[0] + 1, *masks_.north, row);
-        }
+        if (masks_.north != nullptr && masks_.side_x[0] != 0)
+            put_slots(slots_, {masks_.north, at_.row(VertexKind::centre, n - 1), 1}, g.centre[0] + 1, 0);
         if (masks_.side_x[n] != 0) {
             const BulkPage& of = masks_.owns_south ? own : *masks_.south;
-            const std::uint32_t row = at_.row(VertexKind::side_x, masks_.owns_south ? n : 0);
-            put_slots(g.side_x[n], of, row);
+            put_slots(slots_, {&of, at_.row(VertexKind::side_x, masks_.owns_south ? n : 0), 1}, g.side_x[n], 0);
         }
     }
 
@@ -276,16 +281,6 @@ private:
         const std::uint32_t* const slots = g.centre[j + 1] + 1;
         fan_row(CentreRow{slots, up, down, ~masks_.side_y[j], ~masks_.side_x[j], ~masks_.side_x[j + 1]},
                 masks_.centre[j + 1]);
-        if (!morphs_) return;
-        // Squares alternate which diagonal a centre splits (parent_bearing).
-        const auto parity =
-            static_cast<std::uint32_t>(at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j);
-        for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-            const bool falling = (parity + i) % 2 == 0;
-            flatten(slots[i], VertexKind::centre, static_cast<std::int32_t>(i), j, falling ? up[i] : up[i + 1],
-                    falling ? down[i + 1] : down[i]);
-        }
     }
 
     [[nodiscard]] std::uint32_t drawn_x(std::int32_t j, std::int32_t i) const {
@@ -302,38 +297,21 @@ private:
         return ~static_cast<std::uint32_t>(two(2 * j) | two(2 * j + 1) << 2) & 15;
     }
 
-    void side_x_row(std::int32_t j, bool border) {
-        const SlotGrid& g = *grid_;
-        if (border) {
-            for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1)
-                border_side(VertexKind::side_x, std::countr_zero(left), j, drawn_x(j, std::countr_zero(left)));
-            return;
-        }
-        const std::uint32_t *const slots = g.side_x[j], *const ends = g.corner[j], *const norths = g.centre[j] + 1,
-                                   *const souths = g.centre[j + 1] + 1;
-        const std::uint64_t up = ~masks_.finer_row(2 * j - 1), down = ~masks_.finer_row(2 * j);
-        fan_row(SideRow{slots, ends, norths, souths, up, down}, masks_.side_x[j]);
-        for (std::uint32_t left = morphs_ ? masks_.side_x[j] : 0; left != 0; left &= left - 1) {
-            const auto i = std::countr_zero(left);
-            flatten(slots[i], VertexKind::side_x, i, j, ends[i], ends[i + 1]);
-        }
+    void border_sides_x(std::int32_t j) {
+        for (std::uint32_t left = masks_.side_x[j]; left != 0; left &= left - 1)
+            border_side(VertexKind::side_x, std::countr_zero(left), j, drawn_x(j, std::countr_zero(left)));
     }
-    void side_y_row(std::int32_t j, std::uint32_t active, bool border) {
+    void side_x_row(std::int32_t j) {
         const SlotGrid& g = *grid_;
-        if (border && (active & 1) != 0) {
-            border_side(VertexKind::side_y, 0, j, drawn_y(j, 0));
-            active &= ~1u;
-        }
-        const std::uint32_t *const slots = g.side_y[j], *const ends = g.centre[j + 1], *const norths = g.corner[j],
-                                   *const souths = g.corner[j + 1];
+        const std::uint64_t up = ~masks_.finer_row(2 * j - 1), down = ~masks_.finer_row(2 * j);
+        fan_row(SideRow{g.side_x[j], g.corner[j], g.centre[j] + 1, g.centre[j + 1] + 1, up, down}, masks_.side_x[j]);
+    }
+    void side_y_row(std::int32_t j, std::uint32_t active) {
+        const SlotGrid& g = *grid_;
         // Moved by a column, so that a side's own two come together.
         const auto columns = [&](std::int32_t row) { return ~(masks_.finer_row(row) << 1 | masks_.finer_west[row]); };
         const std::uint64_t up = columns(2 * j), down = columns(2 * j + 1);
-        fan_row(SideRow{slots, ends, norths, souths, up, down}, active);
-        for (std::uint32_t left = morphs_ ? active : 0; left != 0; left &= left - 1) {
-            const auto i = std::countr_zero(left);
-            flatten(slots[i], VertexKind::side_y, i, j, norths[i], souths[i]);
-        }
+        fan_row(SideRow{g.side_y[j], g.centre[j + 1], g.corner[j], g.corner[j + 1], up, down}, active);
     }
 
     // A side between two tiles, or on the terrain's rim: each triangle belongs to the tile of its apex, and is made
@@ -363,6 +341,30 @@ private:
         return s.terrain->tile_at(centre.i >> log2, centre.j >> log2);
     }
 
+    // Where vertices of some rows start when they morph: in the middle of the edges that they split. Those on the
+    // tile's border have it from border_side().
+    void flatten_rows(std::uint32_t rows) {
+        const SlotGrid& g = *grid_;
+        for (; rows != 0; rows &= rows - 1) {
+            const std::int32_t j = std::countr_zero(rows);
+            // Squares alternate which diagonal a centre splits (parent_bearing).
+            const std::int32_t parity = at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j;
+            for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
+                const std::int32_t i = std::countr_zero(left), falling = (parity + i) % 2 == 0;
+                flatten(g.centre[j + 1][i + 1], VertexKind::centre, i, j, g.corner[j][i + 1 - falling],
+                        g.corner[j + 1][i + falling]);
+            }
+            for (std::uint32_t left = is_border(at_.j0 + j) ? 0 : masks_.side_x[j]; left != 0; left &= left - 1) {
+                const std::int32_t i = std::countr_zero(left);
+                flatten(g.side_x[j][i], VertexKind::side_x, i, j, g.corner[j][i], g.corner[j][i + 1]);
+            }
+            const std::uint32_t own = at_.all() & (is_border(at_.i0) ? ~1u : ~0u);
+            for (std::uint32_t left = static_cast<std::uint32_t>(masks_.side_y[j]) & own; left != 0; left &= left - 1) {
+                const std::int32_t i = std::countr_zero(left);
+                flatten(g.side_y[j][i], VertexKind::side_y, i, j, g.corner[j][i], g.corner[j + 1][i]);
+            }
+        }
+    }
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
         s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
@@ -378,6 +380,7 @@ private:
     BulkSquares at_{}; // the page in work
     SlotGrid* grid_ = nullptr;
     BulkMasks masks_;
+    std::uint32_t rows_ = 0; // of squares with active centres
 };
 
 } // namespace

@@ -10,12 +10,13 @@
 #include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
+#include "cut/slot_grid.h"
 
 namespace fjell {
 
 namespace {
 
-// A page's groups, a plane of a step at a time. What it writes nothing to is zero.
+// A page's groups, a plane of a step at a time: all of them, so that nobody has to clear them before.
 class Installer {
 public:
     Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
@@ -23,9 +24,14 @@ public:
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
         PageState& info = s.page_state[slot_];
+        if (stays_clear(info)) {
+            // The root alone is ready there, and may have waited.
+            s.groups[slot_ * max_page_groups + s.steps[s.terrain->tree.tile_log2 - 1].centres].queue = unqueued;
+            return 0;
+        }
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
-        zero_groups(s, slot_);
+        if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
         for (int z = coarsest; z >= finest; --z) step(z);
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
@@ -33,6 +39,16 @@ public:
     }
 
 private:
+    // Of a large terrain most tiles: nothing in page 0 is active, nor was, and nothing beside it either.
+    [[nodiscard]] bool stays_clear(const PageState& info) const {
+        if (info.shape != 0 || page_.wanted != 0 || !page_.was_clear) return false;
+        const int z = s.terrain->tree.tile_log2 - 1; // a square a tile
+        const BulkPage *const west = found_at(s, z, info.tile_x - 1, info.tile_y), *const north =
+                                                                                       found_at(s, z, info.tile_x,
+                                                                                                info.tile_y - 1);
+        return (west == nullptr || west->wanted == 0) && (north == nullptr || north->wanted == 0);
+    }
+
     void step(int z) {
         at_ = listed_squares(s, slot_, z);
         n_ = static_cast<std::uint32_t>(at_.n);
@@ -43,7 +59,14 @@ private:
         split_rows(masks_.finer, 2 * n_ + 1, even_, odd_);
         sides_x();
         sides_y();
-        if (masks_.owns_east) column();
+        column();
+    }
+
+    // Rows that are other pages', or have nothing that might be active.
+    void put_none(std::uint32_t first, std::uint32_t rows) {
+        const std::uint32_t words_log2 = at_.step->words_log2;
+        GroupState* const groups = s.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
+        std::fill_n(groups, rows << words_log2, GroupState{});
     }
 
     // Rows of a plane from `first` on. What the rim says of parents that do not exist comes after them.
@@ -53,19 +76,14 @@ private:
         write_groups(s.groups + group, rows, 1u << words_log2,
                      {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
         parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
-        std::uint32_t* slots = s.vertex_slot + std::size_t{group} * group_lanes;
-        const BulkSlots taken = taken_;
-        for (std::uint32_t row = 0; row < rows; ++row, slots += group_lanes << words_log2) {
-            std::uint32_t number = page_.number + page_.first[first + row];
-            for (std::uint32_t left = active[row]; left != 0; left &= left - 1)
-                slots[std::countr_zero(left)] = taken[number++];
-        }
+        put_slots(taken_, {&page_, first, rows}, s.vertex_slot + std::size_t{group} * group_lanes,
+                  std::size_t{group_lanes} << words_log2);
     }
 
     void centres() {
         std::uint32_t parents[2][page_squares];
-        if (!centre_parents(s, at_, parents)) return;
         const std::uint32_t first = at_.row(VertexKind::centre, 0);
+        if (!centre_parents(s, at_, parents)) return put_none(first, n_);
         for (std::uint32_t j = 0; j < n_; ++j) {
             const std::uint32_t active = page_.active[first + j];
             child_[0][j] = active & static_cast<std::uint32_t>(masks_.side_y[j]);
@@ -87,7 +105,9 @@ private:
             child_[2][j] = below ? even_[2 * j + 1] : 0;
             child_[3][j] = below ? odd_[2 * j + 1] : 0;
         }
-        put(at_.row(VertexKind::side_x, 0), rows, masks_.centre, south);
+        const std::uint32_t first = at_.row(VertexKind::side_x, 0);
+        put(first, rows, masks_.centre, south);
+        if (!masks_.owns_south) put_none(first + n_, 1);
     }
     void sides_y() {
         std::uint32_t west[page_squares];
@@ -103,6 +123,7 @@ private:
     }
     // East of the last squares, where the terrain ends: its lanes go south.
     void column() {
+        if (!masks_.owns_east) return put_none(at_.column(), 1);
         std::uint32_t west = 0, child[4] = {};
         for (std::uint32_t j = 0; j < n_; ++j) {
             west |= (masks_.centre[j + 1] >> (n_ - 1) & 1) << j;

@@ -10,39 +10,12 @@
 
 #include "compiler.h"
 #include "cut/evaluate.h"
+#include "cut/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-using F = hn::CappedTag<float, group_lanes>;
-using I = hn::RebindToSigned<F>;
-
-template <typename M>
-HWY_INLINE std::uint32_t bits_of(F d, M mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8;
-}
-
-// Loaded: g++ 12 makes Iota() of stores one by one, and the load after them waits for all.
-constexpr std::int32_t lane_numbers[group_lanes] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-constexpr std::int32_t lane_bits[group_lanes] = {1,      1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
-                                                 1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
-
-template <typename VI, typename VF>
-HWY_INLINE void read_record(const Criterion& c, VI record, std::int32_t base, float unit_m, VI& error_code,
-                            VF& height_m, VF& error_m, VF& radius_m) {
-    const F d;
-    const I di;
-    const auto height = hn::Add(hn::And(record, hn::Set(di, 0xffff)), hn::Set(di, base));
-    height_m = hn::Add(hn::Set(d, c.base_m), hn::Mul(hn::ConvertTo(d, height), hn::Set(d, c.quantum_m)));
-    error_code = hn::And(hn::ShiftRight<16>(record), hn::Set(di, 0xff));
-    error_m = hn::GatherIndex(d, c.error_m, error_code);
-    const auto radius_code = hn::And(hn::ShiftRight<24>(record), hn::Set(di, 0x7f));
-    radius_m = hn::Mul(hn::Set(d, unit_m), hn::GatherIndex(d, c.radius_factor, radius_code));
-}
 
 // Of the lanes from `first` on: where they stand, and what their records say. Through references, because vectors whose
 // length nobody knows cannot be members.
@@ -58,23 +31,6 @@ HWY_INLINE void read_lanes(const Criterion& c, const LaneGroup& b, std::uint32_t
     z_m = hn::Mul(hn::ConvertTo(d, y), hn::Set(d, c.spacing_z_m));
     const auto record = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(b.records + first));
     read_record(c, record, b.base, b.unit_m, error_code, y_m, error_m, radius_m);
-}
-
-// Lanes of picked vertices, from `first` on.
-template <typename VI, typename VF>
-HWY_INLINE void read_picked(const Criterion& c, const PickedLanes& b, std::uint32_t first, VI& x, VI& y, VI& record,
-                            VI& error_code, VF& height_m, VF& error_m, VF& radius_m) {
-    const I di;
-    auto picked = hn::Zero(di), unused = picked;
-    hn::LoadInterleaved2(di, reinterpret_cast<const std::int32_t*>(b.picked + first), picked, unused);
-    const auto byte = hn::Set(di, 0xff);
-    x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(hn::And(hn::ShiftRight<16>(picked), byte), b.z)),
-                hn::Set(di, c.last_x));
-    y = hn::Min(hn::Add(hn::Set(di, b.y0), hn::ShiftLeftSame(hn::And(hn::ShiftRight<24>(picked), byte), b.z)),
-                hn::Set(di, c.last_y));
-    record =
-        hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(b.records), hn::And(picked, hn::Set(di, 0xffff)));
-    read_record(c, record, b.base, b.unit_m, error_code, height_m, error_m, radius_m);
 }
 
 // Margins of all views, and what they decide.
@@ -272,22 +228,6 @@ void evaluate_rows_lanes(const Criterion& c, const PageRows& b, float ticks_a_me
         evaluate_whole_rows<false>(c, b, ticks_a_metre, out);
 }
 
-void place_picked_lanes(const Criterion& c, const PickedLanes& b, MeshVertex* vertices, MorphVertex* morph) {
-    const F d;
-    const I di;
-    auto* const words = reinterpret_cast<std::int32_t*>(vertices);
-    auto* const floats = reinterpret_cast<float*>(morph);
-    for (std::uint32_t first = 0; first < b.count; first += group_lanes)
-        for (std::uint32_t lane = first; lane < first + group_lanes; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
-            auto x = hn::Undefined(di), y = x, record = x, error_code = x;
-            auto height = hn::Undefined(d), error = height, radius = height;
-            read_picked(c, b, lane, x, y, record, error_code, height, error, radius);
-            hn::StoreInterleaved3(x, y, hn::BitCast(di, height), di, words + std::size_t{lane} * 3);
-            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, long_active_s), d,
-                                  floats + std::size_t{lane} * 4);
-        }
-}
-
 float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_px) {
     const F d;
     const I di;
@@ -329,7 +269,6 @@ namespace fjell {
 HWY_EXPORT(evaluate_lanes);
 HWY_EXPORT(evaluate_picked_lanes);
 HWY_EXPORT(evaluate_rows_lanes);
-HWY_EXPORT(place_picked_lanes);
 HWY_EXPORT(worst_of_lanes);
 
 float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px) {
@@ -380,10 +319,6 @@ void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float 
 
 void evaluate_rows(const Criterion& decision, const PageRows& rows, float ticks_a_metre, RowAnswers& answers) {
     HWY_DYNAMIC_DISPATCH(evaluate_rows_lanes)(decision, rows, ticks_a_metre, answers);
-}
-
-void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph) {
-    HWY_DYNAMIC_DISPATCH(place_picked_lanes)(decision, lanes, vertices, morph);
 }
 
 void evaluate_scalar(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {

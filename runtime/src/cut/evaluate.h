@@ -77,6 +77,11 @@ struct RowAnswers {
 // As evaluate_picked(): where it pays to look at a row as it lies.
 void evaluate_rows(const Criterion& decision, const PageRows& rows, float ticks_a_metre, RowAnswers& answers);
 
+// Writes the vertices whose bits are set in some planes of a page, all of one level, as place_picked() does, but
+// exactly as many as there are. Returns how many. voids: of each, 1 if it has no height, or 0; or nullptr.
+std::uint32_t place_rows(const Criterion& decision, const PageRows* planes, std::uint32_t count, MeshVertex* vertices,
+                         MorphVertex* morph, std::uint8_t* voids);
+
 // Of the lanes called inactive, the largest error on screen of what each would split, in any view: error_m * unit_px /
 // (distance - radius), and no less. unit_px: pixels of a metre at a metre's distance, a number a view.
 [[nodiscard]] float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px);

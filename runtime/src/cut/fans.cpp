@@ -133,6 +133,54 @@ HWY_INLINE std::uint32_t fan_row(FanOut& to, const Corners& at, const Row& row, 
     return active;
 }
 
+// As many as there are: the caller knows that there is room.
+template <typename Corners, typename Row>
+HWY_INLINE std::uint32_t fan_whole_row(const FanOut& to, std::uint32_t next, const Corners& at, const Row& row,
+                                       const Fans& fans, std::uint32_t active) {
+    FanOut out = to;
+    out.next = next;
+    for (; active != 0; active &= active - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(active));
+        out.next += write_fan(out, at, i, fans[drawn_around(row, i)]);
+    }
+    return out.next;
+}
+
+std::uint32_t fan_all_rows(FanOut& to, const FanPage& page, std::uint32_t rows) {
+    const FanOut out = to;
+    const SlotGrid& g = *page.grid;
+    std::uint32_t next = out.next;
+    for (; rows != 0; rows &= rows - 1) {
+        const auto j = static_cast<std::size_t>(std::countr_zero(rows));
+        const std::uint32_t centres = page.centre[j], sides_x = page.side_x[j],
+                            sides_y = static_cast<std::uint32_t>(page.side_y[j]) & page.all;
+        const auto vertices =
+            static_cast<std::uint32_t>(std::popcount(centres) + std::popcount(sides_x) + std::popcount(sides_y));
+        if (next + 4 * vertices > out.end) break;
+        const std::uint32_t *const corners = g.corner[j], *const south_corners = g.corner[j + 1],
+                                   *const slots = g.centre[j + 1] + 1;
+        const CentreRow centre_row{slots,           corners,         south_corners,
+                                   ~page.side_y[j], ~page.side_x[j], ~page.side_x[j + 1]};
+        next = fan_whole_row(out, next, CentreCorners{slots, corners, south_corners}, centre_row, centre_fans, centres);
+        const std::uint64_t* const finer = page.finer + 2 * j;
+        if (sides_x != 0) {
+            const std::uint32_t* const norths = g.centre[j] + 1;
+            const SideRow row{g.side_x[j], corners, norths, slots, ~finer[0], ~finer[1]};
+            next = fan_whole_row(out, next, SideCorners{g.side_x[j], corners, norths, slots}, row, side_fans, sides_x);
+        }
+        if (sides_y != 0) {
+            // Moved by a column, so that a side's own two come together.
+            const auto columns = [&](std::size_t n)
+                                     HWY_ATTR { return ~(finer[1 + n] << 1 | page.finer_west[2 * j + n]); };
+            const SideRow row{g.side_y[j], slots - 1, corners, south_corners, columns(0), columns(1)};
+            next = fan_whole_row(out, next, SideCorners{g.side_y[j], slots - 1, corners, south_corners}, row, side_fans,
+                                 sides_y);
+        }
+    }
+    to.next = next;
+    return rows;
+}
+
 std::uint32_t fan_centre_row(FanOut& out, const CentreRow& row, std::uint32_t active) {
     return fan_row(out, CentreCorners{row.slots, row.norths, row.souths}, row, centre_fans, active);
 }
@@ -148,12 +196,16 @@ namespace fjell {
 
 HWY_EXPORT(fan_centre_row);
 HWY_EXPORT(fan_side_row);
+HWY_EXPORT(fan_all_rows);
 
 std::uint32_t fan_centres(FanOut& out, const CentreRow& row, std::uint32_t active) {
     return HWY_DYNAMIC_DISPATCH(fan_centre_row)(out, row, active);
 }
 std::uint32_t fan_sides(FanOut& out, const SideRow& row, std::uint32_t active) {
     return HWY_DYNAMIC_DISPATCH(fan_side_row)(out, row, active);
+}
+std::uint32_t fan_rows(FanOut& out, const FanPage& page, std::uint32_t rows) {
+    return HWY_DYNAMIC_DISPATCH(fan_all_rows)(out, page, rows);
 }
 
 } // namespace fjell

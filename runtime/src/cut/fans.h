@@ -8,6 +8,8 @@
 
 #include <cstdint>
 
+#include "cut/bulk_pages.h"
+
 namespace fjell {
 
 // Where triangles go: slots from `next` on. Around a vertex there may be four, so the last before `end` stay empty.
@@ -34,5 +36,19 @@ struct SideRow {
 // bits that are left. triangle_of says where each is, or no_index.
 [[nodiscard]] std::uint32_t fan_centres(FanOut& out, const CentreRow& row, std::uint32_t active);
 [[nodiscard]] std::uint32_t fan_sides(FanOut& out, const SideRow& row, std::uint32_t active);
+
+// A page's rows of squares, all three kinds of vertices: row j's centres, its sides to the north, and those to the west
+// of its squares. finer: centres of the finer step, rows -1 to 2n - 1; of the column west of the page a bit a row, from
+// row 0 on.
+struct FanPage {
+    const SlotGrid* grid;
+    const std::uint32_t *centre, *side_x;
+    const std::uint64_t *side_y, *finer;
+    const std::uint32_t* finer_west;
+    std::uint32_t all; // squares of a row
+};
+// The triangles around all of theirs whose bits are set, row after row, while there is room for four times the vertices
+// of a row. Returns the bits that are left.
+[[nodiscard]] std::uint32_t fan_rows(FanOut& out, const FanPage& page, std::uint32_t rows);
 
 } // namespace fjell
