@@ -401,6 +401,9 @@ inline constexpr char add_a_point_where_the[] = "add a point where the camera is
 inline constexpr char left_drag_on_a_point[] = "Left drag on a point";
 inline constexpr char move_it_in_the_picture[] =
     "move it, in the picture (Shift: up and down) or on the overview; a click selects it";
+inline constexpr char arrows_on_the_timeline[] = "Arrows on the timeline";
+inline constexpr char select_a_point_with_shift[] =
+    "select a point; with Shift: its time, or up and down the speed after it; Enter: look from there";
 inline constexpr char play_again_pause[] = "play; again: pause";
 inline constexpr char m_shift_m[] = "M, Shift M";
 inline constexpr char next_and_previous_picture_mode[] = "next and previous picture mode";
@@ -956,10 +959,12 @@ inline constexpr char playhead_drag[] =
     "%.1f s: %s. Click or drag: go there; clicked twice on the lower edge: a new point there.";
 inline constexpr char first_point_drag[] = "Point %zu, where times begin. Click: select it; twice: look from there.";
 inline constexpr char point_drag[] = "Point %zu at %.2f s. Drag: another time, between its neighbours; with Shift not "
-                                     "drawn to the lines and the playhead. Click: select it; twice: look from there.";
+                                     "drawn to the lines and the playhead. Click: select it; twice: look from there. "
+                                     "Keys: left and right select a point, with Shift they move it, with Ctrl by a "
+                                     "whole second; Enter: look from there; Delete: remove it.";
 inline constexpr char speed_drag[] =
     "%s; %s on average from point %zu to %zu. Drag up or down: faster or slower there; the "
-    "times of the points after it follow.";
+    "times of the points after it follow. Keys: Shift with up and down.";
 } // namespace timeline
 
 namespace tune {

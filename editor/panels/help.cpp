@@ -28,6 +28,7 @@ constexpr Key all_keys[] = {
     {strings::keys::n, strings::help::add_a_point_where_the},
     {strings::hands::insert_delete, strings::hands::insert_or_remove_a_point},
     {strings::help::left_drag_on_a_point, strings::help::move_it_in_the_picture},
+    {strings::help::arrows_on_the_timeline, strings::help::select_a_point_with_shift},
     {strings::keys::p, strings::help::play_again_pause},
     {strings::common::picture, nullptr},
     {strings::help::m_shift_m, strings::help::next_and_previous_picture_mode},
@@ -69,7 +70,7 @@ void draw_keys(const State&, Commands& commands) {
     scroll_by_keys();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
-                                ImGui::CalcTextSize(strings::help::right_drag_shift_drag).x + ImGui::GetFontSize());
+                                ImGui::CalcTextSize(strings::help::arrows_on_the_timeline).x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
         for (const Key& key : all_keys) {
             ImGui::TableNextRow();
