@@ -117,6 +117,7 @@ void App::make_surface_and_graphics() {
     state_.graphics = surface_->description();
     for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
         software_ = software_ || state_.graphics.find(name) != std::string::npos;
+    if (!options_.headless) rehearse_blit(*surface_);
     state_.software = software_;
     picture_old_ = true;
 }
@@ -230,7 +231,8 @@ void App::frame() {
     const OwnCode own(watch_);
     state_.programs = gl::programs_made();
     state_.longest_frame_us = std::max(std::exchange(dumped_, false) ? 0 : state_.longest_frame_us, times_.frame_us);
-    if (drew_half_) half_us_ = times_.draw_us + times_.present_us; // where software catches up
+    // Where software catches up.
+    if (drew_half_) half_us_ = (times_.draw_us + times_.present_us) * std::exchange(first_bands_, 1);
     drew_half_ = false;
     state_.measures.record(times_, state_.eye.pose(), drawn);
 }
@@ -302,6 +304,11 @@ double App::move_and_update() {
         move_camera({state_, engine_, jobs_}, state_.frame_s);
     }
     const auto moved = Clock::now();
+    if (rehearsals_ != 0) { // nothing else is done in these frames
+        rehearsed_ = state_.frame;
+        engine_.rehearse(state_, --rehearsals_ == 0);
+        return microseconds(moved - start);
+    }
     {
         const OwnCode own(watch_);
         comparison_.follow(state_, engine_);
@@ -326,7 +333,9 @@ void App::finish_opening() {
     stir();
     attempt([&] {
         const std::string pack = engine_.finish_opening();
-        if (!pack.empty()) show_opened(pack, {state_, engine_, jobs_});
+        if (pack.empty()) return;
+        show_opened(pack, {state_, engine_, jobs_});
+        rehearsals_ = 2;
     });
     if (!engine_.opening()) state_.opening.clear(); // otherwise another one was asked for meanwhile
 }

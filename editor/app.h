@@ -66,6 +66,7 @@ private:
     void draw();
     void draw_terrain();
     [[nodiscard]] PictureRows next_band(std::uint32_t height) const;
+    PictureRows next_first_band(std::uint32_t height);
     void take_thumbnail(const gl::Target& target); // of a bookmark that wants one
     void attempt(const std::function<void()>& what);
     [[nodiscard]] bool overview_is_of(const OverviewSource& source) const;
@@ -129,6 +130,11 @@ private:
     bool software_ = false;                            // draws
     bool picture_old_ = true;                          // the terrain's, of this frame
     bool mesh_changed_ = false;                        // in this frame
+    std::uint32_t first_row_ = 0;                      // of a terrain's first picture, rows below it are drawn already
+    std::uint32_t first_bands_ = 1;                    // that it is drawn in
+    View first_view_;                                  // of it
+    int rehearsals_ = 0;                               // frames that the driver compiles in, before the first picture
+    std::uint64_t rehearsed_ = 0;                      // the last such frame
     bool drew_half_ = false;                           // in this frame
     double half_us_ = 0;                               // what the last picture of half resolution took, with its copy
     std::uint32_t band_row_ = 0;                       // of the whole picture, rows below this one are drawn already

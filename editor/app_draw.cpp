@@ -2,6 +2,7 @@
 // after that; and what lies under the panels.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <optional>
 
@@ -18,6 +19,7 @@ namespace fjell::editor {
 namespace {
 
 constexpr double band_us = 50'000, most_bands = 8; // of a whole picture that software draws after a half one
+constexpr std::uint32_t band_triangles = 25'000;   // for each band of the first half one
 
 } // namespace
 
@@ -42,25 +44,35 @@ void App::draw_terrain() {
     // Who asks for a picture gets it whole.
     const bool in_steps =
         state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
-    const bool lines = [&] {
+    {
         const OwnCode own(watch_);
-        return engine_.build_lines(state_);
-    }();
+        engine_.build_lines(state_);
+    }
     const bool was_half = shown_ != nullptr && shown_ == half_target_.get();
-    // A mesh from nothing costs its frame enough: the picture before it is shown once more.
-    if (in_steps && entry_.rebuilt && shown_ != nullptr) return;
+    // A mesh from nothing costs its frame enough: what was shown before it is shown once more.
+    if (in_steps && entry_.rebuilt) return;
     // After that, and after a motion, the mesh still changes for a while.
     const bool another = drawn_terrain_ != engine_.terrains();
     const bool half = in_steps && (moving_ || another || (was_half && mesh_changed_));
-    const bool in_bands = in_steps && was_half && !half && !lines && !state_.compared.there;
+    const bool in_bands = in_steps && was_half && !half && !state_.compared.there;
     const gl::Target& target = fit_target(half);
     PictureRows rows;
+    // The first picture of a terrain comes in bands as well, while what was shown before it stays, unless the camera
+    // moves.
+    if (half && another && !state_.compared.there && shown_ != half_target_.get())
+        rows = next_first_band(target.height());
     if (in_bands) rows = next_band(target.height());
-    shown_ = in_bands ? half_target_.get() : nullptr;
+    if (rows.end == 0 || in_bands) shown_ = in_bands ? half_target_.get() : nullptr;
     engine_.draw(state_, target, rows);
+    first_row_ = half && rows.end < target.height() ? rows.end : 0;
+    if (first_row_ != 0) {
+        times_.draw_us = microseconds(Clock::now() - start);
+        return;
+    }
     const bool whole = !half && (!in_bands || rows.end == target.height());
     if (whole) take_thumbnail(target);
     if (!in_bands) comparison_.draw(state_, target);
+    if (whole || half) engine_.draw_lines(state_, target); // beyond the divider too, and no difference
     if (whole || half) shown_ = &target;
     band_row_ = whole || half ? 0 : rows.end;
     drew_half_ = half;
@@ -85,6 +97,18 @@ PictureRows App::next_band(std::uint32_t height) const {
     return {band_row_, std::min(band_row_ + high, height)};
 }
 
+// A half picture costs by its triangles, most of which are smaller than its pixels.
+PictureRows App::next_first_band(std::uint32_t height) {
+    const View& view = state_.eye.view;
+    if (first_row_ == 0)
+        first_bands_ = std::min(entry_.triangles_drawn / band_triangles + 1, static_cast<std::uint32_t>(most_bands));
+    else if (std::memcmp(&first_view_, &view, sizeof view) != 0)
+        first_bands_ = 1;
+    first_view_ = view;
+    if (first_bands_ == 1) return {};
+    return {first_row_, std::min(first_row_ + (height + first_bands_ - 1) / first_bands_, height)};
+}
+
 void App::take_thumbnail(const gl::Target& target) {
     Bookmarks& b = state_.bookmarks;
     if (!b.wanted || *b.wanted >= b.all.size()) return b.wanted.reset();
@@ -98,7 +122,7 @@ void App::take_thumbnail(const gl::Target& target) {
 
 void App::draw() {
     const unsigned framebuffer = surface_->framebuffer();
-    if (engine_.is_open() && picture_old_) attempt([&] { draw_terrain(); });
+    if (engine_.is_open() && picture_old_ && state_.frame != rehearsed_) attempt([&] { draw_terrain(); });
     const auto start = Clock::now();
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
     glDisable(GL_FRAMEBUFFER_SRGB);

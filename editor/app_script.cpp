@@ -77,7 +77,7 @@ bool App::settled() const {
 
 // Carries on with the script where nothing waits. False: a headless run is over.
 bool App::run_script() {
-    if (baking_input_ || engine_.opening()) return true;
+    if (baking_input_ || engine_.opening() || rehearsals_ != 0) return true;
     if (state_.frame == 0) return true; // how large the picture is, is known after a frame
     const HandlerContext context{state_, engine_, jobs_};
     while (script_at_ < script_.size()) {
@@ -109,7 +109,7 @@ bool App::run_script() {
             const bool ran = jobs_.running();
             apply(command, context);
             note(command);
-            if (engine_.opening()) return true;
+            if (engine_.opening() || rehearsals_ != 0) return true;
             // Heights that a script opens are baked first; what follows is about the terrain.
             if (std::holds_alternative<OpenFile>(command) && options_.headless && !ran && jobs_.running()) {
                 waiting_settled_ = true;

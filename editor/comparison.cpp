@@ -143,7 +143,7 @@ void Comparison::draw(const State& state, const gl::Target& target) {
                top = static_cast<GLint>(h);
     if (from >= to) return;
     glBlitNamedFramebuffer(target_->framebuffer(), target.framebuffer(), from, 0, to, top, from, 0, to, top,
-                           GL_COLOR_BUFFER_BIT, GL_NEAREST);
+                           GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST); // lines are drawn over both sides
 }
 
 void Comparison::drop_graphics() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "editor/panels/legible.h"
 #include "editor/panels/ui.h"
 
 namespace fjell::editor {
@@ -389,6 +390,7 @@ std::string dump(const State& state) {
                       {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},
                       {"heights_share", state.heights_share},
                       {"graphics", state.graphics},
+                      {"illegible", ui::illegible_texts()},
                       {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 
 #include "editor/clock.h"
@@ -215,6 +216,14 @@ flight::FrameEntry Engine::update(const View& view, const flight::Profile& profi
     return entry;
 }
 
+void Engine::rehearse(const State& state, bool all) {
+    gl::DrawOptions options = picture_options(state);
+    options.sky = options.sky && all;
+    std::string error; // the first picture will say it
+    if (const auto target = gl::Target::create({16, 16, 1}, error)) error = renderer_->rehearse(options, *target);
+    glFinish();
+}
+
 // The first is told at once, by itself; how many there are when reading has come to rest, and again when they have
 // doubled.
 void Engine::tell_unread() {
@@ -241,9 +250,8 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     options.error_lambda_px = lambda_px(refining);
 }
 
-bool Engine::build_lines(const State& state) {
+void Engine::build_lines(const State& state) {
     scene_lines_.build(state, *session_);
-    return !scene_lines_.empty();
 }
 
 void Engine::draw(const State& state, const gl::Target& target, PictureRows rows) {
@@ -251,11 +259,15 @@ void Engine::draw(const State& state, const gl::Target& target, PictureRows rows
     set_error_options(state, options);
     options.first_row = rows.first;
     options.end_row = rows.end;
-    std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
-    if (error.empty() && rows.end == 0 && !scene_lines_.empty()) {
-        if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
-        if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
-    }
+    const std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
+    if (!error.empty()) throw io::Failure(3, error);
+}
+
+void Engine::draw_lines(const State& state, const gl::Target& target) {
+    if (scene_lines_.empty()) return;
+    std::string error;
+    if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
+    if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
     if (!error.empty()) throw io::Failure(3, error);
 }
 

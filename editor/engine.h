@@ -64,10 +64,15 @@ public:
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] flight::FrameEntry update(const View& view, const flight::Profile& profile, double now_s,
                                             double& upload_us);
-    // Before draw(): the lines over the terrain. False: there are none.
-    bool build_lines(const State& state);
-    // The terrain, and those lines over it. rows: of the target, from below, these alone; then without lines.
+    // Before the first update of what was opened: has the driver compile what this context needs for its picture, first
+    // that of the ground, then all of it. Another context's is of no use to it.
+    void rehearse(const State& state, bool all);
+    // The terrain. rows: of the target, from below, these alone.
     void draw(const State& state, const gl::Target& target, PictureRows rows = {});
+    // Before draw_lines(): the lines over the terrain.
+    void build_lines(const State& state);
+    // Over what is drawn there, hidden by what its depth says is nearer.
+    void draw_lines(const State& state, const gl::Target& target);
     // Of what the picture of the true error needs, 0..1; below 0: it cannot be had.
     [[nodiscard]] double heights_share() const { return heights_.problem().empty() ? heights_.share() : -1; }
     [[nodiscard]] const gl::DrawStats& stats() const { return renderer_->stats(); }

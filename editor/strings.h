@@ -394,6 +394,9 @@ inline constexpr char about_add_point[] = "add a point where the camera is";
 inline constexpr char point_drag[] = "Left drag on a point";
 inline constexpr char about_point_drag[] =
     "move it, in the picture (Shift: up and down) or on the overview; a click selects it";
+inline constexpr char timeline_keys[] = "Arrows on the timeline";
+inline constexpr char about_timeline_keys[] =
+    "select a point; with Shift: its time, or up and down the speed after it; Enter: look from there";
 inline constexpr char about_play[] = "play; again: pause";
 inline constexpr char mode_keys[] = "M, Shift+M";
 inline constexpr char about_mode_keys[] = "next and previous picture mode";
@@ -930,9 +933,10 @@ inline constexpr char about_playhead[] =
 inline constexpr char about_first_point[] = "Point %zu, where times begin. Click: select it; twice: look from there.";
 inline constexpr char about_point[] =
     "Point %zu at %.2f s. Drag: another time, between its neighbours'; with Shift without snapping to the lines and "
-    "the playhead. Click: select it; twice: look from there.";
+    "the playhead. Click: select it; twice: look from there. Keys: left and right select a point, with Shift they "
+    "move it, with Ctrl by a whole second; Enter: look from there; Delete: remove it.";
 inline constexpr char about_speed[] = "%s; %s on average from point %zu to %zu. Drag up or down: faster or slower "
-                                      "there; the times of the points after it follow.";
+                                      "there; the times of the points after it follow. Keys: Shift with up and down.";
 } // namespace timeline
 
 namespace tune {

@@ -1,6 +1,8 @@
 #include "editor/surface.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -34,7 +36,17 @@ public:
             self->remember_press(key, action, mods);
         });
         glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned) { ++counts_of(w).characters; });
-        glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int, int, int) { ++counts_of(w).buttons; });
+        glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int) {
+            auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
+            if (button == GLFW_MOUSE_BUTTON_LEFT)
+                self->remember_button(action == GLFW_PRESS);
+            else
+                ++self->input.buttons;
+        });
+        glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double x, double y) {
+            static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->pointer_ = {static_cast<float>(x),
+                                                                                  static_cast<float>(y)};
+        });
         glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double) { ++counts_of(w).scrolls; });
         ImGui_ImplGlfw_InitForOpenGL(handle, true); // its callbacks call ours
         ImGui_ImplOpenGL3_Init("#version 450 core");
@@ -59,11 +71,13 @@ public:
         held_ = std::exchange(pressed_, 0);
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
+        deliver_button(io);
         input.pointer_px[0] = static_cast<double>(io.MousePos.x);
         input.pointer_px[1] = static_cast<double>(io.MousePos.y);
         input.focused = glfwGetWindowAttrib(window_->handle(), GLFW_FOCUSED) != 0;
     }
     bool wait(double most_s) override { // presses are remembered for begin_frame()
+        if (waiting_ != 0) return true;
         const double start = glfwGetTime();
         glfwWaitEventsTimeout(most_s);
         return glfwGetTime() - start < 0.95 * most_s;
@@ -97,6 +111,48 @@ private:
         keys_[pressed_++] = key;
         mods_ = mods;
     }
+
+    // Of what happens between two frames ImGui 1.86 sees the last: two clicks would be one, where the pointer is by
+    // then, and whether they are a double click would be told by the times of frames, which software may draw seldom.
+    // So the button's events wait, each with its place, for a frame of their own.
+    struct ButtonEvent {
+        bool down = false, twice = false; // twice: the second press of a double click
+        ImVec2 at;
+    };
+    void remember_button(bool down) {
+        ButtonEvent event{down, false, pointer_};
+        if (down) {
+            const double now_s = glfwGetTime();
+            event.twice = std::abs(pointer_.x - clicked_at_.x) < double_click_px &&
+                          std::abs(pointer_.y - clicked_at_.y) < double_click_px && now_s - clicked_s_ < double_click_s;
+            clicked_s_ = event.twice ? -double_click_s : now_s; // a third click begins again
+            clicked_at_ = pointer_;
+        }
+        if (waiting_ < events_.size()) events_[waiting_++] = event;
+    }
+    void deliver_button(ImGuiIO& io) {
+        io.MouseDoubleClickTime = 0; // seconds between two frames
+        if (waiting_ != 0) {
+            const ButtonEvent event = events_[0];
+            std::rotate(events_.begin(), events_.begin() + 1, events_.end());
+            --waiting_;
+            ++input.buttons;
+            down_ = event.down;
+            io.MousePos = event.at;
+            if (event.twice) io.MouseDoubleClickTime = 1e6F;
+        } else if (glfwGetMouseButton(window_->handle(), GLFW_MOUSE_BUTTON_LEFT) != GLFW_PRESS) {
+            down_ = false; // whatever became of the event
+        }
+        io.MouseDown[ImGuiMouseButton_Left] = down_;
+    }
+
+    static constexpr double double_click_s = 0.35;
+    static constexpr float double_click_px = 6;
+    std::array<ButtonEvent, 16> events_{}; // of the left button, that no frame has seen yet
+    std::size_t waiting_ = 0;
+    bool down_ = false; // the left button, in the last frame
+    ImVec2 pointer_{}, clicked_at_{};
+    double clicked_s_ = -double_click_s;
 
     std::unique_ptr<gl::Window> window_;
     std::array<int, 16> keys_{}, held_keys_{};
@@ -187,6 +243,16 @@ void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuf
     glDisable(GL_FRAMEBUFFER_SRGB); // a raw copy: both hold sRGB bytes
     glBlitNamedFramebuffer(target.framebuffer(), framebuffer, 0, 0, w, h, left, bottom, left + wide, bottom + high,
                            GL_COLOR_BUFFER_BIT, w == wide && h == high ? GL_NEAREST : GL_LINEAR);
+}
+
+void rehearse_blit(const Surface& surface) {
+    std::string error; // whoever needs a target will say it
+    const auto target = gl::Target::create({2, 2, 1}, error);
+    if (!target) return;
+    std::uint32_t width = 0, height = 0;
+    surface.size(width, height);
+    for (const std::uint32_t side : {2u, 4u}) blit(*target, surface.framebuffer(), height, {0, 0, side, side});
+    glFinish();
 }
 
 } // namespace fjell::editor

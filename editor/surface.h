@@ -63,5 +63,7 @@ struct Place {
     std::uint32_t x = 0, y = 0, width = 0, height = 0;
 };
 void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, const Place& to);
+// Has the driver compile what both kinds of that take, before there is a frame that it could hold up.
+void rehearse_blit(const Surface& surface);
 
 } // namespace fjell::editor

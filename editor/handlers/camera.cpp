@@ -1,6 +1,7 @@
 // The camera: flying, orbiting, jumping, freezing, and along its path.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "editor/handlers/handlers.h"
 #include "editor/strings.h"
@@ -79,6 +80,24 @@ void orbit(const MoveCamera& c, HandlerContext context) {
     const double wanted_m = camera.position_m.y;
     keep_above(camera, ground);
     if (camera.position_m.y != wanted_m) look_at(camera, centre); // over the hill that is in the way
+}
+
+// How far behind the middle of the terrain's tiles their corners, at the lowest and the highest height, fill most of
+// the picture.
+double away_to_see_all_m(HandlerContext context, const flight::Area& area, const flight::Pose& pose, double aspect) {
+    const Scene& s = context.state.scene;
+    const double up = 0.94 * std::tan(context.state.document.profile().fov_deg * std::numbers::pi / 360),
+                 right = up * aspect;
+    double away_m = 0;
+    for (const double x_m : {-area.width_m / 2, area.width_m / 2})
+        for (const double z_m : {-area.depth_m / 2, area.depth_m / 2})
+            for (const double y_m : {0.0, s.max_m - s.min_m}) {
+                const Vec3 corner{x_m, y_m, z_m};
+                const double aside_m = std::abs(dot(corner, cross(pose.direction, pose.up))),
+                             above_m = std::abs(dot(corner, pose.up)), ahead_m = dot(corner, pose.direction);
+                away_m = std::max({away_m, aside_m / right - ahead_m, above_m / up - ahead_m});
+            }
+    return away_m;
 }
 
 // After the camera was put somewhere else.
@@ -205,15 +224,13 @@ void handle(const JumpTo& c, HandlerContext context) {
 
 void handle(const ViewAll&, HandlerContext context) {
     const Interface& i = context.state.interface;
-    // At 45 degrees and twice as wide as high, 1.15 times the longer side away; a narrow picture takes more.
     const double aspect = i.view_height_px > 0 ? static_cast<double>(i.view_width_px) / i.view_height_px : 1.6;
     const flight::Area area = flight::area_of_tiles(open_engine(context).session().terrain());
-    const double away_m = 1.15 * area.longer_m() * std::max(1.0, 1.5 / std::max(aspect, 0.1));
     flight::FreeCamera& free = context.state.eye.free;
     const Vec3 centre{area.x_m + area.width_m / 2, context.state.scene.min_m, area.z_m + area.depth_m / 2};
     free.heading = 0;
-    free.pitch = -0.75;
-    free.position_m = centre - free.pose().direction * away_m;
+    free.pitch = -0.65;
+    free.position_m = centre - free.pose().direction * away_to_see_all_m(context, area, free.pose(), aspect);
     settle(context);
 }
 

@@ -22,8 +22,21 @@ void prepare_dialog(Dialog dialog, State& state) {
     if (folder.empty()) folder = files.settings.folder.empty() ? "." : files.settings.folder;
     const std::string& own = dialog == Dialog::save_path ? state.route.path() : state.document.path();
     if (dialog != Dialog::open_file && !own.empty()) folder = std::filesystem::absolute(own).parent_path().string();
+    // The heights' folder, where the last file was, hardly has profiles; where the editor was started there may be
+    // some.
+    std::error_code none;
+    if (filter_of(dialog) == FileFilter::profiles && own.empty() && std::filesystem::is_directory("profiles", none))
+        folder = std::filesystem::absolute("profiles").string();
     files.browser.filter(filter_of(dialog), false);
     files.browser.look(folder);
+}
+
+// Where no hand has put it yet: over the picture, each a title's height below and beside the one before.
+void place_first(FloatingPanel& f, const Interface& i) {
+    const auto others = std::ranges::count_if(i.arrangement.floating, [](const FloatingPanel& p) { return p.on; });
+    const auto scale = static_cast<float>(i.scale), step = 14 + 28 * static_cast<float>(others);
+    f.x_px = static_cast<float>(i.view_x_px) / scale + step;
+    f.y_px = static_cast<float>(i.view_y_px) / scale + step;
 }
 
 } // namespace
@@ -76,11 +89,13 @@ void handle(const ArrangeColumn& c, HandlerContext context) {
 void handle(const FloatPanel& c, HandlerContext context) {
     Arrangement& a = context.state.interface.arrangement;
     FloatingPanel& f = a.floating[static_cast<std::size_t>(c.panel)];
-    f.on = c.on;
     if (c.at_px) {
         f.x_px = static_cast<float>((*c.at_px)[0]);
         f.y_px = static_cast<float>((*c.at_px)[1]);
+    } else if (c.on && !f.on && f.x_px == 0 && f.y_px == 0) {
+        place_first(f, context.state.interface);
     }
+    f.on = c.on;
     handle(ShowPanel{c.panel}, context);
 }
 

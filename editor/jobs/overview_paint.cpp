@@ -232,10 +232,13 @@ void Painter::paint_layers(std::uint32_t tile) {
     } else {
         patch_height_m_.resize(std::size_t{side} * side);
         patch_slope_deg_.resize(patch_height_m_.size());
+        // The last texels lie on the border, whose slopes would be the next tile's, and that one's pages are not there.
+        const double end_x_m = texels.x_m + (side - 1.001) * texels.step_x_m,
+                     end_z_m = texels.z_m + (side - 1.001) * texels.step_z_m;
         for (std::uint32_t row = 0; row < side && !stopped_(); ++row)
             for (std::uint32_t column = 0; column < side; ++column) {
-                const GroundHeight g =
-                    ground(texels.x_m + column * texels.step_x_m, texels.z_m + row * texels.step_z_m);
+                const GroundHeight g = ground(std::min(texels.x_m + column * texels.step_x_m, end_x_m),
+                                              std::min(texels.z_m + row * texels.step_z_m, end_z_m));
                 const std::size_t i = std::size_t{row} * side + column;
                 patch_height_m_[i] = static_cast<float>(g.height_m);
                 patch_slope_deg_[i] =

@@ -102,6 +102,9 @@ void draw_facts(const BakeDraft& draft) {
             fact(strings::bake::spacing, "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
         fact(strings::bake::extents, "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
              metre_text((f.rows - 1) * f.spacing_m[1]).text);
+    } else { // the rows are there already, or a click that takes what is proposed would move the buttons
+        fact(strings::bake::spacing, "-");
+        fact(strings::bake::extents, "-");
     }
     fact(strings::bake::no_data, "%s%.3g%%", about, 100 * f.void_share);
     if (!f.image.empty()) fact(strings::bake::texture, "%s", f.image.c_str());

@@ -40,13 +40,19 @@ void draw_choice(const State& state, Commands& commands) {
     ui::tip(strings::compare_picture::about_other_threshold);
 }
 
-void side_plate(ImDrawList& list, ImVec2 at, bool right_aligned, const char* text) {
+// Its text with room around it; where there is too little on the divider's side, as near as it fits.
+ui::Rect side_plate(const char* text, bool right_aligned, float x, const ui::Rect& room) {
     const float em = ImGui::GetFontSize();
-    const ImVec2 size = ImGui::CalcTextSize(text), pad{0.5F * em, 0.25F * em};
-    if (right_aligned) at.x -= size.x + 2 * pad.x;
-    list.AddRectFilled(at, {at.x + size.x + 2 * pad.x, at.y + size.y + 2 * pad.y}, IM_COL32(12, 14, 18, 205),
-                       0.25F * em);
-    list.AddText({at.x + pad.x, at.y + pad.y}, IM_COL32_WHITE, text);
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    const float width = size.x + em, least = room.x + 0.3F * em, most = room.x + room.width - width - 0.3F * em;
+    const float wanted = right_aligned ? x - 0.5F * em - width : x + 0.5F * em;
+    return {std::max(std::min(wanted, most), least), room.y + 0.6F * em, width, size.y + 0.5F * em};
+}
+
+void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
+    const float em = ImGui::GetFontSize();
+    list.AddRectFilled({at.x, at.y}, {at.x + at.width, at.y + at.height}, IM_COL32(12, 14, 18, 205), 0.25F * em);
+    list.AddText({at.x + 0.5F * em, at.y + 0.25F * em}, IM_COL32_WHITE, text);
 }
 
 void name_sides(const State& state, const ui::Rect& view, float x) {
@@ -63,8 +69,13 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    side_plate(list, {x - 0.5F * em, view.y + 0.6F * em}, true, mine);
-    side_plate(list, {x + 0.5F * em, view.y + 0.6F * em}, false, theirs);
+    ui::Rect room = beside_probe(state, view);
+    if (state.eye.frozen) room.y += 2 * em; // below the plate that says so
+    const ui::Rect left = side_plate(mine, true, x, room);
+    ui::Rect right = side_plate(theirs, false, x, room);
+    if (right.x < left.x + left.width) right.y += left.height + 0.3F * em;
+    draw_side(list, left, mine);
+    draw_side(list, right, theirs);
     list.PopClipRect();
 }
 

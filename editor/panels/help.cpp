@@ -28,6 +28,7 @@ constexpr Key all_keys[] = {
     {strings::keys::n, strings::help::about_add_point},
     {strings::hands::point_keys, strings::hands::about_point_keys},
     {strings::help::point_drag, strings::help::about_point_drag},
+    {strings::help::timeline_keys, strings::help::about_timeline_keys},
     {strings::keys::p, strings::help::about_play},
     {strings::common::picture, nullptr},
     {strings::help::mode_keys, strings::help::about_mode_keys},
@@ -69,7 +70,7 @@ void draw_keys(const State&, Commands& commands) {
     scroll_by_keys();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
-                                ImGui::CalcTextSize(strings::help::pan_drag).x + ImGui::GetFontSize());
+                                ImGui::CalcTextSize(strings::help::timeline_keys).x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
         for (const Key& key : all_keys) {
             ImGui::TableNextRow();

@@ -82,7 +82,7 @@ void draw_auto_tune(const State& state, Commands& commands) {
     const JobView& shown = state.job.kind == JobKind::tune ? state.job : state.tuned;
     draw_tune_result(state, shown, commands);
     fields::outcome(state, JobKind::tune);
-    draw_tune_curve(shown, ImGui::GetContentRegionAvail().y);
+    draw_tune_curve(shown, std::max(ImGui::GetContentRegionAvail().y, 16 * ImGui::GetFontSize()));
 }
 
 void draw_benchmark(const State& state, Commands& commands) {

@@ -130,6 +130,13 @@ bool outline() {
     return at;
 }
 
+void keep_arrows() {
+    const ImGuiContext& g = *ImGui::GetCurrentContext();
+    const bool sideways = g.NavMoveDir == ImGuiDir_Left || g.NavMoveDir == ImGuiDir_Right;
+    if (g.NavMoveSubmitted && (g.NavMoveFlags & ImGuiNavMoveFlags_Tabbing) == 0 && (sideways || g.IO.KeyShift))
+        ImGui::NavMoveRequestCancel();
+}
+
 void show_focus() {
     ImGuiContext& g = *ImGui::GetCurrentContext();
     g.NavDisableHighlight = false;

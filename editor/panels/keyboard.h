@@ -48,6 +48,8 @@ private:
 
 // The item before has no outline of its own: draws one if keys are at it. True: they are.
 bool outline();
+// The item before takes arrows itself: left and right, and with Shift all four, move the focus nowhere.
+void keep_arrows();
 // The focus is shown from now on, as after an arrow key.
 void show_focus();
 // Keys are at the item before, having just moved there.

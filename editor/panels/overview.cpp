@@ -69,8 +69,13 @@ void draw_route(ImDrawList& list, const Frame& frame, const Route& route) {
     }
     const auto& points = route.points();
     const std::size_t step = points.size() / most_segments + 1;
-    for (std::size_t i = 0; i < points.size(); i += step)
-        list.AddCircleFilled(frame.at(points[i][0], points[i][2]), 0.22F * em, path_colour, 8);
+    std::optional<ImVec2> before; // one that would lie over it is left out
+    for (std::size_t i = 0; i < points.size(); i += step) {
+        const ImVec2 at = frame.at(points[i][0], points[i][2]);
+        if (before && std::hypot(at.x - before->x, at.y - before->y) < 0.5F * em) continue;
+        before = at;
+        list.AddCircleFilled(at, 0.22F * em, path_colour, 8);
+    }
     if (route.selected()) {
         const flight::ControlPoint& p = points[*route.selected()];
         list.AddCircle(frame.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);

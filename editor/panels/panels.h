@@ -36,6 +36,8 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
 
 // Over the picture.
 void draw_probe(const State& state, const ui::Rect& view);
+// What the probe's plate leaves of the picture, for what else is written at its top.
+[[nodiscard]] ui::Rect beside_probe(const State& state, const ui::Rect& view);
 
 // Inside a column.
 void draw_tune(const State& state, Commands& commands);

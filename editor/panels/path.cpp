@@ -59,10 +59,7 @@ void draw_flight(const State& state, Commands& commands) {
     ImGui::EndDisabled();
     ui::mark("path", "seek");
     ui::tip(strings::path::about_position);
-    {
-        const keyboard::PointerOnly by_hand; // keys have the slider above
-        draw_timeline(state, commands);
-    }
+    draw_timeline(state, commands);
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
     if (ImGui::InputDouble(strings::path::duration, &seconds, 0, 0, seconds > 0 ? "%.1f s" : strings::common::auto_,

@@ -25,8 +25,8 @@ public:
         list_.AddText({at_.x + values_, at_.y}, colour, value);
         at_.y += 1.3F * ImGui::GetFontSize();
     }
-    void line(const char* text) {
-        list_.AddText(at_, ui::quiet, text);
+    void line(const char* text, float wrap_width = 0) {
+        list_.AddText(nullptr, 0, at_, ui::quiet, text, nullptr, wrap_width);
         at_.y += 1.3F * ImGui::GetFontSize();
     }
     [[nodiscard]] float y() const { return at_.y; }
@@ -125,7 +125,37 @@ void draw_marks(const Probe& probe, const Picture& picture, ImDrawList& list) {
     }
 }
 
+const char* probe_help(const Probe& probe) {
+    return probe.marks == 1 ? strings::probe::click_second : strings::probe::click_first;
+}
+
+struct ProbePlate {
+    ui::Rect rect;
+    float text_width = 0, graph = 0; // graph: 0 without one
+};
+
+ProbePlate probe_plate(const Probe& probe, const ui::Rect& view) {
+    const float em = ImGui::GetFontSize();
+    const bool both = probe.marks == 2;
+    ProbePlate p;
+    p.graph = both ? 5 * em : 0;
+    p.rect = {view.x + 0.6F * em, view.y + 0.6F * em, std::min(26 * em, view.width - 1.2F * em), 0};
+    p.text_width = p.rect.width - 1.2F * em;
+    const float help = ImGui::CalcTextSize(probe_help(probe), nullptr, false, p.text_width).y;
+    p.rect.height = (1.3F * (both ? 8 : 6) + 1.2F) * em + p.graph + help;
+    return p;
+}
+
 } // namespace
+
+ui::Rect beside_probe(const State& state, const ui::Rect& view) {
+    if (!state.probe.on || !state.scene.open()) return view;
+    const ui::Rect taken = probe_plate(state.probe, view).rect;
+    const float right = taken.x + taken.width, low = taken.y + taken.height;
+    if (view.x + view.width - right >= 30 * ImGui::GetFontSize())
+        return {right, view.y, view.x + view.width - right, view.height};
+    return {view.x, low, view.width, std::max(view.y + view.height - low, 0.0F)};
+}
 
 void draw_probe(const State& state, const ui::Rect& view) {
     const Probe& probe = state.probe;
@@ -140,11 +170,9 @@ void draw_probe(const State& state, const ui::Rect& view) {
             list.AddCircle(*at, 0.4F * em, shadow, 0, 3);
             list.AddCircle(*at, 0.4F * em, IM_COL32_WHITE, 0, 1.5F);
         }
-    const bool both = probe.marks == 2;
-    const float lines = both ? 9 : 7, graph = both ? 5 * em : 0;
-    const float width = std::min(26 * em, view.width - em), height = (1.3F * lines + 1) * em + graph;
-    const ImVec2 from{view.x + 0.6F * em, view.y + 0.6F * em};
-    list.AddRectFilled(from, {from.x + width, from.y + height}, paper, 0.25F * em);
+    const ProbePlate plate = probe_plate(probe, view);
+    const ImVec2 from{plate.rect.x, plate.rect.y};
+    list.AddRectFilled(from, {from.x + plate.rect.width, from.y + plate.rect.height}, paper, 0.25F * em);
     Rows rows(list, {from.x + 0.6F * em, from.y + 0.5F * em}, 5.4F * em);
     if (probe.ground) {
         ground_rows(state, rows);
@@ -152,12 +180,12 @@ void draw_probe(const State& state, const ui::Rect& view) {
         rows.row(strings::probe::place, probe.pointer ? strings::probe::no_ground : strings::probe::point_somewhere);
         for (int i = 0; i < 5; ++i) rows.line("");
     }
-    if (both) {
+    if (probe.marks == 2) {
         profile_rows(probe, rows);
-        draw_profile(probe.profile, {from.x + 0.6F * em, rows.y(), width - 1.2F * em, graph - 0.4F * em}, list);
-        rows.skip(graph);
+        draw_profile(probe.profile, {from.x + 0.6F * em, rows.y(), plate.text_width, plate.graph - 0.4F * em}, list);
+        rows.skip(plate.graph);
     }
-    rows.line(probe.marks == 1 ? strings::probe::click_second : strings::probe::click_first);
+    rows.line(probe_help(probe), plate.text_width);
     list.PopClipRect();
 }
 

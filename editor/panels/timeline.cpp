@@ -1,5 +1,6 @@
 // The camera path over its time: how fast it flies, where its points are, and where it is being played. All three are
-// dragged: the playhead, a point's mark between its neighbours, and the curve of the speed up and down.
+// dragged: the playhead, a point's mark between its neighbours, and the curve of the speed up and down. Keys choose a
+// point, and do to it what a hand does; the playhead's are those of the slider above.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <optional>
 
 #include "editor/number_text.h"
+#include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/strings.h"
 
@@ -130,6 +132,14 @@ double held_time_s(const Route& route, const TimelineScale& scale) {
     return std::clamp(time_s, range.least, range.most);
 }
 
+// Of the stretch behind that point: it lasts no longer than a path may, and no less than a stretch may.
+double possible_speed_m_s(const Route& route, std::size_t point, double mean_m_s) {
+    const double lasts_s = route.time_of(point + 1) - route.time_of(point),
+                 rest_s = route.time_of(route.points().size() - 1) - lasts_s;
+    const double way_m = route.mean_speed_m_s(point) * lasts_s;
+    return std::clamp(mean_m_s, way_m / (flight::max_path_seconds - rest_s), way_m * poses_a_second);
+}
+
 // The mean speed of the stretch that keeps its curve at the pointer; like a neighbour's, if that is near.
 double held_speed_m_s(const Route& route, const TimelineScale& scale) {
     const double slowest = timeline_held.value / 50;
@@ -142,12 +152,7 @@ double held_speed_m_s(const Route& route, const TimelineScale& scale) {
         if (timeline_held.point + 2 < route.points().size())
             mean = snapped_to(mean, route.mean_speed_m_s(timeline_held.point + 1), within);
     }
-    // As long as a path may be, and as short as a stretch.
-    const double rest_s = route.time_of(route.points().size() - 1) - route.time_of(timeline_held.point + 1) +
-                          route.time_of(timeline_held.point),
-                 lasts_s = route.time_of(timeline_held.point + 1) - route.time_of(timeline_held.point);
-    const double way_m = route.mean_speed_m_s(timeline_held.point) * lasts_s;
-    return std::clamp(mean, way_m / (flight::max_path_seconds - rest_s), way_m * poses_a_second);
+    return possible_speed_m_s(route, timeline_held.point, mean);
 }
 
 void press_timeline(const Route& route, const TimelineGrip& grip, const TimelineScale& scale, Commands& commands) {
@@ -177,6 +182,63 @@ void follow_hand(const Route& route, const TimelineScale& scale, bool ends, Comm
         commands.push(TimePoint{timeline_held.point, held_time_s(route, scale), !ends});
     if (timeline_held.part == TimelinePart::speed)
         commands.push(PaceStretch{timeline_held.point, held_speed_m_s(route, scale), !ends});
+}
+
+// What keys are changing, from the first press until they are let go: one step of undo.
+struct TimelineNudge {
+    TimelinePart part = TimelinePart::nothing;
+    std::size_t point = 0;
+    double value = 0; // its time, or the mean speed behind it
+};
+TimelineNudge timeline_nudge;
+
+bool timeline_key(ImGuiKey key, bool repeats = true) {
+    return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), repeats);
+}
+
+void push_nudge(bool goes_on, Commands& commands) {
+    const TimelineNudge& n = timeline_nudge;
+    if (n.part == TimelinePart::point) commands.push(TimePoint{n.point, n.value, goes_on});
+    if (n.part == TimelinePart::speed) commands.push(PaceStretch{n.point, n.value, goes_on});
+}
+
+void nudge_point(const Route& route, std::size_t point, int right, int up, Commands& commands) {
+    if (right != 0 && point > 0) {
+        const Route::Range range = route.time_range(point);
+        const double step_s = ImGui::GetIO().KeyCtrl ? 1 : 0.1;
+        timeline_nudge = {TimelinePart::point, point,
+                          std::clamp(route.time_of(point) + right * step_s, range.least, range.most)};
+        push_nudge(true, commands);
+    } else if (up != 0 && route.mean_speed_m_s(point) > 0) { // there is a stretch behind it
+        const double m_s = route.mean_speed_m_s(point) * (up > 0 ? 1.05 : 1 / 1.05);
+        timeline_nudge = {TimelinePart::speed, point, possible_speed_m_s(route, point, m_s)};
+        push_nudge(true, commands);
+    }
+}
+
+// Keys are at the timeline.
+void follow_keys(const Route& route, bool enter, Commands& commands) {
+    const int right = timeline_key(ImGuiKey_RightArrow) - timeline_key(ImGuiKey_LeftArrow),
+              up = timeline_key(ImGuiKey_UpArrow) - timeline_key(ImGuiKey_DownArrow);
+    const std::size_t n = route.points().size();
+    const auto selected = route.selected();
+    if (n == 0) return;
+    if (!ImGui::GetIO().KeyShift && right != 0) {
+        std::size_t to = right > 0 ? 0 : n - 1; // when none is selected
+        if (selected) to = right > 0 ? std::min(*selected + 1, n - 1) : *selected - std::min<std::size_t>(*selected, 1);
+        commands.push(SelectPoint{to, false});
+    }
+    if (timeline_key(ImGuiKey_Insert, false)) commands.push(InsertPoint{});
+    if (!selected || *selected >= n) return;
+    if (ImGui::GetIO().KeyShift) nudge_point(route, *selected, right, up, commands);
+    if (timeline_key(ImGuiKey_Delete, false)) commands.push(RemovePoint{*selected});
+    if (enter) commands.push(SelectPoint{*selected, true});
+}
+
+void end_nudge(bool at_it, Commands& commands) {
+    if (timeline_nudge.part == TimelinePart::nothing || (at_it && ImGui::GetIO().KeyShift)) return;
+    push_nudge(false, commands);
+    timeline_nudge = {};
 }
 
 void draw_point_marks(ImDrawList& list, const Route& route, const TimelineScale& scale, const TimelineGrip& shown) {
@@ -232,16 +294,21 @@ void draw_paper(ImDrawList& list, const Route& route, const TimelineScale& scale
     }
 }
 
-// What is held, or how fast the fastest is.
-void write_head(ImDrawList& list, const Route& route, const TimelineScale& scale, const Speeds& speeds) {
+// What is held, by a hand or by keys, or how fast the fastest is.
+void write_head(ImDrawList& list, const Route& route, const TimelineScale& scale, const Speeds& speeds, bool by_keys) {
     char text[80];
-    const bool holds = timeline_held.moved && timeline_held.point < route.points().size();
-    if (holds && timeline_held.part == TimelinePart::point)
-        std::snprintf(text, sizeof text, strings::timeline::point, timeline_held.point,
-                      route.time_of(timeline_held.point));
-    else if (holds && timeline_held.part == TimelinePart::speed)
-        std::snprintf(text, sizeof text, strings::timeline::stretch, timeline_held.point,
-                      speed_text(route.mean_speed_m_s(timeline_held.point)).text);
+    TimelinePart part = timeline_held.moved ? timeline_held.part : TimelinePart::nothing;
+    std::size_t point = timeline_held.point;
+    if (part == TimelinePart::nothing && by_keys && route.selected()) {
+        part = timeline_nudge.part == TimelinePart::speed ? TimelinePart::speed : TimelinePart::point;
+        point = *route.selected();
+    }
+    const bool holds = part != TimelinePart::nothing && point < route.points().size();
+    if (holds && part == TimelinePart::point)
+        std::snprintf(text, sizeof text, strings::timeline::point, point, route.time_of(point));
+    else if (holds && part == TimelinePart::speed)
+        std::snprintf(text, sizeof text, strings::timeline::stretch, point,
+                      speed_text(route.mean_speed_m_s(point)).text);
     else
         std::snprintf(text, sizeof text, strings::timeline::speed_up_to,
                       speed_text(static_cast<double>(speeds.most)).text);
@@ -270,18 +337,23 @@ void draw_timeline(const State& state, Commands& commands) {
     const Route& route = state.route;
     if (route.poses().size() < 2) {
         timeline_held = {};
+        timeline_nudge = {};
         return;
     }
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 4 * em);
     const ImVec2 low = ImGui::GetCursorScreenPos(), high{low.x + width, low.y + 5.4F * em};
     ImGui::InvisibleButton("timeline", {width, high.y - low.y});
     const float edge = std::min(0.7F * em, width / 4); // where half of the first and the last mark have room
-    ui::mark_at("path", "timeline", {low.x + edge, low.y, width - 2 * edge, high.y - low.y});
+    ui::mark("path", "timeline", {low.x + edge, low.y, width - 2 * edge, high.y - low.y});
+    const bool at_it = ImGui::IsItemFocused() && ImGui::GetIO().NavVisible, pressed = ImGui::IsItemActivated(),
+               by_hand = pressed && ImGui::IsMouseDown(ImGuiMouseButton_Left);
+    if (at_it) keyboard::keep_arrows();
+    if (at_it) follow_keys(route, pressed && !by_hand, commands);
+    end_nudge(at_it, commands);
     const bool ends = ImGui::IsItemDeactivated();
     if (!ImGui::IsItemVisible() && !ImGui::IsItemActive() && !ends) return;
     const Speeds speeds = speeds_of(route);
-    const bool holds =
-        timeline_held.part != TimelinePart::nothing && (ImGui::IsItemActive() || ends) && !ImGui::IsItemActivated();
+    const bool holds = timeline_held.part != TimelinePart::nothing && (ImGui::IsItemActive() || ends) && !pressed;
     TimelineScale scale{{low.x + edge, low.y}, {high.x - edge, high.y}, em, low.y + 1.3F * em,
                         high.y - 1.4F * em,    route.seconds(),         1};
     scale.m_s = std::max(static_cast<double>(speeds.most), 1e-6);
@@ -299,10 +371,11 @@ void draw_timeline(const State& state, Commands& commands) {
     list.AddLine({x, scale.head - 0.2F * em}, {x, high.y}, IM_COL32_WHITE, std::max(1.0F, em / 10));
     if (holds)
         follow_hand(route, scale, ends, commands);
-    else if (ImGui::IsItemActivated())
+    else if (by_hand)
         press_timeline(route, shown, scale, commands);
-    write_head(list, route, scale, speeds);
+    write_head(list, route, scale, speeds, at_it);
     list.PopClipRect();
+    (void)keyboard::outline();
     if (shown.part == TimelinePart::point) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     if (shown.part == TimelinePart::speed) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
     if (ends || (!holds && !ImGui::IsItemActive())) timeline_held = {};

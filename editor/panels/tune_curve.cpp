@@ -145,7 +145,7 @@ void draw_tune_curve(const JobView& job, float height) {
     }
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
     const float left = at.x + font * 3.2F, right = at.x + width - font * 0.8F;
-    const float plots = std::max(height - font * 5.2F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
+    const float plots = std::max(height - font * 5.5F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
     const Axes time = axes_of(
         job, [](const TunePoint& p) { return p.p50_us; }, [](const TunePoint& p) { return p.p99_us; },
         job.tuned.budget_us, {left, at.y + font * 1.4F}, {right, split});

@@ -79,7 +79,11 @@ void apply_style(double scale) {
 
 void mark(const char* group, const char* name) {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    mark_at(group, name, {low.x, low.y, high.x - low.x, high.y - low.y});
+    mark(group, name, {low.x, low.y, high.x - low.x, high.y - low.y});
+}
+
+void mark(const char* group, const char* name, const Rect& rect) {
+    mark_at(group, name, rect);
     if (recording && ImGui::IsItemFocused() && ImGui::GetIO().NavVisible) keyboard_mark = all_marks.back().name;
 }
 
@@ -143,8 +147,12 @@ bool begin_tip() {
     const ImVec2 display = io.DisplaySize;
     const bool above = low.y > 0.35F * display.y, right = low.x > display.x / 2;
     const float gap = 0.4F * ImGui::GetFontSize();
-    ImGui::SetNextWindowPos({right ? high.x : low.x, above ? low.y - gap : high.y + gap}, ImGuiCond_Always,
-                            {right ? 1.0F : 0.0F, above ? 1.0F : 0.0F});
+    // Keys go on to what lies below or above: of what they are at it stands aside, where there is room.
+    if (!ImGui::IsMouseHoveringRect(low, high) && display.x - high.x > 0.4F * display.x)
+        ImGui::SetNextWindowPos({high.x + gap, low.y}, ImGuiCond_Always);
+    else
+        ImGui::SetNextWindowPos({right ? high.x : low.x, above ? low.y - gap : high.y + gap}, ImGuiCond_Always,
+                                {right ? 1.0F : 0.0F, above ? 1.0F : 0.0F});
     ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1); // over a disabled item, too
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);

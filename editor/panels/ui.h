@@ -34,6 +34,7 @@ struct Mark {
     Rect rect;
 };
 void mark(const char* group, const char* name);
+void mark(const char* group, const char* name, const Rect& rect);    // the part of it that a pointer is for
 void mark_at(const char* group, const char* name, const Rect& rect); // of what is no item
 [[nodiscard]] bool recording_marks();                                // for names that cost something to make
 void record_marks(bool on);                                          // starts again

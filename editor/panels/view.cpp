@@ -81,14 +81,17 @@ void handle_key_presses(const State& state, Commands& commands) {
 // Text on a dark plate, in the picture; x and y: where in it its own share of its extent lies.
 void plate(const ui::Rect& view, float x, float y, ImU32 colour, const char* text) {
     const float em = ImGui::GetFontSize();
-    const ImVec2 pad{0.6F * em, 0.3F * em}, size = ImGui::CalcTextSize(text);
-    const float w = size.x + 2 * pad.x, h = size.y + 2 * pad.y, margin = 0.6F * em;
+    const float margin = 0.6F * em;
+    const ImVec2 pad{0.6F * em, 0.3F * em};
+    const float wrap = std::max(view.width - 2 * margin - 2 * pad.x, 4 * em); // a file's path may be long
+    const ImVec2 size = ImGui::CalcTextSize(text, nullptr, false, wrap);
+    const float w = size.x + 2 * pad.x, h = size.y + 2 * pad.y;
     const ImVec2 from{view.x + margin + x * (view.width - 2 * margin - w),
                       view.y + margin + y * (view.height - 2 * margin - h)};
     ImDrawList& list = *ImGui::GetBackgroundDrawList(); // over the picture, under the panels, and no window: the
                                                         // mouse goes through it
     list.AddRectFilled(from, {from.x + w, from.y + h}, IM_COL32(12, 14, 18, 205), 0.25F * em);
-    list.AddText({from.x + pad.x, from.y + pad.y}, colour, text);
+    list.AddText(nullptr, 0, {from.x + pad.x, from.y + pad.y}, colour, text, nullptr, wrap);
 }
 
 // Where the pointer is in the picture, and a click there that was no drag.
@@ -112,7 +115,7 @@ void write_over(const State& state, const ui::Rect& view) {
     const Eye& eye = state.eye;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    if (eye.frozen) plate(view, 0.5F, 0, ui::warning_colour, strings::view::frozen);
+    if (eye.frozen) plate(beside_probe(state, view), 0.5F, 0, ui::warning_colour, strings::view::frozen);
     if (state.now_s < eye.speed_shown_until_s) {
         plate(view, 1, 1, IM_COL32_WHITE, speed_text(eye.free.speed_m_s).text);
     }
@@ -143,7 +146,7 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         char text[600];
         std::snprintf(text, sizeof text, strings::view::opening, state.opening.c_str());
         plate(layout.view, 0.5F, 0.5F, IM_COL32_WHITE, text);
-    } else if (!state.scene.open()) {
+    } else if (!state.scene.open() && state.interface.dialog == Dialog::none) { // a dialog would lie half over it
         plate(layout.view, 0.5F, 0.5F, ui::quiet, strings::view::no_terrain);
     }
     if (!state.scene.open()) return;

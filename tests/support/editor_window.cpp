@@ -292,6 +292,12 @@ void EditorWindow::click(const std::string& mark) {
     click_at(p.x + p.width / 2, p.y + p.height / 2);
 }
 
+void EditorWindow::click_twice(const std::string& mark) {
+    const Place p = place(mark);
+    move(p.x + p.width / 2, p.y + p.height / 2);
+    send("click --repeat 2 --delay 1 1", "buttons", 4);
+}
+
 void EditorWindow::drag_at(double x, double y, double to_x, double to_y) {
     move(x, y);
     send("mousedown 1", "buttons", 1);

@@ -68,6 +68,7 @@ public:
     void move(double x, double y); // the pointer, in pixels of the window
     void click(const std::string& mark);
     void click_at(double x, double y);
+    void click_twice(const std::string& mark); // as fast as there are events, whatever frames there are
     // Presses at one share of its width, moves in steps to another, releases.
     void drag(const std::string& mark, double from, double to);
     void drag_at(double x, double y, double to_x, double to_y);

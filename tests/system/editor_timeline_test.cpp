@@ -184,3 +184,46 @@ TEST_CASE("a point is dragged on the overview, selected by a click in all three 
     CHECK(w.editor.state()["route"]["undo"] == 0);
     CHECK(w.times() == std::vector<double>{0, 10, 20, 30, 40});
 }
+
+TEST_CASE("by keys alone a point is selected in the timeline, moved in time, sped up from, looked from and removed") {
+    if (left_out()) return;
+    PathWindow w;
+    for (int pane = 0; !w.editor.state()["marks"].contains("path.timeline") || pane == 0; ++pane) {
+        REQUIRE(pane < 6);
+        w.editor.key("F6");
+        if (w.editor.state()["interface"]["focus"] == "navigate.fly") break;
+    }
+    w.editor.go_to("path.timeline");
+    for (int i = 0; i < 3; ++i) w.editor.key("Right"); // none is selected: the first, then the next
+    w.check_steps(0);
+    CHECK(w.state["route"]["selected"] == 2);
+    w.editor.key("Left");
+    w.editor.key("Right");
+    // Until Shift is let go it is one step, and the focus stays.
+    int pressed = 0;
+    w.editor.hold("shift", "three steps", [&](const json& s) {
+        if (pressed++ == 0)
+            for (const char* key : {"Right", "Right", "ctrl+Right", "Left"}) w.editor.key(key);
+        return s["route"]["times_s"][2] > 20.5;
+    });
+    w.check_steps(1);
+    const std::vector<double> later = w.times();
+    CHECK(later[2] == Approx(21.1));
+    for (const std::size_t i : {0u, 1u, 3u, 4u}) CHECK(later[i] == 10.0 * static_cast<double>(i));
+    CHECK(w.state["route"]["selected"] == 2);
+    CHECK(w.state["interface"]["focus"] == "path.timeline");
+    w.editor.key("ctrl+z");
+    CHECK(w.times() == std::vector<double>{0, 10, 20, 30, 40});
+    w.editor.key("shift+Up");
+    const std::vector<double> faster = w.times();
+    CHECK(faster[2] == 20);
+    CHECK(faster[3] < 29.9);
+    CHECK(faster[4] - faster[3] == Approx(10));
+    w.check_steps(1);
+    w.editor.key("Return");
+    w.state = w.editor.state();
+    CHECK(w.state["camera"]["position_m"][0] == Approx(16000));
+    w.editor.key("Delete");
+    CHECK(w.editor.state()["route"]["points"] == 4);
+    CHECK(w.editor.state()["input"]["buttons"] == 0);
+}

@@ -1,11 +1,13 @@
 // The editor's camera on a real terrain, by its commands. Needs a headless OpenGL context.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <set>
 
 #include "editor/handlers/apply.h"
+#include "editor/probe.h"
 #include "fjell/gl/context.h"
 #include "fjell/query.h"
 #include "support/program.h"
@@ -117,6 +119,27 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
     }
     CHECK(on_ground > 0);
     CHECK(looked > 300);
+}
+
+TEST_CASE("seen whole, the terrain has all of its corners in the picture and fills it one way, wide or narrow") {
+    CameraPlace place(3);
+    for (const auto& [width, height] : {std::pair{640u, 360u}, {300u, 700u}, {1600u, 300u}}) {
+        INFO(width << " x " << height);
+        place.state.interface.view_width_px = width;
+        place.state.interface.view_height_px = height;
+        place.act(ViewAll{});
+        place.frame();
+        double least = 1; // from a corner to the nearest edge, in shares of the picture
+        const Scene& s = place.state.scene;
+        for (const double x : {0.0, s.width_m()})
+            for (const double z : {0.0, s.depth_m()})
+                for (const double y : {s.min_m, s.max_m}) {
+                    const auto at = place_in(place.state.eye.view, {x, y, z});
+                    REQUIRE(at);
+                    for (const double share : *at) least = std::min({least, share, 1 - share});
+                }
+        CHECK(least == Approx(0.03).epsilon(1e-6)); // half of what the fit leaves of the picture
+    }
 }
 
 TEST_CASE("the wheel nears the orbit's centre and sets the speed of flying") {

@@ -145,7 +145,18 @@ TEST_CASE("panels float and come back, and columns give the room of those that f
     CHECK(a.floating[static_cast<std::size_t>(Panel::time)] == FloatingPanel{true, 40, 50, 300, 400});
     run("float time off");
     CHECK(a.shown(right_groups) == Panel::time); // turned to where it belongs
+    state.interface.view_x_px = 300;
+    state.interface.view_y_px = 20;
     for (const char* panel : {"budgets", "streaming"}) run((std::string("float ") + panel + " on").c_str());
+    const FloatingPanel &one = a.floating[static_cast<std::size_t>(Panel::budgets)],
+                        &two = a.floating[static_cast<std::size_t>(Panel::streaming)];
+    CHECK(one.x_px > 300); // over the picture, where no hand has put them
+    CHECK(one.y_px > 20);
+    CHECK(two.x_px > one.x_px + 20); // and each can be taken by its title
+    CHECK(two.y_px > one.y_px + 20);
+    run("float time on");
+    CHECK(a.floating[static_cast<std::size_t>(Panel::time)] == FloatingPanel{true, 40, 50, 300, 400}); // where it was
+    run("float time off");
     const ui::Layout tall = at(1920, 1080);
     CHECK(tall.column[1].sections == 1); // the lower one's panels are elsewhere
     CHECK((groups_of(tall) & group_bit(Panel::budgets)) == 0);

@@ -354,14 +354,20 @@ TEST_CASE("a path is shown from its beginning to its end, however long, and its 
             CHECK(one_of(way, lines[i].from));
             if (i > 0) CHECK(length(lines[i].from - lines[i - 1].to) == 0);
         }
-        // What is left are the squares of those points that lie before the eye, the selected one last and larger.
+        // What is left are the squares of those points that lie before the eye, the selected one last and larger. One
+        // that would lie over the last (16 px) is left out.
         std::size_t at = pieces, before = 0;
+        std::optional<std::array<double, 2>> last;
         for (std::size_t k = 0; k <= points.size(); ++k) {
             if (k == selected) continue;
             const ControlPoint& p = points[k == points.size() ? selected : k];
             const Vec3 place{p[0], p[1], p[2]};
             const auto middle = project(view, place);
             if (!middle) continue;
+            if (k < points.size()) {
+                if (last && std::hypot(middle->x - (*last)[0], middle->y - (*last)[1]) < 16) continue;
+                last = {middle->x, middle->y};
+            }
             ++before;
             REQUIRE(lines.size() >= at + 4);
             const double side_px = k == points.size() ? 14 : 10;
