@@ -92,10 +92,27 @@ TEST_CASE("beyond the divider the picture is that of the other threshold, before
 
 TEST_CASE("a path in the picture goes on beyond the divider, and is no difference between two profiles") {
     const Studies s;
-    (void)s.after({"home", "circle-path", "wait", "screenshot path.png terrain", "overlay path off", "wait",
-                   "screenshot bare.png terrain", "compare-picture 2", "wait", "compare-view difference", "wait",
-                   "screenshot black.png terrain", "overlay path on", "wait", "screenshot apart.png terrain",
-                   "compare-view split", "wait", "screenshot both.png terrain"},
+    (void)s.after({"camera 3000 5000 15000 90 -10",
+                   "add-point",
+                   "camera 27000 5000 15000 90 -10",
+                   "add-point",
+                   "home",
+                   "wait",
+                   "screenshot path.png terrain",
+                   "overlay path off",
+                   "wait",
+                   "screenshot bare.png terrain",
+                   "compare-picture 2",
+                   "wait",
+                   "compare-view difference",
+                   "wait",
+                   "screenshot black.png terrain",
+                   "overlay path on",
+                   "wait",
+                   "screenshot apart.png terrain",
+                   "compare-view split",
+                   "wait",
+                   "screenshot both.png terrain"},
                   2);
     const gl::Image path = s.picture("path.png"), bare = s.picture("bare.png"), both = s.picture("both.png");
     CHECK(differing(path, bare, 0, path.width / 2) > 100); // on either side of the divider
