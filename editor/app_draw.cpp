@@ -50,7 +50,8 @@ void App::draw_terrain() {
     }
     const bool was_half = shown_ != nullptr && shown_ == half_target_.get();
     // A mesh from nothing costs its frame enough: what was shown before it is shown once more.
-    if (in_steps && entry_.rebuilt) return;
+    const bool opened = rehearsed_ != 0; // by a thread; the first pack, of the command line, is shown at once
+    if (in_steps && entry_.rebuilt && (opened || shown_ != nullptr)) return;
     // After that, and after a motion, the mesh still changes for a while.
     const bool another = drawn_terrain_ != engine_.terrains();
     const bool half = in_steps && (moving_ || another || (was_half && mesh_changed_));
@@ -59,7 +60,7 @@ void App::draw_terrain() {
     PictureRows rows;
     // The first picture of a terrain comes in bands as well, while what was shown before it stays, unless the camera
     // moves.
-    if (half && another && !state_.compared.there && shown_ != half_target_.get())
+    if (half && another && opened && !state_.compared.there && shown_ != half_target_.get())
         rows = next_first_band(target.height());
     if (in_bands) rows = next_band(target.height());
     if (rows.end == 0 || in_bands) shown_ = in_bands ? half_target_.get() : nullptr;

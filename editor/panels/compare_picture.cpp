@@ -68,9 +68,10 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
         std::snprintf(theirs, sizeof theirs, strings::compare_picture::compared_opening, px);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
-    list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     ui::Rect room = beside_probe(state, view);
+    if (room.height < 9 * em) return;       // the probe's plate and others at the bottom take all there is
     if (state.eye.frozen) room.y += 2 * em; // below the plate that says so
+    list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     const ui::Rect left = side_plate(mine, true, x, room);
     ui::Rect right = side_plate(theirs, false, x, room);
     if (right.x < left.x + left.width) right.y += left.height + 0.3F * em;

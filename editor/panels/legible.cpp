@@ -11,14 +11,19 @@ namespace fjell::editor::ui {
 
 namespace {
 
-constexpr float slack_px = 1.5F; // letters are rounded to pixels, and lean over
+constexpr float slack_px = 1.5F; // letters are rounded to pixels
+
+// As much may letters lie over their neighbours: an f leans over a j.
+float lean_px() {
+    return slack_px + 0.12F * ImGui::GetFontSize();
+}
 
 // Letters in a row, as one call has drawn them or several one behind the other.
 struct Text {
     std::string letters;
     ImVec2 low, high, last_low, last_high;
     ImVec4 clip;
-    bool trimmed = false; // letters of it were cut while they were written, to fit a control
+    bool cut_x = false, cut_y = false; // letters of it were cut as they were written, to fit a control or the window
     bool in_field = false;
 };
 
@@ -82,16 +87,17 @@ private:
         const ImVec2 low = v[0].pos, high = v[2].pos;
         const float em = font_.FontSize;
         Text* t = texts_.empty() ? nullptr : &texts_.back();
-        if (!going_on_ || t == nullptr || low.x < t->last_high.x - slack_px || low.x > t->last_high.x + 2 * em ||
+        if (!going_on_ || t == nullptr || low.x < t->last_high.x - lean_px() || low.x > t->last_high.x + 2 * em ||
             std::abs(low.y + high.y - t->last_low.y - t->last_high.y) > 1.4F * em) {
-            texts_.push_back({{}, low, high, low, high, clip, false, is_field(under_)});
+            texts_.push_back({{}, low, high, low, high, clip, false, false, is_field(under_)});
             t = &texts_.back();
         }
         going_on_ = true;
         t->letters += glyph.Codepoint < 128 ? static_cast<char>(glyph.Codepoint) : '?';
-        const float whole = (glyph.X1 - glyph.X0) - (high.x - low.x),
-                    high_whole = (glyph.Y1 - glyph.Y0) - (high.y - low.y);
-        t->trimmed = t->trimmed || whole > slack_px || high_whole > slack_px;
+        const float hidden_wide = (glyph.X1 - glyph.X0) - (high.x - low.x),
+                    hidden_high = (glyph.Y1 - glyph.Y0) - (high.y - low.y);
+        t->cut_x = t->cut_x || hidden_wide > slack_px;
+        t->cut_y = t->cut_y || hidden_high > slack_px;
         t->low = {std::min(t->low.x, low.x), std::min(t->low.y, low.y)};
         t->high = {std::max(t->high.x, high.x), std::max(t->high.y, high.y)};
         t->last_low = low;
@@ -116,10 +122,10 @@ bool scrolls(const ImGuiWindow* window, ImGuiAxis axis) {
 }
 
 bool is_cut(const Text& t, const ImGuiWindow* window) {
-    if (t.trimmed && !t.in_field) return true;
     const bool across = t.low.x < t.clip.x - slack_px || t.high.x > t.clip.z + slack_px,
                along = t.low.y < t.clip.y - slack_px || t.high.y > t.clip.w + slack_px;
-    return (across && !scrolls(window, ImGuiAxis_X)) || (along && !scrolls(window, ImGuiAxis_Y));
+    return ((across || (t.cut_x && !t.in_field)) && !scrolls(window, ImGuiAxis_X)) ||
+           ((along || t.cut_y) && !scrolls(window, ImGuiAxis_Y));
 }
 
 bool lie_over_each_other(const Text& a, const Text& b) {
@@ -127,7 +133,7 @@ bool lie_over_each_other(const Text& a, const Text& b) {
                     std::max(std::max(a.low.x, a.clip.x), std::max(b.low.x, b.clip.x));
     const float y = std::min(std::min(a.high.y, a.clip.w), std::min(b.high.y, b.clip.w)) -
                     std::max(std::max(a.low.y, a.clip.y), std::max(b.low.y, b.clip.y));
-    return x > slack_px && y > slack_px;
+    return x > lean_px() && y > lean_px();
 }
 
 } // namespace

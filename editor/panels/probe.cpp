@@ -101,7 +101,7 @@ struct Picture {
 };
 
 // The line over the ground from mark to mark, whether something stands before it or not, and the marks.
-void draw_marks(const Probe& probe, const Picture& picture, ImDrawList& list) {
+void draw_marks(const Probe& probe, const Picture& picture, const ui::Rect& plate, ImDrawList& list) {
     const float em = ImGui::GetFontSize();
     if (probe.marks == 2) {
         const HeightProfile& p = probe.profile;
@@ -120,6 +120,7 @@ void draw_marks(const Probe& probe, const Picture& picture, ImDrawList& list) {
         if (!at) continue;
         list.AddCircleFilled(*at, 0.35F * em, shadow);
         list.AddCircleFilled(*at, 0.25F * em, mark_colour);
+        if (at->x < plate.x + plate.width && at->y < plate.y + plate.height) continue; // which covers its number
         const char name[2] = {static_cast<char>('1' + i), 0};
         list.AddText({at->x + 0.5F * em, at->y - 1.1F * em}, mark_colour, name);
     }
@@ -164,13 +165,13 @@ void draw_probe(const State& state, const ui::Rect& view) {
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     const float em = ImGui::GetFontSize();
     const Picture picture{state.eye.view, view};
-    draw_marks(probe, picture, list);
+    const ProbePlate plate = probe_plate(probe, view);
+    draw_marks(probe, picture, plate.rect, list);
     if (probe.ground)
         if (const auto at = picture.at(probe.ground->position_m)) {
             list.AddCircle(*at, 0.4F * em, shadow, 0, 3);
             list.AddCircle(*at, 0.4F * em, IM_COL32_WHITE, 0, 1.5F);
         }
-    const ProbePlate plate = probe_plate(probe, view);
     const ImVec2 from{plate.rect.x, plate.rect.y};
     list.AddRectFilled(from, {from.x + plate.rect.width, from.y + plate.rect.height}, paper, 0.25F * em);
     Rows rows(list, {from.x + 0.6F * em, from.y + 0.5F * em}, 5.4F * em);

@@ -158,10 +158,10 @@ void about_run(const FlownRun& run) {
 
 void draw_run_table(const State& state, Commands& commands) {
     if (!ImGui::BeginTable("runs", 6, ImGuiTableFlags_SizingStretchProp)) return;
-    const float em = ImGui::GetFontSize();
     ImGui::TableSetupColumn("run", 0, 2);
     for (const char* name : {"px", "p50", "p99", strings::common::max}) ImGui::TableSetupColumn(name, 0, 1);
-    ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed, 1.4F * em);
+    ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed,
+                            ImGui::CalcTextSize("x").x + 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::update_ms);
