@@ -73,8 +73,8 @@ TEST_CASE("a merge of more files of chunks than it may open makes the pack of on
     const Job job(terrain(random, 1250, 1200, false), options);
     const baker::ShardPlan plan = job.plan(25, "plan"); // two files each
     run_all(job, plan, random, false);
-    const auto open_files = static_cast<rlim_t>(
-        std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
+    const auto open_files =
+        static_cast<rlim_t>(std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator()));
     rlimit limit{};
     REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
     const rlim_t before = limit.rlim_cur;

@@ -42,9 +42,9 @@ TEST_CASE("real height fields far apart are baked to a sparse set in shards, whi
     const bool full = full_rounds();
     const TemporaryFolder folder;
     const int columns = full ? 70'000 : 2'600, rows = full ? 68'000 : 2'000;
-    spit(folder / "far.vrt", vrt_of(columns, rows,
-                                    {{norway, 512, 512, full ? 60'000 : 1'950, full ? 50'000 : 1'400},
-                                     {crater, 429, 279, 70, 90}}));
+    spit(folder / "far.vrt",
+         vrt_of(columns, rows,
+                {{norway, 512, 512, full ? 60'000 : 1'950, full ? 50'000 : 1'400}, {crater, 429, 279, 70, 90}}));
     const std::string packs = full ? "68x66" : "20x15", options = " --tile 128 --void -32767 ";
     REQUIRE(run_in(folder.path, bake + "plan far.vrt -o plan --shards 16 --packs " + packs + options).code == 0);
     const Run refused = run_in(folder.path, bake + "launch plan -o far.fjell --threads 1");
@@ -63,7 +63,8 @@ TEST_CASE("real height fields far apart are baked to a sparse set in shards, whi
     CHECK(info.at("packs") < (full ? 6 : 40));
     CHECK(info.at("columns") == columns);
     // From over the ground nearest to the empty middle: from there the rest of the set is a few triangles a tile.
-    const Run flown = run_in(folder.path, FJELL_BIN_DIR "/fjell-fly far --headless --wait --frames 2 --json flight.json");
+    const Run flown =
+        run_in(folder.path, FJELL_BIN_DIR "/fjell-fly far --headless --wait --frames 2 --json flight.json");
     CAPTURE(flown.err);
     REQUIRE(flown.code == 0);
     const auto flight = nlohmann::json::parse(slurp(folder / "flight.json"));
