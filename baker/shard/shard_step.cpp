@@ -131,7 +131,7 @@ private:
                 const bool none = step.kind == Kind::read ? ground_.is_void(other) : ground_.idles(other);
                 return none ? Window{} : held_of(windows_of(other));
             },
-            store, ground_.leaves_out());
+            store, plan_.packs.has_value());
     }
 
     void read();
@@ -177,7 +177,6 @@ void ShardRun::read() {
         facts.put(read_windows(context_, heights));
     }
     scratch_.write_parcel("facts", facts.bytes);
-    if (plan_.packs && facts.bytes.size() == sizeof(ReadStatistics)) return; // nothing but voids
     scratch_.add("heights", heights.written());
     const std::int32_t width = ShardFill::raw_frame(height_frame(map_sizes())); // in case there are voids
     leave_frame("heights", heights, width, width);
