@@ -178,6 +178,47 @@ void teleport_recovery(benchmark::State& state) {
     state.counters["frames_to_99_worst"] = rank(frames_to_99, 1);
 }
 
+// Teleports to random places: for how many frames nothing is claimed, what is wrong meanwhile, and how far the first
+// claim is from what is true. Truth: every sample of the terrain, measured.
+void teleport_claims(benchmark::State& state, double budget_us) {
+    const Terrain& t = mountains().pack.terrain;
+    const std::size_t bytes = cut_bytes(t, cut_budget);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    LiveCut cut;
+    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    std::uint32_t seed = 1;
+    const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
+    View view = flight_views(t, 0.25, 1)[0];
+    CutSettings settings;
+    settings.error_px = mountains().error_px;
+    CutReport report;
+    std::vector<double> unbounded, before_px, claimed_px, ratio;
+    (void)rebuild_cut(cut, {&view, 1}, settings, report);
+    settings.budget_us = budget_us;
+    for (auto _ : state)
+        for (int jump = 0; jump < 8; ++jump) {
+            view.eye_m = {(0.15 + 0.7 * random()) * t.x_m(4096), 0, (0.15 + 0.7 * random()) * t.z_m(4096)};
+            view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
+            int frames = 0;
+            for (report.error_px_effective = unbounded_px; report.error_px_effective >= unbounded_px; ++frames) {
+                (void)update_cut(cut, {&view, 1}, settings, report);
+                const Frustum frustum = make_frustum(view);
+                if (frames == 0) before_px.push_back(measure_error(t, cut_mesh(cut).mesh, view, &frustum).max_px);
+            }
+            const double true_px = measure_error(t, cut_mesh(cut).mesh, view).max_px;
+            if (true_px > report.error_px_effective) return state.SkipWithError("a claim was too low");
+            unbounded.push_back(frames - 1);
+            claimed_px.push_back(report.error_px_effective);
+            ratio.push_back(report.error_px_effective / true_px);
+        }
+    state.counters["unbounded_frames"] = rank(unbounded, 0.5);
+    state.counters["unbounded_frames_worst"] = rank(unbounded, 1);
+    state.counters["wrong_before_px"] = rank(before_px, 0.5);
+    state.counters["first_claim_px"] = rank(claimed_px, 0.5);
+    state.counters["claim_over_truth"] = rank(ratio, 0.5);
+    state.counters["claim_over_truth_worst"] = rank(ratio, 1);
+}
+
 } // namespace
 
 void declare_frames_that_time_ends() {
@@ -186,6 +227,8 @@ void declare_frames_that_time_ends() {
     declare("teleport-300us/all-around", [](benchmark::State& s) { teleport_budget(s, 1); });
     declare("teleport-300us/offscreen-8", [](benchmark::State& s) { teleport_budget(s, 8); });
     declare("teleport-2ms", teleport_recovery);
+    declare("teleport-claims/2ms", [](benchmark::State& s) { teleport_claims(s, 2000); });
+    declare("teleport-claims/300us", [](benchmark::State& s) { teleport_claims(s, 300); });
 }
 
 } // namespace fjell::bench
