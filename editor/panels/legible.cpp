@@ -117,7 +117,7 @@ bool is_seen(const Text& t) {
 
 bool scrolls(const ImGuiWindow* window, ImGuiAxis axis) {
     for (; window != nullptr; window = window->ParentWindow)
-        if (window->ScrollMax[axis] > 0) return true;
+        if (window->ScrollMax[static_cast<std::size_t>(axis)] > 0) return true;
     return false;
 }
 
