@@ -113,6 +113,40 @@ TEST_CASE("views come, go and change places a million times, and the cut stays e
     REQUIRE(alone > 10);
 }
 
+TEST_CASE("a cut built anew in the middle of changes has nothing in a queue that is gone") {
+    Random random(123);
+    std::uint64_t let_go = 0; // groups that wait, beside the root's, in root pages where nothing is active any more
+    for (int round = 0; round < rounds(250, 2500); ++round) {
+        const auto pack = random_terrain(random, 40, 5);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, some_budget(terrain));
+        std::vector<View> views{random_view(random, terrain)};
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        for (int change = 0; change < 200; ++change) {
+            change_views(random, terrain, views);
+            settings.items = static_cast<std::uint32_t>(pick(random, 0, 60));
+            if (pick(random, 0, 9) != 0) {
+                (void)cut.update(views, settings);
+                continue;
+            }
+            const CutState& s = cut.state();
+            for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
+                const PageState& page = s.page_state[slot];
+                if (page.page == no_index || page.shape != 0 || page.active != 0) continue;
+                const GroupState* const groups = s.groups + std::size_t{slot} * max_page_groups;
+                const std::uint32_t root = s.steps[data_of(terrain).tree.tile_log2 - 1].centres;
+                for (std::uint32_t n = 0; n < s.shapes[0].count; ++n)
+                    let_go += n != root && groups[n].queue != unqueued;
+            }
+            (void)cut.rebuild(views, settings);
+            CAPTURE(round, change, views.size(), settings.error_px);
+            REQUIRE(check_cut(cut) == "");
+        }
+    }
+    CHECK(let_go > 0);
+}
+
 TEST_CASE("with hysteresis too, views that come, go and change places leave every page due in time") {
     Random random(122);
     for (int round = 0; round < rounds(10, 60); ++round) {

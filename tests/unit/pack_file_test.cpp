@@ -129,7 +129,7 @@ TEST_CASE("a file that is gone is read on, one that has shrunk answers with an e
 TEST_CASE("what is no file is refused, and a pipe does not hang") {
     const TemporaryFolder folder;
     CHECK(refusal(folder / "nothing").find("give an existing file") != std::string::npos);
-    CHECK(refusal(folder.path.string()).find("not a file") != std::string::npos);
+    CHECK(refusal(folder.path.string()).find("is a folder without a set.json") != std::string::npos);
     REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
     CHECK(refusal(folder / "pipe").find("not a file") != std::string::npos);
     CHECK(refusal("/dev/null").find("not a file") != std::string::npos);

@@ -86,5 +86,5 @@ TEST_CASE("a pack that is damaged is refused when it is read back, one that is m
     check_refusal(refusal([&] { (void)read_whole(source); }), 1, pack, {"tile", "bake it again"});
     const std::string missing = dir / "b.fjell";
     check_refusal(refusal([&] { PackSource s(missing); }), 1, missing, {"give an existing file"});
-    check_refusal(refusal([&] { PackSource s(dir / "."); }), 1, dir / ".", {"not a file"});
+    check_refusal(refusal([&] { PackSource s(dir / "."); }), 1, dir / ".", {"is a folder", "fjell-bake split"});
 }

@@ -19,7 +19,7 @@ BulkPage& visit(CutState& s, std::uint32_t slot) {
     page.build = s.bulk.build;
     page.wanted = 0;
     page.grades = 0;
-    page.was_clear = s.page_state[slot].parents == 0 && s.page_state[slot].active == 0;
+    page.was_clear = s.page_state[slot].parents == 0 && !s.page_state[slot].used;
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
     s.bulk.visited[s.bulk.visited_count++] = slot;

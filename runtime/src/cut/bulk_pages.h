@@ -22,7 +22,7 @@ struct alignas(64) BulkPage {
     std::uint16_t wanted;           // vertices
     std::uint16_t ticks[page_ticks];
     std::uint8_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
-    bool was_clear;      // the page's state had nothing active when the pass came, and no active parents
+    bool was_clear;      // nothing was active since the page's groups were written, nor has active parents
 };
 static_assert(sizeof(BulkPage) == 1088);
 

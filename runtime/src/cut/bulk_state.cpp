@@ -35,6 +35,7 @@ public:
         for (int z = coarsest; z >= finest; --z) step(z);
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
+        info.used = page_.wanted != 0;
         return parents_ - (info.shape == 0 ? 2 : 0); // a root's do not exist
     }
 

@@ -166,7 +166,9 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     s.vertex_slot[vertex] = slot;
     GroupState& group = s.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
-    ++s.page_state[vertex / group_lanes / max_page_groups].active;
+    PageState& page = s.page_state[vertex / group_lanes / max_page_groups];
+    ++page.active;
+    page.used = true;
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];

@@ -244,6 +244,7 @@ void zero_groups(CutState& s, std::uint32_t slot) {
     static_assert(unqueued == 0);
     std::memset(static_cast<void*>(s.groups + std::size_t{slot} * max_page_groups), 0,
                 s.shapes[s.page_state[slot].shape].count * sizeof(GroupState));
+    s.page_state[slot].used = false;
 }
 
 void clear_page(CutState& s, std::uint32_t slot) {

@@ -83,6 +83,7 @@ struct alignas(64) PageState {  // a cache line
     bool idle;              // listed among idle_pages: stays when the page leaves
     bool late;              // listed among late_pages
     std::uint8_t offscreen; // parts that no view sees, nor soon will (sight.h)
+    bool used;              // something was active since its groups were last written: any of them may be queued
 };
 static_assert(sizeof(PageState) == 64);
 
