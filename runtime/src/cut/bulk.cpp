@@ -11,21 +11,27 @@
 
 namespace fjell {
 
-namespace {
-
-BulkPage& visit(CutState& s, std::uint32_t slot) {
+BulkPage& visit_page(CutState& s, std::uint32_t slot) {
     BulkPage& page = s.bulk.pages[slot];
     if (page.build == s.bulk.build) return page;
+    const PageState& info = s.page_state[slot];
     page.build = s.bulk.build;
     page.wanted = 0;
     page.grades = 0;
-    page.was_clear = s.page_state[slot].parents == 0 && !s.page_state[slot].used;
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
     s.bulk.visited[s.bulk.visited_count++] = slot;
-    if (s.bulk.beside) watch_visited_page(s, slot);
+    if (info.shape == 0) { // its root has been decided
+        const BulkRoot& root = s.bulk.tiles[info.tile].root;
+        page.ticks[0] = root.ticks;
+        page.grades = root.grades;
+    } else if (s.bulk.beside) {
+        watch_visited_page(s, slot);
+    }
     return page;
 }
+
+namespace {
 
 // The page that squares lie in has a state then. False: it is not loaded, or there is none to be had.
 bool attach_squares(CutState& s, BulkSquares& at) {
@@ -39,19 +45,13 @@ bool attach_squares(CutState& s, BulkSquares& at) {
 
 void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
     BulkSquares squares = squares_at(s, z, i, j);
-    if (attach_squares(s, squares)) (void)visit(s, squares.slot);
+    if (attach_squares(s, squares)) (void)visit_page(s, squares.slot);
 }
 
-// The next page whose centres are to be decided: of the coarsest step every tile's, of any other those under pages with
-// active centres. No other can have an active parent.
+// The next page whose centres are to be decided: those under pages with active centres. No other can have an active
+// parent.
 bool next_squares(const CutState& s, BulkSquares& squares) {
     const BulkPass& b = s.bulk;
-    if (b.z + 1 == s.terrain->tree.tile_log2) {
-        if (b.at == s.terrain->tile_count()) return false;
-        const Coord tile = s.terrain->tile_xy(b.at);
-        squares = squares_at(s, b.z, tile.x, tile.y);
-        return true;
-    }
     const std::uint32_t quarters = s.steps[b.z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
     if (b.at == quarters * b.listed_count[0]) return false;
     const BulkSquares above = listed_squares(s, b.listed[0][b.at / quarters], b.z + 1);
@@ -64,7 +64,7 @@ bool next_squares(const CutState& s, BulkSquares& squares) {
 bool find_ready(CutState& s, BulkSquares& at) {
     std::uint32_t parents[2][page_squares];
     if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
-    BulkPage& page = visit(s, at.slot);
+    BulkPage& page = visit_page(s, at.slot);
     if (s.page_state[at.slot].status == PageStatus::evicting) return false;
     std::uint32_t* const ready = page.active + at.row(VertexKind::centre, 0);
     std::uint32_t any = 0;
@@ -262,7 +262,7 @@ void begin_bulk(CutState& s, bool beside) {
     b.free_before = beside ? s.free_vertex_count : 0;
     b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
     b.z = s.terrain->tree.tile_log2 - 1;
-    b.phase = BulkPhase::centres;
+    b.phase = BulkPhase::roots;
     std::fill_n(b.travelled_m, grade_count, 0.0);
 }
 
@@ -345,6 +345,10 @@ BulkStatus step_bulk(CutState& s) {
     FJELL_ASSERT(b.phase != BulkPhase::idle && b.phase <= BulkPhase::triangles);
     b.units = 1;
     if (b.phase == BulkPhase::triangles) return step_tiles(s);
+    if (b.phase == BulkPhase::roots) {
+        if (!step_roots(s)) b.phase = BulkPhase::sides, b.at = 0;
+        return b.taken > bulk_capacity(s) ? stop(s, BulkStatus::no_vertices) : BulkStatus::unfinished;
+    }
     BulkUnit units[most_units];
     const std::uint32_t count = next_units(s, units);
     if (count == 0) return next_phase(s);

@@ -27,6 +27,12 @@ enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triang
 // nothing has changed.
 [[nodiscard]] BulkStatus step_bulk(CutState& s);
 
+// Of that the first: the roots of the next tiles. False: all are decided (bulk_roots.cpp).
+[[nodiscard]] bool step_roots(CutState& s);
+
+// What has been found in a page, from now on: nothing so far, but for when a root has to be looked at again.
+BulkPage& visit_page(CutState& s, std::uint32_t slot);
+
 // Of it the triangles, once all vertices are placed (bulk_mesh.cpp). has_segments: there are enough for those that were
 // decided, whatever their order. step: the triangles of one more quarter of a page; false when there is none. build:
 // all of them, several tiles side by side.
@@ -40,6 +46,9 @@ void build_tiles(CutState& s);
 void install_mesh(CutState& s);
 // The next unit of that. False: all is done.
 [[nodiscard]] bool step_install(CutState& s);
+
+// Of that the last: the roots of tiles of which nothing else was found. False: all are done.
+[[nodiscard]] bool step_install_roots(CutState& s);
 
 // What it has begun to build comes to its end; what it has only decided is forgotten.
 void finish_bulk(CutState& s);
@@ -111,6 +120,11 @@ struct BulkSquares {
 [[nodiscard]] inline const BulkPage* found_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
     if (i < 0 || j < 0 || i >= s.tiles_x << s.steps[z].log2 || j >= s.tiles_y << s.steps[z].log2) return nullptr;
     return found_in(s, squares_at(s, z, i, j).slot);
+}
+
+// Nothing but its root can be ready, or scheduled, or wait.
+[[nodiscard]] inline bool is_clear(const PageState& page) {
+    return page.shape == 0 && page.parents == 0 && !page.used;
 }
 
 [[nodiscard]] inline std::uint32_t row_bits(const BulkPage* page, std::uint32_t row) {

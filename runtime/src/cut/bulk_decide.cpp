@@ -13,6 +13,7 @@
 #include "cut/bulk.h"
 #include "cut/evaluate.h"
 #include "cut/group_words.h"
+#include "cut/slot_grid.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -357,31 +358,43 @@ std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, s
     return number + placed;
 }
 
+template <typename Do>
+void for_rows_in_use(const BulkPage& page, std::uint32_t first, std::uint32_t end, const Do& row) {
+    for (; first < end; first += 64)
+        for (std::uint64_t left = rows_in_use(page.active + first, std::min(end - first, 64u)); left != 0;
+             left &= left - 1)
+            row(first + static_cast<std::uint32_t>(std::countr_zero(left)));
+}
+
 } // namespace
 
 void place_unit(CutState& s, BulkUnit& unit) {
     BulkPage& page = s.bulk.pages[unit.slot];
     if (page.wanted == 0) return;
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
-    const std::uint32_t before = count_bits(page.active, first);
-    unit.wanted = number_bits(page.active + first, end - first, before, page.first + first) - before;
-    unit.own += 2 * unit.wanted;
+    const std::uint32_t before = count_bits(page.active, first), column = 3 * page_squares + 1;
     const Rows rows(s, unit.slot);
-    const std::uint32_t number = page.number + before, column = 3 * page_squares + 1;
     // Its rows on the tile's border, and the column at the terrain's rim, may have triangles of other tiles.
     const PageState& info = s.page_state[unit.slot];
     const bool inside = info.shape != 0 && info.i0 != 0 && info.j0 != 0;
-    for (std::uint32_t row = first; row < end; ++row)
-        if (page.active[row] != 0 && (!inside || row == 2 * page_squares || row == column))
-            leave_triangles(s, rows.group(row), page.active[row], unit);
+    std::uint32_t in_page = before;
+    page.first[first] = static_cast<std::uint16_t>(before);
+    for_rows_in_use(page, first, end, [&](std::uint32_t row) {
+        const std::uint32_t active = page.active[row];
+        page.first[row] = static_cast<std::uint16_t>(in_page);
+        in_page += static_cast<std::uint32_t>(std::popcount(active));
+        if (!inside || row == 2 * page_squares || row == column) leave_triangles(s, rows.group(row), active, unit);
+    });
+    unit.wanted = in_page - before;
+    unit.own += 2 * unit.wanted;
+    const std::uint32_t number = page.number + before;
     std::uint32_t next = first, done = 0;
     if (rows.is_whole(first) && BulkSlots(s).are_consecutive(number)) {
         next = std::min(end, column);
         done = place_whole(s, rows, page, first, next, number) - number;
     }
     Placer placer(s, unit.slot, number + done);
-    for (; next < end; ++next)
-        if (page.active[next] != 0) placer.add(next, page.active[next]);
+    for_rows_in_use(page, next, end, [&](std::uint32_t row) { placer.add(row, page.active[row]); });
     placer.place();
 }
 

@@ -77,18 +77,24 @@ private:
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
-    std::uint32_t triangle(const MeshTriangle& t, std::uint32_t direction, bool named = true) {
+    std::uint32_t take(const MeshTriangle& t) {
         BulkTile& own = b.tiles[down_.tile];
         const std::uint32_t list = own.reserved != no_index ? down_.tile : list_for(s, down_.tile, t);
-        close();
         if (own.reserved != no_index && needs_segment(s, own))
             push_segment(s, own, down_.tile, s.free_segments[--own.reserved]);
-        const std::uint32_t slot = take_triangle(s, b.tiles[list], list), key = t.right * 4 + direction;
-        const std::uint32_t before = s.triangle_of[key];
-        put_triangle(s, slot, t, key);
+        const std::uint32_t slot = take_triangle(s, b.tiles[list], list);
         if (b.beside) s.dirty_triangles.mark(slot);
-        if (!named) s.triangle_of[key] = before;
+        return slot;
+    }
+    void triangle(const MeshTriangle& t, std::uint32_t direction) {
+        close();
+        put_triangle(s, take(t), t, t.right * 4 + direction);
         open();
+    }
+    // One of a tile that has no others. Its key is the drawn mesh's until this one is.
+    std::uint32_t base_triangle(const MeshTriangle& t) {
+        const std::uint32_t slot = take(t);
+        put_corners(s, slot, t);
         return slot;
     }
 
@@ -106,11 +112,9 @@ private:
         std::uint32_t(&base)[2] = b.bases[down_.tile];
         base[0] = base[1] = no_index;
         if (found == nullptr || found->active[root.row(VertexKind::centre, 0)] == 0) {
-            open();
-            // Their keys are the drawn mesh's until this one is.
-            base[0] = triangle({corner(1, 0), corner(0, 0), corner(1, 1)}, 2, false);
-            base[1] = triangle({corner(0, 1), corner(1, 1), corner(0, 0)}, 1, false);
-            close();
+            const MeshTriangle halves[2] = {{corner(1, 0), corner(0, 0), corner(1, 1)},
+                                            {corner(0, 1), corner(1, 1), corner(0, 0)}};
+            for (std::size_t n = 0; n < 2; ++n) base[n] = base_triangle(halves[n]);
             return false;
         }
         page(root);
@@ -271,7 +275,7 @@ private:
     FJELL_NOINLINE void fan(const MeshTriangle (&triangles)[4], std::uint32_t drawn) {
         std::fill_n(s.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
         for (std::uint32_t d = 0; d < 4; ++d)
-            if (drawn >> d & 1) (void)triangle(triangles[d], d);
+            if (drawn >> d & 1) triangle(triangles[d], d);
     }
 
     void centre_row(std::int32_t j) {
@@ -413,7 +417,7 @@ void begin_triangles(CutState& s) {
     for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) {
         BulkTile& tile = s.bulk.tiles[i];
         const bool hides = i == s.terrain->tile_count() || may_hide(s, i);
-        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.free_segment_count};
+        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.free_segment_count, tile.root};
         if (!hides) s.free_segment_count -= (tile.planned + a_segment - 1) >> s.segment_log2;
     }
     note_segments(s);

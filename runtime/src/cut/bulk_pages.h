@@ -18,11 +18,10 @@ struct alignas(64) BulkPage {
     std::uint32_t build;
     std::uint32_t number; // of its first vertex, in the order in which slots are taken
     std::uint32_t active[bulk_rows];
-    std::uint16_t first[bulk_rows]; // of the row's vertices, counted from the page's first
+    std::uint16_t first[bulk_rows]; // of the row's vertices, counted from the page's first; where it has any
     std::uint16_t wanted;           // vertices
     std::uint16_t ticks[page_ticks];
     std::uint8_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
-    bool was_clear;      // nothing was active since the page's groups were written, nor has active parents
 };
 static_assert(sizeof(BulkPage) == 1088);
 
@@ -62,23 +61,32 @@ struct TileStack {
     std::uint32_t segments;
 };
 
+// When a tile's root has to be looked at again: as BulkPage says of groups.
+struct BulkRoot {
+    std::uint16_t ticks;
+    std::uint8_t grades;
+};
+
 // And what is known of them before: how many there will be, and which segments they take. free_segments below
 // `reserved` down to as many as that takes; no_index: how many are hidden is not known, and it takes what comes.
 struct BulkTile : TileStack {
     std::uint32_t planned;
     std::uint32_t reserved;
+    BulkRoot root;
 };
 
 enum class BulkPhase : std::uint8_t {
     idle,
+    roots,     // of all tiles: which are wanted
     centres,   // of step z, page by page: which are wanted
     sides,     // then which sides
     vertices,  // all are known, and written to their slots
     triangles, // tile by tile on the way down, when it is known which vertices are active
     built,     // the mesh stands beside the one that is drawn
     // It is drawn, and the state of pages follows:
-    releasing, // of those that the cut had
-    installing // of those that it has
+    releasing,       // of those that the cut had
+    installing,      // of those that it has
+    installing_roots // and of those that nothing was found in
 };
 
 // A page on the way down.

@@ -24,15 +24,12 @@ public:
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
         PageState& info = s.page_state[slot_];
-        if (stays_clear(info)) {
-            // The root alone is ready there, and may have waited.
-            s.groups[slot_ * max_page_groups + s.steps[s.terrain->tree.tile_log2 - 1].centres].queue = unqueued;
-            return 0;
-        }
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
-        for (int z = coarsest; z >= finest; --z) step(z);
+        // Below a step without sides nothing is active, but for what neighbours have beside it.
+        for (int z = coarsest; z >= finest; --z)
+            if (z == coarsest || masks_.any_side || has_neighbours(z)) step(z);
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
         info.used = page_.wanted != 0;
@@ -40,14 +37,15 @@ public:
     }
 
 private:
-    // Of a large terrain most tiles: nothing in page 0 is active, nor was, and nothing beside it either.
-    [[nodiscard]] bool stays_clear(const PageState& info) const {
-        if (info.shape != 0 || page_.wanted != 0 || !page_.was_clear) return false;
-        const int z = s.terrain->tree.tile_log2 - 1; // a square a tile
-        const BulkPage *const west = found_at(s, z, info.tile_x - 1, info.tile_y), *const north =
-                                                                                       found_at(s, z, info.tile_x,
-                                                                                                info.tile_y - 1);
-        return (west == nullptr || west->wanted == 0) && (north == nullptr || north->wanted == 0);
+    // Are centres active along the page's west or north border?
+    [[nodiscard]] bool has_neighbours(int z) const {
+        const BulkSquares at = listed_squares(s, slot_, z);
+        const BulkPage* const north = found_at(s, z, at.i0, at.j0 - 1);
+        if (row_bits(north, at.row(VertexKind::centre, at.n - 1)) != 0) return true;
+        const BulkPage* const west = found_at(s, z, at.i0 - 1, at.j0);
+        std::uint32_t any = 0;
+        for (std::int32_t j = 0; west != nullptr && j < at.n; ++j) any |= west->active[at.row(VertexKind::centre, j)];
+        return (any >> (at.n - 1) & 1) != 0;
     }
 
     void step(int z) {
@@ -224,6 +222,7 @@ bool step_install(CutState& s) {
             const PageState& page = s.page_state[slot];
             const bool used = page.parents != 0 || s.schedule.pages[slot].awake != no_index;
             if (page.page == no_index || !used) continue;
+            if (is_clear(page) && found_in(s, slot) == nullptr) continue; // its root comes last
             if (b.beside) release(s, slot);
             clear_page_schedule(s.schedule, slot);
             if (found_in(s, slot) != nullptr) { // its groups are all written, when their lines come anyway
@@ -237,10 +236,15 @@ bool step_install(CutState& s) {
         b.phase = BulkPhase::installing;
         b.at = 0;
     }
-    if (b.at != b.visited_count) {
-        install_pages(s);
-        return true;
+    if (b.phase == BulkPhase::installing) {
+        if (b.at != b.visited_count) {
+            install_pages(s);
+            return true;
+        }
+        b.phase = BulkPhase::installing_roots;
+        b.at = 0;
     }
+    if (b.at != s.terrain->tile_count() && step_install_roots(s)) return true;
     // The stack's entries that said which slots were taken go, and those above them come down.
     constexpr std::uint32_t at_once = 1u << 14;
     if (b.mapped != 0) {

@@ -56,14 +56,6 @@ std::uint32_t count_all(const std::uint32_t* rows, std::uint32_t count) {
     return n == count ? bits : bits + static_cast<std::uint32_t>(std::popcount(rows[n]));
 }
 
-std::uint32_t number_all(const std::uint32_t* rows, std::uint32_t count, std::uint32_t number, std::uint16_t* first) {
-    for (std::uint32_t n = 0; n < count; ++n) {
-        first[n] = static_cast<std::uint16_t>(number);
-        number += static_cast<std::uint32_t>(std::popcount(rows[n]));
-    }
-    return number;
-}
-
 // Four rows of two groups: eight arrays of eight become eight groups.
 void write_all(GroupState* groups, std::uint32_t rows, std::uint32_t a_row, const GroupRows& from) {
     std::uint32_t row = 0;
@@ -113,7 +105,6 @@ namespace fjell {
 
 HWY_EXPORT(split_all);
 HWY_EXPORT(count_all);
-HWY_EXPORT(number_all);
 HWY_EXPORT(write_all);
 
 static_assert(unqueued == 0 && offsetof(GroupState, active) == 0 && offsetof(GroupState, parent) == 2 &&
@@ -125,9 +116,6 @@ void split_rows(const std::uint64_t* rows, std::uint32_t count, std::uint32_t* e
 }
 std::uint32_t count_bits(const std::uint32_t* rows, std::uint32_t count) {
     return HWY_DYNAMIC_DISPATCH(count_all)(rows, count);
-}
-std::uint32_t number_bits(const std::uint32_t* rows, std::uint32_t count, std::uint32_t number, std::uint16_t* first) {
-    return HWY_DYNAMIC_DISPATCH(number_all)(rows, count, number, first);
 }
 void write_groups(GroupState* groups, std::uint32_t rows, std::uint32_t a_row, const GroupRows& from) {
     HWY_DYNAMIC_DISPATCH(write_all)(groups, rows, a_row, from);

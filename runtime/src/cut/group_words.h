@@ -11,9 +11,6 @@ namespace fjell {
 void split_rows(const std::uint64_t* rows, std::uint32_t count, std::uint32_t* even, std::uint32_t* odd);
 
 [[nodiscard]] std::uint32_t count_bits(const std::uint32_t* rows, std::uint32_t count);
-// Numbers the bits that are set, row by row: first[n] is that of row n's first. Returns the number after the last.
-[[nodiscard]] std::uint32_t number_bits(const std::uint32_t* rows, std::uint32_t count, std::uint32_t number,
-                                        std::uint16_t* first);
 
 // What rows of a plane hold, but for their groups' queues: a word a row.
 struct GroupRows {

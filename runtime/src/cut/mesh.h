@@ -32,9 +32,12 @@ struct MeshTriangle {
     return s.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
 }
 
-inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
+inline void put_corners(CutState& s, std::uint32_t slot, const MeshTriangle& t) {
     std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
     out[0] = t.right, out[1] = t.a, out[2] = t.b;
+}
+inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
+    put_corners(s, slot, t);
     s.triangle_of[key] = slot;
 }
 // The key of the triangle in a slot: it is the one of its right angle's that leads there.

@@ -210,8 +210,11 @@ void mark_absent_parents(CutState& s, std::uint32_t slot) {
                        j0 = (info.tile_y << s.steps[info.z].log2) + info.j0;
     const bool west = has_square(s, info.z, i0 - 1, j0), north = has_square(s, info.z, i0, j0 - 1),
                east = has_square(s, info.z, i0 + n, j0), south = has_square(s, info.z, i0, j0 + n);
-    if (west && north && east && south && info.shape != 0) return; // but a tile's root has no parents anywhere
     const std::uint32_t first = slot * max_page_groups;
+    if (west && north && east && south) {
+        if (info.shape == 0) s.groups[first].parent[0] |= 1, s.groups[first].parent[1] |= 1; // a tile's root has none
+        return;
+    }
     for (std::uint32_t k = 0; k < s.shapes[info.shape].count; ++k) {
         const GroupShape& shape = s.shapes[info.shape].groups[k];
         const auto lanes = static_cast<std::uint16_t>((1u << shape.lanes) - 1);

@@ -214,16 +214,33 @@ void forget_due(Schedule& s) {
     s.due_levels = s.due_count = 0;
 }
 
+namespace {
+
+// A page that is awake and has nothing to watch but these ticks, as they were travelled_m ago. least: of them.
+void start(Schedule& s, std::uint32_t slot, std::uint16_t least, double travelled_m) {
+    PageSchedule& page = s.pages[slot];
+    AwakePage& awake = s.awake[page.awake];
+    page.charged_m = page.seen_m = s.odometer_m[awake.grade] - travelled_m;
+    awake.due_m = page.charged_m + (least > soon ? static_cast<double>(least - soon) * tick_m(s, page) : 0.0);
+    if (least == spent || s.odometer_m[awake.grade] > awake.due_m) push_due(s, awake);
+}
+
+} // namespace
+
 void install_ticks(Schedule& s, std::uint32_t slot, const std::uint16_t* ticks, std::uint32_t grade,
                    const double (&travelled_m)[grade_count]) {
     wake(s, slot, grade);
-    PageSchedule& page = s.pages[slot];
-    AwakePage& awake = s.awake[page.awake];
-    page.charged_m = page.seen_m = s.odometer_m[grade] - travelled_m[grade];
     std::copy_n(ticks, page_ticks, s.ticks + std::size_t{slot} * page_ticks);
-    const std::uint16_t least = s.vectors.least(ticks);
-    awake.due_m = page.charged_m + (least > soon ? static_cast<double>(least - soon) * tick_m(s, page) : 0.0);
-    if (least == spent || s.odometer_m[grade] > awake.due_m) push_due(s, awake);
+    start(s, slot, s.vectors.least(ticks), travelled_m[grade]);
+}
+
+void restart_group(Schedule& s, std::uint32_t slot, std::uint32_t group, std::uint16_t ticks, std::uint32_t grade,
+                   const double (&travelled_m)[grade_count]) {
+    if (s.pages[slot].awake == no_index) wake(s, slot, grade);
+    if (is_due(s, slot)) take_from_due(s, s.awake[s.pages[slot].awake]);
+    s.awake[s.pages[slot].awake] = {never_m, slot, static_cast<std::uint8_t>(grade), s.pages[slot].level, false, 0};
+    s.ticks[std::size_t{slot} * page_ticks + group] = ticks;
+    start(s, slot, ticks, travelled_m[grade]);
 }
 
 void make_due(Schedule& s, std::uint32_t group) {

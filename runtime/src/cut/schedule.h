@@ -132,6 +132,9 @@ void forget_due(Schedule& s);
 // A page that is not awake wakes with these ticks (page_ticks of them) of its grade, as they were travelled_m ago.
 void install_ticks(Schedule& s, std::uint32_t slot, const std::uint16_t* ticks, std::uint32_t grade,
                    const double (&travelled_m)[grade_count]);
+// The same of one group, in a page in which no other can be scheduled; it may be awake.
+void restart_group(Schedule& s, std::uint32_t slot, std::uint32_t group, std::uint16_t ticks, std::uint32_t grade,
+                   const double (&travelled_m)[grade_count]);
 // It need not, because it waits in a queue.
 inline void forget(Schedule& s, std::uint32_t group) {
     ticks_of(s, group) = unscheduled;

@@ -4,10 +4,32 @@
 
 #include <hwy/highway.h>
 
+#include <array>
 #include <bit>
 #include <cstddef>
 
 #include "cut/slot_grid.h"
+
+// What the targets share.
+#ifndef FJELL_SLOT_GRID_ONCE
+#define FJELL_SLOT_GRID_ONCE
+namespace fjell {
+namespace {
+
+// Of each lane of a set of eight, how many lanes below it are in the set.
+using LaneRanks = std::array<std::array<std::uint8_t, 8>, 256>;
+constexpr LaneRanks make_lane_ranks() {
+    LaneRanks ranks{};
+    for (std::uint32_t bits = 0; bits < 256; ++bits)
+        for (std::uint32_t lane = 0; lane < 8; ++lane)
+            ranks[bits][lane] = static_cast<std::uint8_t>(std::popcount(bits & ((1u << lane) - 1)));
+    return ranks;
+}
+constexpr LaneRanks lane_ranks = make_lane_ranks();
+
+} // namespace
+} // namespace fjell
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {
@@ -30,17 +52,36 @@ std::uint64_t find_rows_in_use(const std::uint32_t* rows, std::uint32_t count) {
     return used;
 }
 
+// Slots from `slot` on for the lanes whose bits are set, and whatever for the others: no branch to mispredict a vertex.
+HWY_INLINE void put_row(std::uint32_t active, std::uint32_t slot, std::uint32_t width, std::uint32_t* out) {
+    const hn::CappedTag<std::uint32_t, 8> d;
+    const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+    for (std::uint32_t group = 0; group < width; group += group_lanes) {
+        if ((active >> group & 0xffff) == 0) continue; // its line need not come
+        for (std::uint32_t first = group; first < group + group_lanes; first += 8) {
+            const std::uint32_t bits = active >> first & 0xff;
+            for (std::uint32_t lane = 0; lane < 8; lane += lanes)
+                hn::StoreU(hn::Add(hn::Set(d, slot), hn::PromoteTo(d, hn::LoadU(bytes, &lane_ranks[bits][lane]))), d,
+                           out + first + lane);
+            slot += static_cast<std::uint32_t>(std::popcount(bits));
+        }
+    }
+}
+
 void put_all_slots(const BulkSlots& all, const NumberedRows& rows, std::uint32_t* to, std::size_t stride) {
     const BulkSlots slots = all;
+    const std::uint32_t width = stride == group_lanes ? group_lanes : page_squares;
     const std::uint32_t* const active = rows.page->active + rows.first;
     const std::uint16_t* const numbers = rows.page->first + rows.first;
     for (std::uint64_t left = find_rows_in_use(active, rows.count); left != 0; left &= left - 1) {
         const auto row = static_cast<std::size_t>(std::countr_zero(left));
         std::uint32_t* const out = to + row * stride;
         std::uint32_t number = rows.page->number + numbers[row], lanes = active[row];
-        if (slots.are_consecutive(number))
-            for (std::uint32_t slot = slots[number]; lanes != 0; lanes &= lanes - 1)
-                out[std::countr_zero(lanes)] = slot++;
+        if (slots.are_consecutive(number)) {
+            put_row(lanes, slots[number], width, out);
+            continue;
+        }
         for (; lanes != 0; lanes &= lanes - 1) out[std::countr_zero(lanes)] = slots[number++];
     }
 }

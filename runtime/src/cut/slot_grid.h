@@ -18,7 +18,8 @@ struct NumberedRows {
     const BulkPage* page;
     std::uint32_t first, count;
 };
-// The slots of their active vertices, each to its lane: row n's from to + n * stride on. Nothing else is written.
+// The slots of their active vertices, each to its lane: row n's from to + n * stride on. Other lanes, of a group if
+// that is the stride or of 32, may be overwritten.
 void put_slots(const BulkSlots& slots, const NumberedRows& rows, std::uint32_t* to, std::size_t stride);
 
 // What stands around and in half x half squares of a grid, from (qx, qy) on, are the corners of the finer ones. rows:

@@ -1,0 +1,79 @@
+// The roots of all tiles. A large terrain has hundreds, most of which nobody wants: those are decided side by side, and
+// of a page 0 that has nothing else the pass writes no more than when to look again.
+#include <algorithm>
+
+#include "compiler.h"
+#include "cut/bulk.h"
+#include "cut/evaluate.h"
+#include "cut/sight.h"
+
+namespace fjell {
+
+namespace {
+
+constexpr std::uint32_t tiles_a_step = 64;
+
+// The root's group is the first of page 0; no_index: that has no state.
+std::uint32_t root_group(const CutState& s, std::uint32_t tile) {
+    return s.page_groups[tile * s.pages_per_tile];
+}
+
+bool decide_root(CutState& s, std::uint32_t tile, std::uint32_t group) {
+    const std::uint32_t vertex = group * group_lanes, slot = group / max_page_groups;
+    const Site site = site_of(s, vertex);
+    const Evaluation reached = evaluate_vertex(s, vertex, site, false);
+    // Once it is active it is judged by what keeps it.
+    const float slack_m = (reached.wanted ? evaluate_vertex(s, vertex, site, true) : reached).slack_m;
+    const auto ticks_a_metre = static_cast<float>(1 / tick_m(s.schedule, s.schedule.pages[slot]));
+    const auto ticks = static_cast<std::uint16_t>(std::min(slack_m * ticks_a_metre, float{most_ticks}));
+    s.bulk.tiles[tile].root = {static_cast<std::uint16_t>(soon + ticks),
+                               static_cast<std::uint8_t>(grade_of(reached.code) + 1)};
+    ++s.report.evaluations;
+    return reached.wanted;
+}
+
+} // namespace
+
+bool step_roots(CutState& s) {
+    BulkPass& b = s.bulk;
+    const std::uint32_t first = b.at, end = std::min(first + tiles_a_step, s.terrain->tile_count());
+    for (std::uint32_t tile = first; tile != end; ++tile)
+        if (const std::uint32_t group = root_group(s, tile); group != no_index) {
+            FJELL_PREFETCH(records_of(s, group / max_page_groups));
+            FJELL_PREFETCH(s.groups + group);
+        }
+    for (; b.at != end; ++b.at) {
+        b.tiles[b.at].root = {unscheduled, 0};
+        const std::uint32_t group = root_group(s, b.at), slot = group / max_page_groups;
+        if (group == no_index) continue;
+        const PageState& page = s.page_state[slot];
+        if (b.beside) watch_visited_page(s, slot);
+        const bool wanted = page.status != PageStatus::evicting && decide_root(s, b.at, group);
+        if (wanted || !is_clear(page)) (void)visit_page(s, slot);
+        if (!wanted) continue;
+        BulkPage& found = b.pages[slot];
+        found.active[0] = 1;
+        ++found.wanted;
+        ++b.taken;
+        b.listed[1][b.listed_count[1]++] = slot;
+    }
+    return end != s.terrain->tile_count();
+}
+
+bool step_install_roots(CutState& s) {
+    BulkPass& b = s.bulk;
+    const std::uint32_t first = b.at, end = std::min(first + tiles_a_step, s.terrain->tile_count());
+    for (; b.at != end; ++b.at) {
+        const std::uint32_t group = root_group(s, b.at), slot = group / max_page_groups;
+        if (group == no_index || found_in(s, slot) != nullptr) continue;
+        s.groups[group].queue = unqueued; // it may have waited
+        const BulkRoot& root = b.tiles[b.at].root;
+        if (root.grades != 0)
+            restart_group(s.schedule, slot, 0, root.ticks, root.grades - 1u, b.travelled_m);
+        else
+            clear_page_schedule(s.schedule, slot);
+    }
+    return end != s.terrain->tile_count();
+}
+
+} // namespace fjell
