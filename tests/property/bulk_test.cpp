@@ -33,7 +33,7 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
 
 TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is built, after every unit of work") {
     Random random(104);
-    int frames_in[static_cast<std::size_t>(BulkPhase::installing) + 1] = {}, rested = 0;
+    int frames_in[static_cast<std::size_t>(BulkPhase::installing_roots) + 1] = {}, rested = 0;
     for (int round = 0; round < rounds(24, 120); ++round) {
         const auto pack = random_terrain(random, round % 4 == 3 ? 300 : 140, round % 4 == 3 ? 8 : 6);
         const Terrain& terrain = pack.terrain;
@@ -72,6 +72,8 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
         }
     }
     CAPTURE(frames_in);
+    for (const BulkPhase phase : {BulkPhase::roots, BulkPhase::installing_roots}) // of more tiles than a unit takes
+        CHECK(frames_in[static_cast<std::size_t>(phase)] > 0);
     for (const BulkPhase phase :
          {BulkPhase::centres, BulkPhase::sides, BulkPhase::triangles, BulkPhase::releasing, BulkPhase::installing})
         CHECK(frames_in[static_cast<std::size_t>(phase)] > rounds(10, 50));

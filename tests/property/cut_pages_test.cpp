@@ -211,6 +211,42 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("a page that is kept after all while a jump is built is refined as any other") {
+    Random random(124);
+    int kept = 0;
+    for (int round = 0; round < rounds(40, 200); ++round) {
+        auto pack = paged_terrain(random, false);
+        Cut cut(pack.terrain, ample_cut(pack.terrain, 2));
+        View view = random_view(random, pack.terrain);
+        CutSettings settings;
+        settings.error_px = random_threshold(random);
+        (void)settle(cut, {&view, 1}, settings);
+        const auto any = [&](std::uint32_t count) {
+            return static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(count) - 1));
+        };
+        std::vector<Page> leaving;
+        for (int n = 0; n < 6; ++n) {
+            leaving.push_back({any(pack.terrain.tile_count()), n < 2 ? 0 : any(pack.terrain.pages_per_tile())});
+            bool released = false;
+            REQUIRE(cut_release_page(cut.cut, leaving.back().tile, leaving.back().page, released).ok());
+        }
+        view = random_view(random, pack.terrain);
+        settings.visits = static_cast<std::uint32_t>(pick(random, 1, 40));
+        CutReport report = cut.update({&view, 1}, settings);
+        kept += cut.state().bulk.phase != BulkPhase::idle;
+        for (const Page& p : leaving) (void)cut_cancel_release(cut.cut, p.tile, p.page);
+        settings.visits = unlimited_items;
+        for (int frame = 0; frame == 0 || (frame < 40 && !report.converged); ++frame)
+            report = cut.update({&view, 1}, settings);
+        CAPTURE(round, settings.error_px);
+        REQUIRE(report.converged);
+        Cut anew(pack.terrain, ample_cut(pack.terrain, 2));
+        REQUIRE(anew.rebuild({&view, 1}, settings).converged);
+        REQUIRE(difference(active_set(cut), active_set(anew)) == "");
+    }
+    REQUIRE(kept > rounds(5, 25));
+}
+
 TEST_CASE("pages unloaded without warning leave a whole mesh as well") {
     live_with(122, {true, false}, rounds(16, 48));
 }

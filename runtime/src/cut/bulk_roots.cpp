@@ -20,16 +20,14 @@ std::uint32_t root_group(const CutState& s, std::uint32_t tile) {
 
 bool decide_root(CutState& s, std::uint32_t tile, std::uint32_t group) {
     const std::uint32_t vertex = group * group_lanes, slot = group / max_page_groups;
-    const Site site = site_of(s, vertex);
-    const Evaluation reached = evaluate_vertex(s, vertex, site, false);
-    // Once it is active it is judged by what keeps it.
-    const float slack_m = (reached.wanted ? evaluate_vertex(s, vertex, site, true) : reached).slack_m;
+    // What keeps a vertex that is active lets it stay for longer than this slack says.
+    const Evaluation v = evaluate_vertex(s, vertex, site_of(s, vertex), false);
     const auto ticks_a_metre = static_cast<float>(1 / tick_m(s.schedule, s.schedule.pages[slot]));
-    const auto ticks = static_cast<std::uint16_t>(std::min(slack_m * ticks_a_metre, float{most_ticks}));
+    const auto ticks = static_cast<std::uint16_t>(std::min(v.slack_m * ticks_a_metre, float{most_ticks}));
     s.bulk.tiles[tile].root = {static_cast<std::uint16_t>(soon + ticks),
-                               static_cast<std::uint8_t>(grade_of(reached.code) + 1)};
+                               static_cast<std::uint8_t>(grade_of(v.code) + 1)};
     ++s.report.evaluations;
-    return reached.wanted;
+    return v.wanted;
 }
 
 } // namespace
@@ -48,7 +46,8 @@ bool step_roots(CutState& s) {
         if (group == no_index) continue;
         const PageState& page = s.page_state[slot];
         if (b.beside) watch_visited_page(s, slot);
-        const bool wanted = page.status != PageStatus::evicting && decide_root(s, b.at, group);
+        const bool leaves = page.status == PageStatus::evicting, wanted = !leaves && decide_root(s, b.at, group);
+        if (leaves && b.beside) b.tiles[b.at].root = {spent, 1}; // it may be kept after all, so it waits
         if (wanted || !is_clear(page)) (void)visit_page(s, slot);
         if (!wanted) continue;
         BulkPage& found = b.pages[slot];
