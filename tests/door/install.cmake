@@ -5,7 +5,8 @@ include(${CMAKE_CURRENT_LIST_DIR}/must.cmake)
 if(FJELL)
   full_rounds_only("building the libraries once more, shared")
   must("configuring" ${CMAKE_COMMAND} -S ${FJELL} -B ${BUILD} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DFJELL_TOOLS=OFF
-    -DBUILD_SHARED_LIBS=${SHARED} -DCMAKE_CXX_COMPILER=${COMPILER} ${OPTIONS})
+    -DBUILD_SHARED_LIBS=${SHARED} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12 ${OPTIONS})
   must("building" ${CMAKE_COMMAND} --build ${BUILD} -j 2)
 endif()
 file(REMOVE_RECURSE ${PREFIX})
