@@ -34,12 +34,15 @@ Box box_of(const CutState& s, const PageState& page, std::uint32_t i0, std::uint
     const auto place = [&](std::int32_t from, std::uint32_t square) {
         return from + (static_cast<std::int32_t>(2 * square) << page.z);
     };
+    // What lies beyond the terrain's rim stands on it.
+    const Coord first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
+                last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
     const PageExtent& extent = s.loaded[page.terrain_slot].extent;
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
-    return {{static_cast<double>(t.x_m(place(page.x0, i0))) - out, static_cast<double>(extent.low_m) - out,
-             static_cast<double>(t.z_m(place(page.y0, j0))) - out},
-            {static_cast<double>(t.x_m(place(page.x0, i1))) + out, static_cast<double>(extent.high_m) + out,
-             static_cast<double>(t.z_m(place(page.y0, j1))) + out}};
+    return {{static_cast<double>(t.x_m(first.x)) - out, static_cast<double>(extent.low_m) - out,
+             static_cast<double>(t.z_m(first.y)) - out},
+            {static_cast<double>(t.x_m(last.x)) + out, static_cast<double>(extent.high_m) + out,
+             static_cast<double>(t.z_m(last.y)) + out}};
 }
 Box box_of(const CutState& s, const PageState& page) {
     const auto tile_squares = static_cast<std::uint32_t>(s.terrain->tree.side()) / 2;
