@@ -425,10 +425,11 @@ namespace {
 // All of it at once.
 void deactivate_page(CutState& s, std::uint32_t slot) {
     while (s.report.items < s.item_limit) {
-        const std::uint32_t v = first_active(s, slot);
-        if (v == no_index || deactivate(s, lowest_below(s, v)) != Outcome::done) return;
+        const std::uint32_t v = first_active(s, slot), lowest = v == no_index ? v : lowest_below(s, v);
+        if (v == no_index || deactivate(s, lowest) != Outcome::done) return;
         ++s.report.items;
         ++s.report.deactivations;
+        revisit(s, lowest / group_lanes); // the page may be kept before all have gone
     }
 }
 
