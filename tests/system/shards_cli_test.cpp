@@ -64,7 +64,7 @@ TEST_CASE(
     "a node of a real Slurm is lost in the middle of an array: its shard runs elsewhere, to the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
-    prepare_shards(folder, 7, "--horizons quarter");
+    prepare_shards(folder, 3, "--horizons quarter");
     const std::string scripts = FJELL_SOURCE_DIR "/tests/system/";
     const Run r =
         run_in(folder.path, "bash " + scripts + "cluster.sh far bash " + scripts + "lose_node.sh far out.fjell " +
