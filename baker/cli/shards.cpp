@@ -191,7 +191,7 @@ int run_launch(const Arguments& a) {
                    cost.merge_seconds, cost.disk_bytes / 1e6);
         return 0;
     }
-    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
+    io::refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     launch(plan, options);
     return 0;
 }
@@ -203,7 +203,7 @@ int run_merge(const Arguments& a) {
     const std::string& output = *a.given.output;
     const Recipe recipe = plan_recipe(plan.folder);
     check_inputs(plan, recipe);
-    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
+    io::refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     const BakeOptions options = options_of(a, recipe, bar);
