@@ -38,6 +38,7 @@ struct BakeOptions {
     int threads = 0;                                       // 0: all cores
     std::uint64_t memory_bytes = std::uint64_t{512} << 20; // resident at most, with the program itself
     std::int32_t region_cells = 256;                       // a side of what is worked on at once, at least; or one tile
+    std::size_t whole_level_vertices = std::size_t{1} << 22; // of a level for horizons that each shard reads whole
     // Given: complete stages are kept in the work folder even of a bake that fits the memory and would be over before
     // it matters. When the input fails after less than this many seconds (not given: 5), nothing is kept.
     std::optional<double> checkpoint_s;

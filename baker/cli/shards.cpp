@@ -16,6 +16,7 @@
 #include "baker/shard/launch.h"
 #include "baker/shard/merge.h"
 #include "baker/shard/plan_folder.h"
+#include "baker/shard/shard_ground.h"
 #include "baker/shard/shard_step.h"
 #include "io/file.h"
 
@@ -116,7 +117,9 @@ int run_plan(const Arguments& a) {
     if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake plan --help");
     if (a.plan_folder.empty()) throw Failure(2, "no folder for the plan given; add -o DIR");
     if (a.shards == 0) throw Failure(2, "give the number of shards with --shards N");
-    ShardPlan plan = make_shard_plan(*open_inputs(recipe), bake_options(recipe), a.shards, a.packs);
+    const BakeOptions options = bake_options(recipe);
+    const bool bakes_voids = a.packs && needs_all_heights(options);
+    ShardPlan plan = make_shard_plan(*open_inputs(recipe), options, a.shards, a.packs);
     plan.inputs = inputs_of(recipe);
     write_plan(plan, recipe, a.plan_folder);
     std::string steps;
@@ -126,6 +129,9 @@ int run_plan(const Arguments& a) {
     fmt::print("for each step of{}: all shards from fjell-bake shard {} 1/{} --step STEP on, in any order; then "
                "fjell-bake merge {} -o OUT.fjell\n",
                steps, a.plan_folder, plan.shards, a.plan_folder);
+    if (bakes_voids)
+        fmt::print("voids are baked like ground, because horizons and wetness look at all heights; leave both out to "
+                   "save that\n");
     return 0;
 }
 
@@ -185,7 +191,7 @@ int run_launch(const Arguments& a) {
                    cost.merge_seconds, cost.disk_bytes / 1e6);
         return 0;
     }
-    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
+    io::refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     launch(plan, options);
     return 0;
 }
@@ -197,7 +203,7 @@ int run_merge(const Arguments& a) {
     const std::string& output = *a.given.output;
     const Recipe recipe = plan_recipe(plan.folder);
     check_inputs(plan, recipe);
-    refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
+    io::refuse_overwriting(outputs_of(a), inputs_of_merge(plan, recipe));
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     const BakeOptions options = options_of(a, recipe, bar);

@@ -185,8 +185,9 @@ Merge::Made Merge::make_rest() const {
 Store<std::uint8_t> Merge::holes_of(int shard, const MapPlan& maps) const {
     const ShardStep step{ShardStep::Kind::measure};
     const std::string path = plan_.file(step, shard, "holes");
+    const std::int32_t frame = height_frame(maps, context_.options.whole_level_vertices);
     Store<std::uint8_t> holes = Store<std::uint8_t>::complete(path, context_.tree.columns(), context_.tree.rows(),
-                                                              with_frame(windows_of(shard), height_frame(maps)));
+                                                              with_frame(windows_of(shard), frame));
     if (holes.digest() != require_record(plan_, step, shard).files.at("holes").digest)
         throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(step, shard)));
     return holes;

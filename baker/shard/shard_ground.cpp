@@ -8,6 +8,11 @@
 
 namespace fjell::baker {
 
+bool needs_all_heights(const BakeOptions& options) {
+    return options.horizon_spacing != 0 ||
+           (!options.layers_path.empty() && read_control(options.layers_path).wants_wetness());
+}
+
 bool GroundSeen::note(const Window& w, const float* heights, std::ptrdiff_t stride) {
     const std::int32_t side = tree_.side();
     bool any = false;

@@ -30,6 +30,8 @@ private:
 [[nodiscard]] inline bool needs_all_heights(const BakeContext& context) {
     return context.horizon_log2 != 0 || context.control.wants_wetness();
 }
+// The same of a bake that is only planned. Reads its rules. Throws Failure 1: those are wrong.
+[[nodiscard]] bool needs_all_heights(const BakeOptions& options);
 
 class ShardGround {
 public:

@@ -32,7 +32,7 @@ void copy_window(const Store<float>& from, const Window& at, Store<float>& to) {
 
 ShardLevels::ShardLevels(const ShardPlan& plan, const BakeContext& context, int shard, std::int32_t frame)
     : plan_(plan), context_(context), shard_(shard), frame_(frame), levels_(levels_of(context)),
-      coarse_(levels_of_shards(levels_)) {}
+      coarse_(levels_of_shards(levels_, context.options.whole_level_vertices)) {}
 
 Window ShardLevels::own(int shard, int level) const {
     const PartWindows windows{context_.tree, context_.regions, plan_.parts[static_cast<std::size_t>(shard) - 1]};

@@ -137,19 +137,18 @@ Window seen_by_maps(const MapPlan& maps, const HorizonLevels& levels, std::uint3
 
 } // namespace
 
-int levels_of_shards(const HorizonLevels& levels) {
+int levels_of_shards(const HorizonLevels& levels, std::size_t whole_vertices) {
     constexpr int fewest = 5, most = 8; // regions begin at multiples of 2^8
-    constexpr std::size_t small = std::size_t{1} << 22;
     int level = std::min(fewest, levels.count() - 1);
-    while (level < std::min(most, levels.count() - 1) && levels.extents(level).area() > small) ++level;
+    while (level < std::min(most, levels.count() - 1) && levels.extents(level).area() > whole_vertices) ++level;
     return level;
 }
 
-std::int32_t height_frame(const MapPlan& maps) {
+std::int32_t height_frame(const MapPlan& maps, std::size_t whole_vertices) {
     std::int32_t most = step_frame;
     const Tree& tree = maps.tree;
     const HorizonLevels levels(tree.columns(), tree.rows(), maps.spacing_m);
-    if (maps.horizon_log2 != 0) most = std::max(most, (1 << levels_of_shards(levels)) - 1);
+    if (maps.horizon_log2 != 0) most = std::max(most, (1 << levels_of_shards(levels, whole_vertices)) - 1);
     for (std::uint32_t tile = 0;
          tile < static_cast<std::uint32_t>(tree.tiles_x) * static_cast<std::uint32_t>(tree.tiles_y); ++tile) {
         const Window seen = seen_by_maps(maps, levels, tile);

@@ -56,9 +56,9 @@ struct PartWindows {
 
 // Levels of the heights (maps/horizon.h) that shards make, each its own vertices: up to one that is small, which every
 // shard reads whole.
-[[nodiscard]] int levels_of_shards(const HorizonLevels& levels);
+[[nodiscard]] int levels_of_shards(const HorizonLevels& levels, std::size_t whole_vertices);
 // How wide a frame of heights a part needs for its maps and errors. O(tiles).
-[[nodiscard]] std::int32_t height_frame(const MapPlan& maps);
+[[nodiscard]] std::int32_t height_frame(const MapPlan& maps, std::size_t whole_vertices);
 // What of filled heights, and of marks of holes, a part makes and keeps: its own samples and a frame around them.
 [[nodiscard]] inline Window with_frame(const PartWindows& windows, std::int32_t frame) {
     const Window own = windows.samples();

@@ -84,6 +84,10 @@ private:
         return maps;
     }
 
+    [[nodiscard]] std::int32_t frame_of(const MapPlan& maps) const {
+        return height_frame(maps, context_.options.whole_level_vertices);
+    }
+
     // False where there is nothing to do for this shard.
     [[nodiscard]] bool find_ground(const CheckpointState& found) {
         if (!needs_all_heights(context_)) ground_.find(found.holes != 0);
@@ -178,7 +182,7 @@ void ShardRun::read() {
     }
     scratch_.write_parcel("facts", facts.bytes);
     scratch_.add("heights", heights.written());
-    const std::int32_t width = ShardFill::raw_frame(height_frame(map_sizes())); // in case there are voids
+    const std::int32_t width = ShardFill::raw_frame(frame_of(map_sizes())); // in case there are voids
     leave_frame("heights", heights, width, width);
 }
 
@@ -194,11 +198,11 @@ Store<float> ShardRun::find_heights(std::int32_t frame) {
 
 void ShardRun::means(const CheckpointState& found) {
     if (!found.has_voids || ground_.is_void(shard_)) return;
-    ShardFill({plan_, context_, ground_, shard_}, height_frame(map_sizes()), scratch_).leave_means(find_heights(0));
+    ShardFill({plan_, context_, ground_, shard_}, frame_of(map_sizes()), scratch_).leave_means(find_heights(0));
 }
 
 void ShardRun::measure(const CheckpointState& found) {
-    const std::int32_t frame = height_frame(map_sizes());
+    const std::int32_t frame = frame_of(map_sizes());
     Store<float> heights;
     Store<std::uint8_t> holes;
     if (found.has_voids) {
@@ -247,7 +251,7 @@ void ShardRun::errors(const CheckpointState& found) {
 }
 
 void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkFile& chunks, StepStores& step) {
-    const std::int32_t frame = height_frame(plan.maps);
+    const std::int32_t frame = frame_of(plan.maps);
     const Window samples = samples_of(context_.tree);
     const Window filled = with_frame(own_, frame);
     const Store<float> heights =
@@ -279,7 +283,7 @@ void ShardRun::near_maps(const BakePlan& plan, const HeightStores& heights, Chun
     for (const MapKind kind : all_map_kinds) texels[static_cast<int>(kind)] = make_texels(maps, kind, mip);
     make_near_maps(context_, plan, heights, {texels[0], texels[1], chunks});
     if (maps.horizon_log2 != 0) {
-        ShardLevels levels(plan_, context_, shard_, height_frame(maps));
+        ShardLevels levels(plan_, context_, shard_, frame_of(maps));
         record_.seam_bytes_read += levels.find();
         make_near_horizons(context_, plan, {heights, levels.reader()}, {texels[2], chunks});
     }

@@ -106,7 +106,7 @@ TEST_CASE("a plan for a set makes the set of a split of one bake, byte for byte,
 
 TEST_CASE("whatever has ground, any grid of packs is the same from a plan for it as from one bake") {
     Random random(62);
-    for (int round = 0; round < rounds(3, 40); ++round) {
+    for (int round = 0; round < rounds(3, 15); ++round) {
         baker::BakeOptions options;
         options.tile_log2 = pick(random, 6, 8);
         options.estimate = round % 2 ? Estimate::midpoint : Estimate::max;

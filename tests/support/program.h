@@ -28,8 +28,8 @@ struct Run {
 
 // Runs a command in a folder; its output is kept elsewhere, so the folder shows what the command left.
 inline Run run_in(const std::filesystem::path& folder, const std::string& command) {
-    char name[] = "/tmp/fjell-run-XXXXXX";
-    const std::filesystem::path aside = mkdtemp(name);
+    std::string name = (std::filesystem::temp_directory_path() / "fjell-run-XXXXXX").string();
+    const std::filesystem::path aside = mkdtemp(name.data());
     const std::string to = " >'" + (aside / "out").string() + "' 2>'" + (aside / "err").string() + "'";
     const int status = std::system(("cd '" + folder.string() + "' && (" + command + ")" + to).c_str());
     Run result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), slurp(aside / "out"),

@@ -46,6 +46,7 @@ SlurmctldLogFile=$folder/slurmctld.log
 SlurmdLogFile=$folder/slurmd.%n.log
 MpiDefault=none
 SlurmdTimeout=5
+MessageTimeout=2
 JobRequeue=1
 NodeName=n1 NodeHostname=$host Port=$((base + 1)) CPUs=1
 NodeName=n2 NodeHostname=$host Port=$((base + 2)) CPUs=1
@@ -55,6 +56,7 @@ export SLURM_CONF=$folder/slurm.conf
 # A daemon that has just begun writes its pid file a moment later.
 stop() {
   for pid in "$folder"/slurmd.n1.pid "$folder"/slurmd.n2.pid "$folder"/slurmctld.pid ${munge:+"$munge/pid"}; do
+    [[ -e ${pid%.pid}.gone ]] && continue
     for _ in $(seq 50); do [[ -s $pid ]] && break || sleep 0.1; done
     [[ -s $pid ]] && kill "$(< "$pid")" 2> /dev/null
     for _ in $(seq 50); do [[ -s $pid ]] && sleep 0.1 || break; done # it removes the file when it ends

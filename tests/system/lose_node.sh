@@ -5,7 +5,6 @@
 set -u
 cluster=$1 out=$2
 shift 2
-launch() { "$@" > /dev/null || exit 1; }
 drained() { while [[ $(squeue -h) ]]; do sleep 0.2; done; }
 parent() { sed -n 's/^PPid:[[:space:]]*//p' "/proc/$1/status"; }
 hold() { # a process: whether it was a shard's first step of errors on our first node, which then is held
@@ -13,7 +12,7 @@ hold() { # a process: whether it was a shard's first step of errors on our first
     grep -qzs '^step1$' "/proc/$1/cmdline" && kill -STOP "$1"
 }
 
-launch "$@"
+"$@" > /dev/null || exit 1
 worker=
 while [[ ! $worker ]]; do
   [[ ! -s $out ]] || { echo "no shard ran on n1 while it was looked for"; exit 2; }
@@ -23,7 +22,7 @@ while [[ ! $worker ]]; do
 done
 script=$(parent "$worker")
 kill -9 "$(< "$cluster/slurmd.n1.pid")" "$(parent "$script")" "$script" "$worker"
-rm "$cluster/slurmd.n1.pid"
+mv "$cluster/slurmd.n1.pid" "$cluster/slurmd.n1.gone" # nobody is to wait for it
 until sinfo -h -n n1 -o %t | grep -q down; do sleep 0.2; done
 for job in $(squeue -h -r -t PD -o '%i %r' | sed -n 's/ BeginTime$//p'); do
   echo "queued again: $job"
@@ -31,6 +30,4 @@ for job in $(squeue -h -r -t PD -o '%i %r' | sed -n 's/ BeginTime$//p'); do
 done
 drained
 [[ -s $out ]] || exit 3
-launch "$@" # all of it is complete
-drained
 sinfo -h -n n1 -o %t

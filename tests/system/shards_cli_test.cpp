@@ -39,6 +39,27 @@ TEST_CASE("a plan launched on this machine makes the pack of one bake, and a sha
     fails(folder, bake + "merge plan -o out.fjell", 1, "land.json is not what was planned");
 }
 
+TEST_CASE("a plan for a set says that it bakes voids like ground where horizons or wetness look at all heights") {
+    const TemporaryFolder folder;
+    spit(folder / "land.json", R"({"columns": 600, "rows": 420})");
+    spit(folder / "dry.json", R"({"rules": [{"layer": "grass"}]})");
+    spit(folder / "wet.json", R"({"rules": [{"layer": "grass"}, {"layer": "mud", "wetness": [6, null]}]})");
+    int plans = 0;
+    const auto says = [&](const std::string& options) {
+        const std::string name = "plan" + std::to_string(plans++);
+        const Run r = run_in(folder.path, bake + "plan land.json -o " + name + " --tile 64 --shards 2 " + options);
+        CAPTURE(options, r.err);
+        REQUIRE(r.code == 0);
+        return r.out.find("voids are baked like ground, because horizons and wetness look at all heights") !=
+               std::string::npos;
+    };
+    CHECK(says("--packs 3x2 --horizons half"));
+    CHECK(says("--packs 3x2 --layers wet.json"));
+    CHECK_FALSE(says("--packs 3x2 --layers dry.json"));
+    CHECK_FALSE(says("--packs 3x2"));
+    CHECK_FALSE(says("--horizons half"));
+}
+
 TEST_CASE("a plan on the job arrays of a real Slurm of two nodes, one shard killed, makes the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
@@ -64,7 +85,7 @@ TEST_CASE(
     "a node of a real Slurm is lost in the middle of an array: its shard runs elsewhere, to the pack of one bake") {
     if (!full_rounds()) return;
     const TemporaryFolder folder;
-    prepare_shards(folder, 7, "--horizons quarter");
+    prepare_shards(folder, 3, "--horizons quarter");
     const std::string scripts = FJELL_SOURCE_DIR "/tests/system/";
     const Run r =
         run_in(folder.path, "bash " + scripts + "cluster.sh far bash " + scripts + "lose_node.sh far out.fjell " +

@@ -37,9 +37,9 @@ TEST_CASE(
     "workers of a launch are killed again and again, anywhere in any step, and it gets to the bytes of one bake") {
     const RulesFile rules;
     std::mt19937 random(61);
-    for (int round = 0; round < rounds(1, 5); ++round) {
+    for (int round = 0; round < rounds(1, 2); ++round) {
         const TemporaryFolder folder;
-        prepare_shards(folder, 3 + round, "--horizons quarter --control quarter --layers " + rules.path());
+        prepare_shards(folder, 3 + 3 * round, "--horizons quarter --control quarter --layers " + rules.path());
         const std::string launch = bake + "launch plan -o out.fjell --threads 1 --at-once 2";
         int kills = 0;
         for (Run r; kills < 100; ++kills) {
@@ -80,7 +80,7 @@ TEST_CASE("a merge into a set that is killed at any moment is no set, and the sa
         return true;
     };
     for (int n = 1; kill("all", n) && n < 2000;)
-        n += std::uniform_int_distribution<int>(rounds(40, 4), rounds(120, 12))(random);
+        n += std::uniform_int_distribution<int>(rounds(40, 12), rounds(120, 36))(random);
     CHECK(kills > 5);
     CHECK(same_set(folder, "set"));
     // The end, call by call: the index goes, packs move, the index comes. An old set stays until then.
