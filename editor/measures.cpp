@@ -26,13 +26,16 @@ Quantiles Ring::quantiles() const {
     std::array<float, measured_frames> sorted;
     for (std::size_t i = 0; i < size_; ++i) sorted[i] = value(i);
     const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(size_);
-    const auto rank = [&](double share) {
+    const auto place = [&](double share) {
         const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(size_)));
-        const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(n, 1) - 1);
-        std::nth_element(sorted.begin(), at, end);
-        return *at;
+        return sorted.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(n, 1) - 1);
     };
-    return {rank(0.5), rank(0.99), *std::max_element(sorted.begin(), end), value(size_ - 1)};
+    // What lies behind a place is no less, so the larger ones are looked for there alone.
+    const auto p50 = place(0.5), p99 = place(0.99);
+    std::nth_element(sorted.begin(), p50, end);
+    const float half = *p50; // which the next one puts elsewhere
+    std::nth_element(p50, p99, end);
+    return {half, *p99, *std::max_element(p99, end), value(size_ - 1)};
 }
 
 double Ring::mean() const {

@@ -74,6 +74,15 @@ struct PlaceText {
     return t;
 }
 
+// The same to three digits however few they are, for what people compare and type: "0.0451", "3.98", "4", "1,250".
+[[nodiscard]] inline NumberText fine_ms_text(double us) {
+    const double ms = us / 1000;
+    if (ms >= 99.95) return count_text(ms);
+    NumberText t{};
+    (void)std::snprintf(t.text, sizeof t.text, "%.3g", ms);
+    return t;
+}
+
 // A size in bytes with three digits: "12.3 MB". Units of 1,000; at least 0.
 [[nodiscard]] inline NumberText byte_text(double bytes) {
     constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB"};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <span>
 #include <utility>
 
@@ -111,6 +112,18 @@ void Route::save(const std::string& path) {
             if (step.content.path == saved_to) step.content.unsaved = true;
     now_.path = saved_to;
     now_.unsaved = false;
+}
+
+FlightName Route::flight_name() const {
+    FlightName name{};
+    const std::size_t slash = now_.path.find_last_of('/');
+    const char* const file = now_.path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+    if (empty() || now_.path.empty())
+        (void)std::snprintf(name.text, sizeof name.text, "%s",
+                            empty() ? strings::results::an_orbit : strings::results::the_path);
+    else
+        (void)std::snprintf(name.text, sizeof name.text, strings::results::path_file, file);
+    return name;
 }
 
 void Route::clear() {

@@ -29,9 +29,16 @@ inline constexpr double poses_a_second = 60;
 // How fast the whole path is flown in its duration.
 enum class Pace : std::uint8_t { constant, ease }; // ease: from rest to rest
 
+// What a flight along a path is called: "the path valley.json", "the camera path" where it was never saved, "an orbit"
+// where there is none. On the stack, so that panels allocate nothing.
+struct FlightName {
+    char text[96];
+};
+
 class Route {
 public:
     [[nodiscard]] bool empty() const { return now_.poses.empty(); }
+    [[nodiscard]] FlightName flight_name() const;
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
     [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }

@@ -204,7 +204,7 @@ inline constexpr char about_triangles[] =
     "Slots of the index buffer, in whole segments. At the limit, the threshold rises.";
 inline constexpr char about_work_items[] =
     "Vertices that an update examines or changes. At the limit, the mesh lags behind the camera.";
-inline constexpr char time_us[] = "Time, us";
+inline constexpr char time_ms[] = "Time, ms";
 inline constexpr char about_time[] = "Time that an update may take. At the limit, the mesh lags behind the camera.";
 inline constexpr char streaming[] = "Streaming:  used | peak | limit";
 inline constexpr char about_page_slots[] = "Pages in memory. At the limit, distant terrain is coarser than requested.";
@@ -468,9 +468,9 @@ inline constexpr char about_cancel[] =
 namespace job_panels {
 inline constexpr char update_cpu[] = "update (CPU)";
 inline constexpr char whole_frame[] = "whole frame";
-inline constexpr char budget_us[] = "Budget, us";
+inline constexpr char budget_ms[] = "Budget, ms";
 inline constexpr char about_budget[] =
-    "The time that 99% of the frames (p99) must not exceed: 10 to 1,000,000 microseconds. A frame at 60 Hz has 16,667.";
+    "The time that 99% of the frames (p99) must not exceed: 0.01 to 1,000 milliseconds. A frame at 60 Hz has 16.7.";
 inline constexpr char measure[] = "Measure";
 inline constexpr char about_measure[] =
     "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing, in a picture as large as the "
@@ -486,8 +486,7 @@ inline constexpr char use_threshold[] = "Use %.3g px";
 inline constexpr char about_use_threshold[] = "Sets the threshold of the profile; one undo step.";
 inline constexpr char start[] = "Start";
 inline constexpr char about_start[] =
-    "Flies the path, or an orbit, over a terrain that is loaded once more for this, until the smallest threshold is "
-    "found whose p99 keeps the budget. The view is as large as the profile says.";
+    "Flies again and again until the smallest threshold is found whose p99 keeps the budget.";
 inline constexpr char csv[] = "CSV";
 inline constexpr char csv_hint[] = "a file";
 inline constexpr char about_csv[] = "One line for each frame, with the columns of fjell-fly --csv.";
@@ -495,8 +494,6 @@ inline constexpr char about_benchmark_frames[] = "0: as many as the path has at 
                                                  "no path. Fewer frames fly the same path faster.";
 inline constexpr char about_flight[] =
     "Flies %s as the profile says, over a terrain that is loaded once more for this, in a view of %u x %u.";
-inline constexpr char an_orbit[] = "an orbit";
-inline constexpr char the_path[] = "the path";
 inline constexpr char run[] = "Run";
 inline constexpr char about_run[] = "Starts at once and flies as fast as possible.";
 } // namespace job_panels
@@ -944,6 +941,7 @@ inline constexpr char about_next_frame[] = "A change takes effect in the next fr
 inline constexpr char about_method_memory[] = "A change reallocates the method's memory.";
 inline constexpr char about_reopening[] = "A change reopens the pack; the view stays.";
 inline constexpr char range[] = "Range: %.10g to %.10g%s%s\n";
+inline constexpr char about_shown_ms[] = "Shown in milliseconds; a profile's file has microseconds.\n";
 inline constexpr char not_used_now[] = "\n\nNot used now: ";
 inline constexpr char reset[] = "reset";
 inline constexpr char about_reset[] = "Reset to the saved value: %s";
@@ -957,7 +955,7 @@ inline constexpr char used[] = ", used ";
 inline constexpr char peak[] = ", peak ";
 inline constexpr char gpu_used[] = " GPU, used ";
 inline constexpr char last_frame[] = "last frame ";
-inline constexpr char last_update_us[] = "last update %s us";
+inline constexpr char last_update[] = "last update %s ms";
 inline constexpr char keeps_px[] = "keeps %.*f px";
 inline constexpr char triangles_drawn[] = " triangles drawn";
 inline constexpr char the_pack_has[] = ", the pack has ";
@@ -972,15 +970,15 @@ inline constexpr char morph_time_only[] = "for morph \"time\" only.";
 } // namespace tune_cost
 
 namespace tune_curve {
-inline constexpr char times[] = "p50 %s us, p99 %s us, max %s us";
+inline constexpr char times[] = "p50 %s ms, p99 %s ms, max %s ms";
 inline constexpr char flights[] = "%s vertices; %u flights of %u frames";
 inline constexpr char reached[] = "%.1f%% of the frames reached the threshold";
 inline constexpr char limit[] = "slowest frames: %.0f%% %s";
 inline constexpr char keeps_the_budget[] = "keeps the budget";
 inline constexpr char does_not_keep_the_budget[] = "does not keep the budget";
 inline constexpr char no_curve_yet[] = "The curve appears here, flight by flight.";
-inline constexpr char p99_axis[] = "p99, us";
-inline constexpr char p50_axis[] = "p50, us";
+inline constexpr char p99_axis[] = "p99, ms";
+inline constexpr char p50_axis[] = "p50, ms";
 inline constexpr char threshold_axis[] = "threshold, px (finer to the right)";
 } // namespace tune_curve
 
@@ -1049,6 +1047,9 @@ inline constexpr char drawing[] = "drawing";
 
 // What a job has made, or how it ended.
 namespace results {
+inline constexpr char an_orbit[] = "an orbit";
+inline constexpr char the_path[] = "the camera path";
+inline constexpr char path_file[] = "the path %.80s";
 inline constexpr char cancelled[] = "{} cancelled{}{}";
 inline constexpr char baked[] = "{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}";
 inline constexpr char baked_resumed[] = ", resumed from an earlier bake";
@@ -1057,19 +1058,19 @@ inline constexpr char no_files_remain[] = "no files remain";
 inline constexpr char exported[] = "{}{} vertices, {} triangles, {} within {:.3g} px{}";
 inline constexpr char export_would_have[] = "the export has ";
 inline constexpr char export_not_as_asked[] = ", which is not what was asked for";
-inline constexpr char benchmark[] = "{}: {} frames, {} of them converged; update p50 {} us, p99 {} us";
+inline constexpr char benchmark[] = "{}: {} frames, {} of them converged; update p50 {} ms, p99 {} ms";
 inline constexpr char picture[] = "{}: {} pixels";
 inline constexpr char pictures[] = "{}: {} pictures of {} pixels; a film of them: ffmpeg -framerate {:g} -i "
                                    "\"{}/frame_%05d.png\" -pix_fmt yuv420p film.mp4";
-inline constexpr char tuned[] = "p99 {} us of {} at {:.3g} px{}{}; {} flights";
-inline constexpr char tuned_least[] = ", the smallest allowed";
-inline constexpr char tuned_limit[] = "; slowest frames: {:.0f}% {}{}";
+inline constexpr char tuned[] = "{:.3g} px{} over {}: p99 {} ms of {} ms{}{}; {} flights";
+inline constexpr char tuned_least[] = ", the smallest allowed,";
+inline constexpr char tuned_limit[] = ", limited by {} ({:.0f}% of the slowest frames' time)";
 inline constexpr char tuned_budget_limits[] = "; below it a budget of the profile is the limit, not time";
 inline constexpr char nothing_flown[] = "no flight was made";
-inline constexpr char not_tuned[] = "no threshold up to {:.3g} px keeps the budget; there {}; {} flights";
+inline constexpr char not_tuned[] = "no threshold up to {:.3g} px keeps the budget over {}; there {}; {} flights";
 inline constexpr char raise_budgets[] =
     "{:.0f}% of the frames reached it: raise vertices, triangles, work items or page slots";
-inline constexpr char takes_longer[] = "p99 {} us of {}: {}";
+inline constexpr char takes_longer[] = "p99 {} ms of {} ms{}: {}";
 inline constexpr char smaller_picture[] = "choose a smaller picture, or a larger budget";
 inline constexpr char fewer_items[] = "choose a slower path, fewer work items, or a larger budget";
 } // namespace results
@@ -1148,7 +1149,8 @@ inline constexpr char csv_without_name[] = "give the CSV a file name";
 inline constexpr char bad_frames[] = "frames must be 1 to 1,000,000, or 0 for the path's own";
 inline constexpr char single_frame[] =
     "the path has a single frame, whose mesh is built from scratch; choose more frames";
-inline constexpr char bad_tune_budget[] = "budget_us {}: must be 10 to 1,000,000 (microseconds)";
+inline constexpr char bad_tune_budget[] =
+    "the budget (budget_us) is {} us: must be 10 to 1,000,000 us, which is 0.01 to 1,000 ms";
 inline constexpr char bad_tune_frames[] = "frames {}: must be 10 to 100,000, or 0 for the path's own";
 inline constexpr char bad_tune_range[] = "least_px {} and most_px {}: must rise, from {} to {} pixels";
 inline constexpr char picture_without_name[] = "give the picture a file name, or its pictures a folder";

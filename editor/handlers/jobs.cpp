@@ -21,7 +21,8 @@ MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
             state.route.poses(),
             frames,
             false,
-            state.files.profile_name};
+            state.files.profile_name,
+            state.route.flight_name().text};
 }
 
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.

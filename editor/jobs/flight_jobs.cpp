@@ -89,6 +89,7 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
 
 void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, JobControl& control) {
     control.publish([&](JobView& view) { view.tuned = settings; });
+    const std::string flown = plan.flight_name;
     MeasuredFlight flight(std::move(plan), control);
     const auto frames = static_cast<double>(flight.frames());
     Share share(control);
@@ -111,7 +112,7 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
     if (csv != nullptr) write(*csv, tune_csv(result.curve));
     control.publish([&](JobView& view) {
         view.best_px = result.best_px;
-        view.result = tune_text(result, settings);
+        view.result = tune_text(result, settings, flown);
     });
 }
 
@@ -139,8 +140,8 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     control.publish([&](JobView& view) {
         if (!run->places.empty()) view.run = std::move(run);
         view.output = path;
-        view.result = fmt::format(strings::results::benchmark, path, s.frames, s.converged, grouped(s.update_us.p50),
-                                  grouped(s.update_us.p99));
+        view.result = fmt::format(strings::results::benchmark, path, s.frames, s.converged,
+                                  fine_ms_text(s.update_us.p50).text, fine_ms_text(s.update_us.p99).text);
     });
 }
 

@@ -31,6 +31,7 @@ struct MeasuredFlightPlan {
     std::size_t frames = 0;          // 0: as many as the route has
     bool draws = false;              // with upload, drawing and the GPU's work
     std::string profile_name{};      // for people
+    std::string flight_name{};       // for people: what the route is called (Route::flight_name)
 };
 
 // What a frame took, microseconds; upload and drawing only where the plan draws.

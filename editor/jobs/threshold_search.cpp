@@ -200,11 +200,16 @@ constexpr const char* cost_parts[] = {strings::limits::preparing_views,   string
                                       strings::limits::uploading,         strings::limits::drawing};
 static_assert(std::size(cost_parts) == std::tuple_size_v<CostParts>, "a part was added: name it");
 
+std::string limit_of(const TunePoint& p) {
+    const LimitingPart limit = limiting_part(p.dearest_us);
+    return limit.name == nullptr ? "" : fmt::format(strings::results::tuned_limit, limit.name, 100 * limit.share);
+}
+
 std::string what_helps(const TunePoint& p, const TuneSettings& s) {
     if (p.reached < least_reached) return fmt::format(strings::results::raise_budgets, 100 * p.reached);
-    return fmt::format(strings::results::takes_longer, grouped(p.p99_us), grouped(s.budget_us),
-                       s.measure == TuneMeasure::frame ? strings::results::smaller_picture
-                                                       : strings::results::fewer_items);
+    return fmt::format(
+        strings::results::takes_longer, fine_ms_text(p.p99_us).text, fine_ms_text(s.budget_us).text, limit_of(p),
+        s.measure == TuneMeasure::frame ? strings::results::smaller_picture : strings::results::fewer_items);
 }
 
 } // namespace
@@ -233,10 +238,10 @@ TuneResult find_threshold(const TuneSettings& settings, const std::function<Flig
     return Search(settings, fly, each).run();
 }
 
-std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
+std::string tune_text(const TuneResult& result, const TuneSettings& settings, const std::string& flight) {
     if (result.curve.empty()) return strings::results::nothing_flown;
     if (result.best_px == 0)
-        return fmt::format(strings::results::not_tuned, result.curve.front().error_px,
+        return fmt::format(strings::results::not_tuned, result.curve.front().error_px, flight,
                            what_helps(result.curve.front(), settings), result.flights);
     const TunePoint* const best = result.at(result.best_px);
     const bool least = result.best_px == rounded_up(settings.least_px);
@@ -246,10 +251,9 @@ std::string tune_text(const TuneResult& result, const TuneSettings& settings) {
             if (p.reached < least_reached) why = strings::results::tuned_budget_limits;
             break;
         }
-    const LimitingPart limit = limiting_part(best->dearest_us);
-    if (limit.name != nullptr) why = fmt::format(strings::results::tuned_limit, 100 * limit.share, limit.name, why);
-    return fmt::format(strings::results::tuned, grouped(best->p99_us), grouped(settings.budget_us), result.best_px,
-                       least ? strings::results::tuned_least : "", why, result.flights);
+    return fmt::format(strings::results::tuned, result.best_px, least ? strings::results::tuned_least : "", flight,
+                       fine_ms_text(best->p99_us).text, fine_ms_text(settings.budget_us).text, limit_of(*best), why,
+                       result.flights);
 }
 
 std::string tune_csv(const std::vector<TunePoint>& curve) {

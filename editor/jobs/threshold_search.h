@@ -57,8 +57,8 @@ struct LimitingPart {
 
 // To three digits: 1.2301 is 1.24.
 [[nodiscard]] double rounded_up(double error_px);
-// One line for people; settings: what was requested.
-[[nodiscard]] std::string tune_text(const TuneResult& result, const TuneSettings& settings);
+// One line for people; settings: what was requested. flight: what was flown, "an orbit".
+[[nodiscard]] std::string tune_text(const TuneResult& result, const TuneSettings& settings, const std::string& flight);
 // threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights: a line a threshold, falling.
 [[nodiscard]] std::string tune_csv(const std::vector<TunePoint>& curve);
 

@@ -23,7 +23,7 @@ struct Line {
 };
 
 NumberText amount(double value, Unit unit) {
-    return unit == Unit::bytes ? byte_text(value) : count_text(value);
+    return unit == Unit::bytes ? byte_text(value) : unit == Unit::microseconds ? ms_text(value) : count_text(value);
 }
 
 ImU32 fullness_colour(double share, bool exhausted) {
@@ -89,7 +89,7 @@ void draw_method(const State& state, Commands& commands) {
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
-    draw_line({strings::budgets::time_us, "budget.budget_us", strings::budgets::about_time, e.update_us, p.update_us,
+    draw_line({strings::budgets::time_ms, "budget.budget_us", strings::budgets::about_time, e.update_us, p.update_us,
                profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
               state, commands);
 }

@@ -14,17 +14,26 @@ namespace fjell::editor {
 
 namespace {
 
+// What will be flown.
+void draw_flight(const State& state) {
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::about_flight, state.route.flight_name().text,
+                       state.document.profile().width_px, state.document.profile().height_px);
+    ImGui::PopTextWrapPos();
+}
+
 // ---- tune
 
 struct TuneForm {
-    double budget_us = TuneSettings{}.budget_us, least_px = TuneSettings{}.least_px, most_px = TuneSettings{}.most_px;
+    double budget_ms = TuneSettings{}.budget_us / 1000, least_px = TuneSettings{}.least_px,
+           most_px = TuneSettings{}.most_px;
     int measure = 0, frames = 0;
 };
 
 constexpr const char* measures[] = {strings::job_panels::update_cpu, strings::job_panels::whole_frame};
 
 void draw_tune_form(TuneForm& form) {
-    fields::number(strings::job_panels::budget_us, "auto-tune", "budget_us", form.budget_us, "%.6g",
+    fields::number(strings::job_panels::budget_ms, "auto-tune", "budget_ms", form.budget_ms, "%.6g",
                    strings::job_panels::about_budget);
     fields::choice(strings::job_panels::measure, "auto-tune", "measure", form.measure, measures, 2,
                    strings::job_panels::about_measure);
@@ -66,11 +75,12 @@ struct CsvForm {
 void draw_auto_tune(const State& state, Commands& commands) {
     static TuneForm form;
     draw_tune_form(form);
+    draw_flight(state);
     const bool can = !state.job.running && state.scene.open();
     if (fields::button(strings::job_panels::start, "auto-tune", "start", can, strings::job_panels::about_start)) {
         TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
-                      form.budget_us,
+                      form.budget_ms * 1000,
                       static_cast<std::uint32_t>(form.frames),
                       form.least_px,
                       form.most_px,
@@ -92,11 +102,7 @@ void draw_benchmark(const State& state, Commands& commands) {
                  strings::job_panels::about_csv);
     fields::whole(strings::job_panels::frames, "benchmark", "frames", form.frames,
                   strings::job_panels::about_benchmark_frames);
-    ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::about_flight,
-                       state.route.empty() ? strings::job_panels::an_orbit : strings::job_panels::the_path,
-                       state.document.profile().width_px, state.document.profile().height_px);
-    ImGui::PopTextWrapPos();
+    draw_flight(state);
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
     if (fields::button(strings::job_panels::run, "benchmark", "start", can, strings::job_panels::about_run))

@@ -238,6 +238,21 @@ void draw_heat_choice(const State& state, Commands& commands) {
     }
 }
 
+// The colours of errors in as many steps as a screen tells apart: each takes nine powers, and a path has 512 places.
+// Above the bound it is the last one.
+ImU32 heat_colour(double share) {
+    constexpr std::size_t steps = 256;
+    static const std::array<ImU32, steps + 2> colours = [] {
+        std::array<ImU32, steps + 2> all{};
+        for (std::size_t i = 0; i <= steps; ++i)
+            all[i] = ui::colour(gl::error_rgb(static_cast<double>(i) / static_cast<double>(steps)));
+        all[steps + 1] = ui::colour(gl::error_rgb(2));
+        return all;
+    }();
+    if (share > 1) return colours[steps + 1];
+    return colours[static_cast<std::size_t>(std::max(share, 0.0) * static_cast<double>(steps) + 0.5)];
+}
+
 } // namespace
 
 void draw_runs(const State& state, Commands& commands) {
@@ -262,7 +277,7 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size) {
         const double value = static_cast<double>(time ? p.update_us : p.error_px);
         const ImVec2 at{from.x + static_cast<float>(p.pose.position_m.x / state.scene.width_m()) * size.x,
                         from.y + static_cast<float>(p.pose.position_m.z / state.scene.depth_m()) * size.y};
-        list.AddCircleFilled(at, radius, ui::colour(gl::error_rgb(value / (time ? full : full * (1 + 1e-6)))), 8);
+        list.AddCircleFilled(at, radius, heat_colour(value / (time ? full : full * (1 + 1e-6))), 8);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstring>
 
 namespace fjell::editor {
 
@@ -52,12 +53,16 @@ double slider_value(const flight::ProfileKey& key, double share) {
     return std::clamp(value, key.least, key.most);
 }
 
+ShownUnit shown_unit(const flight::ProfileKey& key) {
+    return std::strcmp(key.unit, "us") == 0 ? ShownUnit{"ms", 1e-3} : ShownUnit{key.unit, 1};
+}
+
 void write_value(const flight::ProfileKey& key, double value, char* to, int size) {
     if (key.zero != nullptr && value == 0)
         (void)std::snprintf(to, static_cast<std::size_t>(size), "%s", key.zero);
     else
         (void)std::snprintf(to, static_cast<std::size_t>(size), key.kind == flight::KeyKind::number ? "%.7g" : "%.0f",
-                            value);
+                            value * shown_unit(key).share);
 }
 
 bool typed_value(const flight::ProfileKey& key, std::string_view text, double& value) {
@@ -70,7 +75,8 @@ bool typed_value(const flight::ProfileKey& key, std::string_view text, double& v
     double read = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), read);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(read)) return false;
-    value = read;
+    const double share = shown_unit(key).share;
+    value = share == 1 ? read : std::round(read / share * 1e3) / 1e3; // or 16.667 ms would be 16667.000000000002 us
     return true;
 }
 

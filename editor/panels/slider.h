@@ -14,9 +14,18 @@ namespace fjell::editor {
 // In range, three digits of it, whole where the key is; exactly least and most at the ends.
 [[nodiscard]] double slider_value(const flight::ProfileKey& key, double share);
 
-// As a text field shows it; the key's word for 0. Never more than size bytes with the zero at the end.
+// The unit in which the window shows a key and has it typed: milliseconds for times that a profile has in microseconds,
+// as everywhere else in the window.
+struct ShownUnit {
+    const char* name; // "" where there is none
+    double share;     // of it is one of the key's own: 0.001
+};
+[[nodiscard]] ShownUnit shown_unit(const flight::ProfileKey& key);
+
+// As a text field shows it, in the shown unit; the key's word for 0. Never more than size bytes with the zero at the
+// end.
 void write_value(const flight::ProfileKey& key, double value, char* to, int size);
-// What was typed, in or out of range. False: no number, nor the key's word for 0.
+// What was typed, in the key's own unit, in or out of range. False: no number, nor the key's word for 0.
 [[nodiscard]] bool typed_value(const flight::ProfileKey& key, std::string_view text, double& value);
 
 } // namespace fjell::editor

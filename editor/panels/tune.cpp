@@ -48,11 +48,13 @@ const char* rebuilds(flight::Rebuild rebuild) {
 void tip(const Row& row) {
     if (!ui::begin_tip()) return;
     const flight::ProfileKey& key = row.key;
+    const ShownUnit unit = shown_unit(key);
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
-        (void)std::snprintf(range, sizeof range, strings::tune::range, key.least, key.most,
-                            *key.unit != '\0' ? " " : "", key.unit);
-    (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s", key.about, range, rebuilds(key.rebuild),
+        (void)std::snprintf(range, sizeof range, strings::tune::range, key.least * unit.share, key.most * unit.share,
+                            *unit.name != '\0' ? " " : "", unit.name);
+    (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s%s", key.about, range,
+                        unit.share != 1 ? strings::tune::about_shown_ms : "", rebuilds(key.rebuild),
                         row.idle != nullptr ? strings::tune::not_used_now : "", row.idle != nullptr ? row.idle : "");
     ImGui::TextUnformatted(text);
     ui::end_tip();
@@ -67,10 +69,11 @@ void draw_label(const Row& row) {
     ImGui::TextUnformatted(row.key.label);
     if (changed) ImGui::PopStyleColor();
     tip(row);
-    if (*row.key.unit != '\0' && strcasecmp(row.key.unit, row.key.label) != 0) {
+    const char* const unit = shown_unit(row.key).name;
+    if (*unit != '\0' && strcasecmp(unit, row.key.label) != 0) {
         ImGui::SameLine();
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted(row.key.unit);
+        ImGui::TextUnformatted(unit);
         ImGui::PopStyleColor();
     }
     if (!changed) return;

@@ -73,7 +73,7 @@ void items(const State& state, Text& text, double) {
 }
 
 void time(const State& state, Text& text, double) {
-    text.add(strings::tune_cost::last_update_us, count_text(state.measures.last().update_us).text);
+    text.add(strings::tune_cost::last_update, ms_text(state.measures.last().update_us).text);
 }
 
 void threshold(const State& state, Text& text, double) {

@@ -25,6 +25,7 @@ using Value = double (*)(const TunePoint&);
 struct Axes {
     ImVec2 low, high; // of the plot's inside, in pixels
     double least_px = 0, most_px = 1, least = 1, most = 10;
+    double label = 1; // what a value is multiplied by where it is written
 
     [[nodiscard]] float x(double error_px) const {
         const double share = std::log(error_px / least_px) / std::log(most_px / least_px);
@@ -49,7 +50,7 @@ void short_number(char (&text)[16], double value) {
 }
 
 Axes axes_of(const JobView& job, Value smaller, Value larger, double also, ImVec2 low, ImVec2 high) {
-    Axes a{low, high, job.curve.back().error_px, job.curve.front().error_px, 0, 0};
+    Axes a{low, high, job.curve.back().error_px, job.curve.front().error_px, 0, 0, 1};
     if (a.most_px <= a.least_px) a.most_px = 2 * a.least_px;
     a.least = a.most = also > 0 ? also : smaller(job.curve.front());
     for (const TunePoint& p : job.curve) {
@@ -69,7 +70,7 @@ void draw_grid(ImDrawList& list, const Axes& a, bool x_labels) {
         if (decade < a.least * 0.999) continue;
         const float y = a.y(decade);
         list.AddLine({a.low.x, y}, {a.high.x, y}, line_colour);
-        short_number(text, decade);
+        short_number(text, decade * a.label);
         list.AddText({a.low.x - ImGui::CalcTextSize(text).x - font * 0.4F, y - font / 2}, ui::quiet, text);
     }
     const double octaves = std::log2(a.most_px / a.least_px);
@@ -120,8 +121,8 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
         list.AddLine({a->x(p.error_px), a->low.y}, {a->x(p.error_px), a->high.y}, best_colour);
     ImGui::BeginTooltip();
     ImGui::Text("%.3g px", p.error_px);
-    ImGui::Text(strings::tune_curve::times, count_text(p.p50_us).text, count_text(p.p99_us).text,
-                count_text(p.max_us).text);
+    ImGui::Text(strings::tune_curve::times, fine_ms_text(p.p50_us).text, fine_ms_text(p.p99_us).text,
+                fine_ms_text(p.max_us).text);
     ImGui::Text(strings::tune_curve::flights, count_text(p.vertices).text, p.flights, p.frames);
     if (p.reached < 0.9999) ImGui::Text(strings::tune_curve::reached, 100 * p.reached);
     if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
@@ -146,9 +147,11 @@ void draw_tune_curve(const JobView& job, float height) {
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
     const float left = at.x + font * 3.2F, right = at.x + width - font * 0.8F;
     const float plots = std::max(height - font * 5.5F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
-    const Axes time = axes_of(
+    Axes times = axes_of(
         job, [](const TunePoint& p) { return p.p50_us; }, [](const TunePoint& p) { return p.p99_us; },
         job.tuned.budget_us, {left, at.y + font * 1.4F}, {right, split});
+    times.label = 1e-3; // milliseconds
+    const Axes& time = times;
     const Value vertices_of = [](const TunePoint& p) { return p.vertices; };
     const Axes vertices = axes_of(job, vertices_of, vertices_of, 0, {left, split + font * 1.7F},
                                   {right, split + font * 1.7F + plots * 0.38F});

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <map>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -128,7 +129,7 @@ double changed(const gl::Image& a, const gl::Image& b, const Place& p) {
 }
 
 EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,
-                           const std::vector<std::string>& arguments)
+                           const std::vector<std::string>& arguments, Pixels pixels)
     : display_(display), home_(home) {
     std::vector<std::string> words{FJELL_BIN_DIR "/fjell-editor"};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -136,6 +137,7 @@ EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,
         setenv("DISPLAY", display_.name().c_str(), 1);
         setenv("HOME", home_.c_str(), 1);
         for (const char* folder : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"}) unsetenv(folder);
+        if (pixels == Pixels::unseen) setenv("LP_NO_RAST", "1", 1); // as no_pixels (program.h)
         setenv("FJELL_EDITOR_DUMP", (home_ / "state.json").c_str(), 1);
         open_as(1, home_ / "out");
         open_as(2, home_ / "err");
@@ -147,9 +149,10 @@ void EditorWindow::find() {
     window_.clear();
     const auto start_time = Clock::now();
     while (window_.empty() && Clock::now() - start_time < longest_wait && runs()) {
-        const Run found = run_in("/", "DISPLAY=" + display_.name() + " xdotool search --onlyvisible --name Fjell");
-        window_ = found.out.substr(0, found.out.find('\n'));
-        if (window_.empty()) pause_polling();
+        int code = 0; // it fails as long as there is none
+        const std::string found = xdotool_if_it_can("search --onlyvisible --name Fjell", code);
+        window_ = found.substr(0, found.find('\n'));
+        if (window_.empty()) std::this_thread::sleep_for(20ms); // a look costs as much, and the editor is starting
     }
     INFO(errors());
     REQUIRE(!window_.empty());
@@ -193,10 +196,28 @@ void EditorWindow::signal(int number) {
     kill(pid_, number);
 }
 
-void EditorWindow::xdotool(const std::string& what) {
-    const Run run = run_in("/", "DISPLAY=" + display_.name() + " xdotool " + what);
-    INFO("xdotool " << what << ": " << run.err);
-    REQUIRE(run.code == 0);
+std::string EditorWindow::xdotool(const std::string& what) {
+    int code = 0;
+    std::string printed = xdotool_if_it_can(what, code);
+    INFO("xdotool " << what << ": " << slurp(home_ / "xdotool.err"));
+    REQUIRE(code == 0);
+    return printed;
+}
+
+// Without a shell, which would cost more than it does.
+std::string EditorWindow::xdotool_if_it_can(const std::string& what, int& code) {
+    std::vector<std::string> words{"xdotool"};
+    std::istringstream text(what);
+    for (std::string word; text >> word;) words.push_back(word);
+    const pid_t pid = start(words, [&] {
+        setenv("DISPLAY", display_.name().c_str(), 1);
+        open_as(1, home_ / "xdotool.out");
+        open_as(2, home_ / "xdotool.err");
+    });
+    int status = 0;
+    waitpid(pid, &status, 0);
+    code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return slurp(home_ / "xdotool.out");
 }
 
 // The request is remembered by the editor, so one signal is enough.
@@ -335,18 +356,29 @@ void EditorWindow::go_to(const std::string& mark, const std::string& by) {
     FAIL(by << " does not come to " << mark << ", but to" << passed);
 }
 
-// One by one: the same letter twice within some milliseconds is a repeat to GLFW.
+// Some different letters at once: the same one twice within some milliseconds is a repeat to GLFW, and the editor
+// remembers 16 presses between two frames. What takes Shift goes alone.
 void EditorWindow::type(const std::string& text) {
     static const std::map<char, std::string> names{
         {'.', "period"}, {'/', "slash"}, {'-', "minus"}, {'_', "underscore"}};
-    for (const char c : text) {
-        const auto named = names.find(c);
-        const std::string name = named == names.end() ? std::string(1, c) : named->second;
+    constexpr std::size_t at_once = 12;
+    const auto shifted = [](char c) { return c == '_' || (c >= 'A' && c <= 'Z'); };
+    for (std::size_t from = 0; from < text.size();) {
+        std::size_t count = 1;
+        while (!shifted(text[from]) && count < at_once && from + count < text.size() && !shifted(text[from + count]) &&
+               text.find(text[from + count], from) == from + count)
+            ++count;
+        const std::string letters = text.substr(from, count);
+        std::string keys;
+        for (const char c : letters) {
+            const auto named = names.find(c);
+            keys += ' ' + (named == names.end() ? std::string(1, c) : named->second);
+        }
         const std::uint64_t before = input_["characters"];
-        // An underscore comes with Shift, and so do capitals.
-        const bool shifted = c == '_' || (c >= 'A' && c <= 'Z');
-        send_unsettled("key " + name, "keys", shifted ? 4 : 2);
-        until("the character " + name, [&](const nlohmann::json& s) { return s["input"]["characters"] > before; });
+        send_unsettled("key --delay 2" + keys, "keys", shifted(text[from]) ? 4 : 2 * count);
+        until("the characters " + letters,
+              [&](const nlohmann::json& s) { return s["input"]["characters"] >= before + count; });
+        from += count;
     }
     settle();
 }

@@ -50,12 +50,15 @@ struct Place {
 // Share of the pixels of a place that differ by more than a little.
 [[nodiscard]] double changed(const gl::Image& a, const gl::Image& b, const Place& p);
 
+// Whether a test looks at pictures. Where it does not, software need not fill their pixels (no_pixels).
+enum class Pixels { drawn, unseen };
+
 class EditorWindow {
 public:
     using Condition = std::function<bool(const nlohmann::json& state)>;
     // home: holds all that the editor keeps (XDG folders) and its dump; a test may look into it, or spoil it.
     EditorWindow(const VirtualDisplay& display, const std::filesystem::path& home,
-                 const std::vector<std::string>& arguments);
+                 const std::vector<std::string>& arguments, Pixels pixels = Pixels::drawn);
     ~EditorWindow(); // kills what is still running
 
     void find(); // the window, again after it was replaced; it then has the focus
@@ -87,7 +90,9 @@ public:
     [[nodiscard]] std::string errors() const; // its stderr so far
 
 private:
-    void xdotool(const std::string& what);
+    // Its words are parted by spaces. Returns what it printed, or fails the test.
+    std::string xdotool(const std::string& what);
+    std::string xdotool_if_it_can(const std::string& what, int& code);
     // None: the editor has ended.
     std::optional<nlohmann::json> dump();
     std::optional<nlohmann::json> until_or_end(const std::string& what, const Condition& holds);

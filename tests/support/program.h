@@ -38,6 +38,10 @@ inline Run run_in(const std::filesystem::path& folder, const std::string& comman
     return result;
 }
 
+// Before a command whose pictures nobody looks at: Mesa's software renderer then does all but fill pixels, which is
+// most of what a frame costs it. Other drivers do not know the word, and draw.
+inline const std::string no_pixels = "LP_NO_RAST=1 ";
+
 // For a command line: waits until the process $p is one of our programs and catches these signals (a bit each, from
 // SIGHUP, 1), or has ended. A signal that comes before that ends a program without a word, which on a busy machine may
 // be seconds later; and before exec() the mask is the shell's, which catches SIGINT itself.

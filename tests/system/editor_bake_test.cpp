@@ -31,7 +31,8 @@ TEST_CASE("heights are baked by browsing: what is missing is marked and proposed
     spit(home / "hills_30m.png", grey_map());
     spit(home / "rules.json", R"({"rules": [{"layer": "grass"}]})");
     EditorWindow editor(display, home.path,
-                        {small_pack(), "--size", "600x320", "--scale", "0.5", "--do", "browse " + home.path.string()});
+                        {small_pack(), "--size", "600x320", "--scale", "0.5", "--do", "browse " + home.path.string()},
+                        Pixels::unseen);
     const auto baking = [](const json& s) { return s["files"]["bake"]; };
     editor.click("menu.file");
     editor.click("menu.bake");

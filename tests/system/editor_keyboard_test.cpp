@@ -25,7 +25,8 @@ auto dialog_is(const std::string& name) {
 }
 
 struct Keyboard {
-    explicit Keyboard(std::vector<std::string> more = {}) : editor(display, home.path, with_size(std::move(more))) {}
+    explicit Keyboard(std::vector<std::string> more = {})
+        : editor(display, home.path, with_size(std::move(more)), Pixels::unseen) {}
 
     static std::vector<std::string> with_size(std::vector<std::string> more) {
         more.insert(more.end(), {"--size", "600x480", "--scale", "0.5"});

@@ -56,8 +56,9 @@ TEST_CASE("at the sizes of desktops and with large text no text is cut, and none
                                       "[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
         spit(folder / "script", script_of(panels, overlays, folder.path));
         const Run run =
-            run_in(folder.path, std::string("ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
-                                            "/fjell-editor --headless --profile profile.toml --size ") +
+            run_in(folder.path, no_pixels +
+                                    "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
+                                    "/fjell-editor --headless --profile profile.toml --size " +
                                     d.size + " --scale " + d.scale + " '" + small_pack() + "' --script script");
         INFO(run.err);
         REQUIRE(run.code == 0);

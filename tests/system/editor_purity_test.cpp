@@ -40,6 +40,7 @@ std::vector<long> worst_of(const TemporaryFolder& folder, const std::vector<Sigh
                            const std::vector<std::string>& first) {
     for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"})
         setenv(name, folder.path.c_str(), 1);
+    setenv("LP_NO_RAST", "1", 1); // as no_pixels (support/program.h)
     editor::Options options;
     options.headless = true;
     options.pack = small_pack();

@@ -34,7 +34,7 @@ constexpr const char* zigzag = R"({"points": [
   {"time_s": 40, "position": [26000, 4000, 15000], "direction": [1, -0.2, 0]}]})";
 
 struct PathWindow {
-    PathWindow() : editor(display, home.path, arguments(home)) {
+    explicit PathWindow(Pixels pixels) : editor(display, home.path, arguments(home), pixels) {
         state = editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
         camera = state["camera"];
     }
@@ -71,7 +71,7 @@ struct PathWindow {
 TEST_CASE(
     "a point's mark is dragged along the timeline: its time follows, no other's does, and one undo takes it back") {
     if (left_out()) return;
-    PathWindow w;
+    PathWindow w(Pixels::drawn);
     const std::vector<double> before = w.times();
     REQUIRE(before.size() == 5);
     const gl::Image bare = w.display.picture();
@@ -104,7 +104,7 @@ TEST_CASE(
 
 TEST_CASE("the curve is dragged down: its stretch lasts longer, and the times of the points after it follow") {
     if (left_out()) return;
-    PathWindow w;
+    PathWindow w(Pixels::unseen);
     const std::vector<double> before = w.times();
     const auto at = w.middle("timeline.speed.1");
     const Place line = w.editor.place("path.timeline");
@@ -120,7 +120,7 @@ TEST_CASE("the curve is dragged down: its stretch lasts longer, and the times of
 
 TEST_CASE("a point is dragged in the picture: level under the pointer, with Shift up and down, and the camera stays") {
     if (left_out()) return;
-    PathWindow w;
+    PathWindow w(Pixels::drawn);
     const gl::Image bare = w.display.picture();
     const auto at = w.middle("view.point.1");
     const double to_x = at[0] + 50, to_y = at[1] + 15;
@@ -156,7 +156,7 @@ TEST_CASE("a point is dragged in the picture: level under the pointer, with Shif
 
 TEST_CASE("a point is dragged on the overview, selected by a click in all three places, removed and inserted by keys") {
     if (left_out()) return;
-    PathWindow w;
+    PathWindow w(Pixels::unseen);
     const auto at = w.middle("map.point.3");
     w.editor.drag_at(at[0], at[1], at[0] - 12, at[1] + 9);
     w.check_steps(1);
@@ -187,7 +187,7 @@ TEST_CASE("a point is dragged on the overview, selected by a click in all three 
 
 TEST_CASE("by keys alone a point is selected in the timeline, moved in time, sped up from, looked from and removed") {
     if (left_out()) return;
-    PathWindow w;
+    PathWindow w(Pixels::unseen);
     for (int pane = 0; !w.editor.state()["marks"].contains("path.timeline") || pane == 0; ++pane) {
         REQUIRE(pane < 6);
         w.editor.key("F6");

@@ -33,8 +33,8 @@ constexpr const char *small_window = "600x320", *half_scale = "0.5";
 
 // An editor over the small terrain, in a home of its own.
 struct SmallTerrain {
-    explicit SmallTerrain(const char* size = small_window)
-        : editor(display(), home.path, {small_pack(), "--size", size, "--scale", half_scale}) {}
+    explicit SmallTerrain(Pixels pixels, const char* size = small_window)
+        : editor(display(), home.path, {small_pack(), "--size", size, "--scale", half_scale}, pixels) {}
     TemporaryFolder home;
     EditorWindow editor;
 
@@ -75,7 +75,7 @@ std::size_t colours_in(const gl::Image& image, const Place& p) {
 
 TEST_CASE("dragging the threshold's slider coarsens the mesh at once, and one undo takes it all back") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::drawn);
     EditorWindow& editor = terrain.editor;
     const json before = editor.until("a converged mesh", converged);
     const gl::Image fine = display().picture();
@@ -100,7 +100,7 @@ TEST_CASE("dragging the threshold's slider coarsens the mesh at once, and one un
 
 TEST_CASE("a number is typed beside the slider: one out of range is clamped with a message, and words change nothing") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     terrain.enter("refine.error_px", "7.5");
     editor.until("7.5 px", [](const json& s) {
@@ -122,7 +122,7 @@ TEST_CASE("a number is typed beside the slider: one out of range is clamped with
 
 TEST_CASE("clicks turn to panels, pictures and overlays, which show in the picture and nowhere else") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::drawn);
     EditorWindow& editor = terrain.editor;
     editor.click("panel.show");
     json state = editor.until("the panel", [](const json& s) { return s["interface"]["left"] == "show"; });
@@ -144,7 +144,7 @@ TEST_CASE("clicks turn to panels, pictures and overlays, which show in the pictu
 
 TEST_CASE("keys and the mouse move the camera, but not while a number is typed or a panel is under the pointer") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     const json before = editor.until("a picture", converged);
     const Place view = view_of(before);
@@ -184,7 +184,7 @@ TEST_CASE("keys and the mouse move the camera, but not while a number is typed o
 
 TEST_CASE("the window is resized: columns, picture and controls stay inside it, and the mesh keeps its promise") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::drawn);
     EditorWindow& editor = terrain.editor;
     for (const auto& [width, height] : {std::pair{1700u, 900u}, {820u, 600u}, {1280u, 720u}}) {
         editor.resize(width, height);
@@ -209,7 +209,7 @@ TEST_CASE("the window is resized: columns, picture and controls stay inside it, 
 
 TEST_CASE("budgets rebuild the cut under the same view, and one that is impossible is reverted") {
     if (no_windows()) return;
-    SmallTerrain terrain("600x360"); // so high that the budgets need no scrolling
+    SmallTerrain terrain(Pixels::unseen, "600x360"); // so high that the budgets need no scrolling
 
     EditorWindow& editor = terrain.editor;
     const json before = editor.until("a picture", converged);
@@ -244,7 +244,7 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
         return editor.until("a change", [](const json& s) { return s["document"]["unsaved"] == true; });
     };
     {
-        EditorWindow editor(display(), home.path, arguments);
+        EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
         const json changed = change(editor)["profile"]["refine.error_px"];
         editor.key("ctrl+q");
         editor.until("the question", shows_dialog("unsaved"));
@@ -261,14 +261,14 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
     CHECK(saved != original);
     json lost;
     {
-        EditorWindow editor(display(), home.path, arguments);
+        EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
         lost = change(editor)["profile"]["refine.error_px"];
         editor.until("changes kept for a crash", [](const json& s) { return s["files"]["recovery_file"] != ""; });
         editor.signal(SIGKILL);
         CHECK(editor.exit_code() == 128 + SIGKILL);
         CHECK(slurp(profile) == saved);
     }
-    EditorWindow editor(display(), home.path, arguments);
+    EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
     editor.until("what an earlier run left", shows_dialog("recover"));
     editor.click("answer.restore");
     editor.until("the change again", [&](const json& s) {
@@ -311,7 +311,7 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
 
 TEST_CASE("a dialog has the keyboard, nothing beneath it reacts, and escape closes it, but first what is typed") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     editor.key("F1");
     editor.until("the keys", shows_dialog("keys"));
@@ -346,7 +346,8 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
     const TemporaryFolder home;
     json last;
     {
-        EditorWindow editor(display(), home.path, {small_pack(), "--size", small_window, "--scale", half_scale});
+        EditorWindow editor(display(), home.path, {small_pack(), "--size", small_window, "--scale", half_scale},
+                            Pixels::unseen);
         const json before = editor.until("a picture", converged);
         const Place view = view_of(before), strip = editor.place("handle.left-column");
         CHECK(view.width >= 0.65 * 600);
@@ -379,7 +380,7 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
         editor.key("ctrl+q");
         CHECK(editor.exit_code() == 0);
     }
-    EditorWindow editor(display(), home.path, {small_pack(), "--scale", half_scale});
+    EditorWindow editor(display(), home.path, {small_pack(), "--scale", half_scale}, Pixels::unseen);
     const json next = editor.until("a picture", converged);
     for (const char* key : {"columns", "floating", "window_px", "view_px", "mode"})
         CHECK(next["interface"][key] == last["interface"][key]);
@@ -429,7 +430,7 @@ TEST_CASE("a pack that is opened over another one compiles no shader on the fram
 
 TEST_CASE("an editor at rest draws nothing, and what moves in its panels alone draws no terrain") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     editor.until("a picture", converged);
     const json at_rest = editor.until("rest", [](const json& s) { return s["rested_s"] > 0.05; });
@@ -446,7 +447,7 @@ TEST_CASE("an editor at rest draws nothing, and what moves in its panels alone d
 
 TEST_CASE("a click on the overview jumps there") {
     if (no_windows()) return;
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     editor.click("panel.camera");
     const json before = editor.until("the overview", [](const json& s) { return s["marks"].contains("map.overview"); });
@@ -462,7 +463,7 @@ TEST_CASE("a click on the overview jumps there") {
 
 TEST_CASE("the probe follows the pointer, clicks mark two places and move no camera, and escape ends it") {
     if (!full_rounds() || no_windows()) return; // what it tells is tested without a window
-    SmallTerrain terrain;
+    SmallTerrain terrain(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     const json before = editor.until("a converged mesh", converged);
     editor.key("i");
@@ -488,7 +489,7 @@ TEST_CASE("the probe follows the pointer, clicks mark two places and move no cam
 
 TEST_CASE("a drag over a graph zooms and holds it, a click on it reports a frame, and a key goes on") {
     if (!full_rounds() || no_windows()) return; // what the commands do is tested without a window
-    SmallTerrain terrain("600x600");
+    SmallTerrain terrain(Pixels::unseen, "600x600");
     EditorWindow& editor = terrain.editor;
     editor.until("a converged mesh", converged);
     editor.click("panel.time");

@@ -59,7 +59,7 @@ public:
                  {"{editor}", "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR "/fjell-editor --headless --size 320x320"},
                  {"{fault}", "LD_PRELOAD=" FJELL_FAULTS " FJELL_FAULT="}})
             command = replaced(command, name, value);
-        return run_in(folder.path, command);
+        return run_in(folder.path, no_pixels + command);
     }
     TemporaryFolder folder;
 

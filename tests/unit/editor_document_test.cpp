@@ -346,6 +346,7 @@ TEST_CASE("restored changes are one step away from the file they were made to, o
 }
 
 TEST_CASE("a slider reaches both ends of every key exactly, never falls, and says where a value lies") {
+    bool times = false;
     for (const flight::ProfileKey& key : flight::profile_keys()) {
         INFO(key.table << '.' << key.name);
         CHECK(slider_value(key, 0) == key.least);
@@ -369,8 +370,17 @@ TEST_CASE("a slider reaches both ends of every key exactly, never falls, and say
             REQUIRE(typed_value(key, text, read));
             CHECK(read == Approx(value).epsilon(1e-6));
         }
+        if (std::string(key.unit) == "us") { // shown and typed in milliseconds, as all times of the window
+            write_value(key, 16667, text, sizeof text);
+            CHECK(std::string(text) == "16.667");
+            double read = -1;
+            REQUIRE(typed_value(key, "16.667", read));
+            CHECK(read == 16667);
+            times = true;
+        }
         double untouched = 5;
         for (const char* word : {"", "x", "1 2", "nan", "inf", "1px"}) CHECK_FALSE(typed_value(key, word, untouched));
         CHECK(untouched == 5);
     }
+    CHECK(times);
 }

@@ -131,11 +131,14 @@ TEST_CASE("where nothing keeps the budget the tuner says so, and where everythin
     CHECK(none.result.best_px == 0);
     CHECK(none.result.curve.size() == 1);
     CHECK(none.flown.size() <= 3);
-    CHECK_THAT(tune_text(none.result, asked(10)),
-               Catch::Contains("no threshold up to 32 px") && Catch::Contains("p99 11 us of 10"));
+    CHECK_THAT(tune_text(none.result, asked(10), "an orbit"),
+               Catch::Contains("no threshold up to 32 px keeps the budget over an orbit") &&
+                   Catch::Contains("p99 0.0109 ms of 0.01 ms"));
     const Tuned all = tune({}, asked(500'000));
     CHECK(all.result.best_px == 0.25);
-    CHECK_THAT(tune_text(all.result, asked(500'000)), Catch::Contains("0.25 px, the smallest allowed"));
+    CHECK_THAT(tune_text(all.result, asked(500'000), "the path a.json"),
+               Catch::Contains("0.25 px, the smallest allowed, over the path a.json: p99") &&
+                   Catch::Contains(" of 500 ms"));
 }
 
 TEST_CASE("a threshold that the profile's budgets do not let it reach keeps nothing, however fast it is") {
@@ -144,11 +147,11 @@ TEST_CASE("a threshold that the profile's budgets do not let it reach keeps noth
     const Tuned t = tune(cost, asked(500'000));
     CHECK(t.result.best_px >= 3);
     CHECK(t.result.best_px <= 3 * 1.02);
-    CHECK_THAT(tune_text(t.result, asked(500'000)), Catch::Contains("a budget of the profile is the limit"));
+    CHECK_THAT(tune_text(t.result, asked(500'000), ""), Catch::Contains("a budget of the profile is the limit"));
     cost.reached_from = 100;
     const Tuned none = tune(cost, asked(500'000));
     CHECK(none.result.best_px == 0);
-    CHECK_THAT(tune_text(none.result, asked(500'000)), Catch::Contains("50% of the frames"));
+    CHECK_THAT(tune_text(none.result, asked(500'000), ""), Catch::Contains("50% of the frames"));
 }
 
 TEST_CASE("the curve falls from the largest threshold, grows flight by flight, and never promises fewer flights") {
@@ -255,5 +258,6 @@ TEST_CASE("what limits a threshold is the part that its dearest frames spend mos
         },
         [](const TuneResult&) {});
     REQUIRE(r.best_px > 0);
-    CHECK_THAT(tune_text(r, asked(1000)), Catch::Contains("slowest frames: 75% refining"));
+    CHECK_THAT(tune_text(r, asked(1000), "an orbit"),
+               Catch::Contains("limited by refining (75% of the slowest frames' time)"));
 }
