@@ -1,5 +1,5 @@
-// Whatever a host does to a live cut, in whatever order: every frame holds what any must, and at rest it is the cut that
-// one built from nothing is.
+// Whatever a host does to a live cut, in whatever order: every frame holds what any must, and at rest it is the cut
+// that one built from nothing is.
 #include <catch2/catch.hpp>
 
 #include "support/paging_host.h"
@@ -16,7 +16,7 @@ void run_backwards(void*, std::uint32_t count, void (*job)(void*, std::uint32_t)
 }
 
 struct Met {
-    int built_beside = 0, rebuilt = 0, kept = 0, incomplete = 0, morphed = 0, blocked = 0, rested = 0;
+    int built_beside = 0, rebuilt = 0, kept = 0, incomplete = 0, morphed = 0, blocked = 0, scarce = 0, rested = 0;
 };
 
 // What the host asks for, and what it looks at.
@@ -69,6 +69,8 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
     CutBudget budget = ample_cut(pack.terrain, 2);
     budget.workers = 3;
     budget.views = 3;
+    const bool scarce = pick(random, 0, 3) == 0;
+    if (scarce) budget.vertices = std::max(budget.vertices / 8, pack.terrain.tile_count() * 4 + 100);
     Cut cut(paged.terrain, budget);
     Host host{random, pack.pack, paged.terrain, cut, abrupt, {}, {}};
     host.load_all();
@@ -82,8 +84,7 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
             wishes.set();
             const bool rebuild = pick(random, 0, 19) == 0;
             CutSettings& settings = wishes.settings;
-            const CutReport report =
-                rebuild ? cut.rebuild(wishes.views, settings) : cut.update(wishes.views, settings);
+            const CutReport report = rebuild ? cut.rebuild(wishes.views, settings) : cut.update(wishes.views, settings);
             CAPTURE(leg, frame, rebuild, settings.error_px, settings.items, settings.visits, settings.hysteresis,
                     settings.offscreen_factor, static_cast<int>(settings.morph), wishes.views.size());
             CutSettings unlimited = settings;
@@ -104,6 +105,10 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
         }
         CAPTURE(leg, wishes.settings.error_px, wishes.views.size(), paged.terrain.pages_missing());
         REQUIRE(check_frame(cut, pack.terrain, report, wishes.settings) == "");
+        if (scarce && report.exhausted != 0) { // what is refined to is the governor's way, then
+            ++met.scarce;
+            continue;
+        }
         REQUIRE(report.waiting == 0);
         Cut anew(paged.terrain, budget);
         (void)anew.rebuild(wishes.views, wishes.settings);
@@ -122,8 +127,10 @@ TEST_CASE("whatever a host does, every frame is whole, and at rest the cut is on
         CAPTURE(round);
         live(random, round % 8 == 7, round % 3 == 0, met);
     }
-    CAPTURE(met.built_beside, met.rebuilt, met.kept, met.incomplete, met.morphed, met.blocked);
+    CAPTURE(met.built_beside, met.rebuilt, met.kept, met.incomplete, met.morphed, met.blocked, met.scarce);
     for (const int times : {met.built_beside, met.rebuilt, met.kept, met.incomplete, met.morphed})
         CHECK(times > rounds(40, 400));
-    CHECK(met.rested == rounds(120, 1'200));
+    CHECK(met.blocked > rounds(5, 50));
+    CHECK(met.scarce > rounds(3, 30));
+    CHECK(met.rested > rounds(90, 900));
 }
