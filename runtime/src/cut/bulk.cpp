@@ -60,18 +60,13 @@ bool next_squares(const CutState& s, BulkSquares& squares) {
     return true;
 }
 
-// Nothing is decided in a page that is about to go. But it may be kept after all before its state is whole, and nobody
-// would look at it again: there it waits.
-[[nodiscard]] bool is_leaving(const CutState& s, std::uint32_t slot) {
-    return s.page_state[slot].status == PageStatus::evicting;
-}
-
-// The page's centres that are ready, in its masks. False: none is, or the page is about to go.
+// The page's centres that are ready, in its masks. False: none is, or the page is being evicted. Where that takes
+// frames it may be kept after all before its state is whole, and nobody would look at it again: there they wait.
 bool find_ready(CutState& s, BulkSquares& at) {
     std::uint32_t parents[2][page_squares];
     if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
     BulkPage& page = visit_page(s, at.slot);
-    if (!s.bulk.beside && is_leaving(s, at.slot)) return false;
+    if (!s.bulk.beside && s.page_state[at.slot].status == PageStatus::evicting) return false;
     std::uint32_t* const ready = page.active + at.row(VertexKind::centre, 0);
     std::uint32_t any = 0;
     for (std::int32_t j = 0; j < at.n; ++j) any |= ready[j] = parents[0][j] & parents[1][j];
@@ -121,7 +116,8 @@ bool next_centres(CutState& s, BulkUnit& unit) {
         unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
         const PageState& page = s.page_state[at.slot];
         // Asked once a page: a view may move between its parts, and what is decided stays.
-        unit.waits = b.beside && b.part == 0 && (is_leaving(s, at.slot) || (page.shape != 0 && !may_be_seen(s, page)));
+        unit.waits = b.beside && b.part == 0 &&
+                     (page.status == PageStatus::evicting || (page.shape != 0 && !may_be_seen(s, page)));
         if (unit.waits) unit.rows = {0, at.n}, unit.last = true;
     }
     advance(b, unit);

@@ -35,7 +35,7 @@ struct BulkUnit {
     std::uint32_t slot; // no_index: there was nothing
     int z;
     BulkRows rows;
-    bool waits; // nobody sees the page, or it is about to go: what is ready in it is due, not decided
+    bool waits; // nobody sees the page, or it is being evicted: what is ready in it is due, not decided
     bool last;  // of its page
     // What was found:
     std::uint32_t wanted, groups, grades;

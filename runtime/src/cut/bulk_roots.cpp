@@ -46,8 +46,8 @@ bool step_roots(CutState& s) {
         if (group == no_index) continue;
         const PageState& page = s.page_state[slot];
         if (b.beside) watch_visited_page(s, slot);
-        const bool leaves = page.status == PageStatus::evicting, wanted = !leaves && decide_root(s, b.at, group);
-        if (leaves && b.beside) b.tiles[b.at].root = {spent, 1}; // it may be kept after all, so it waits
+        const bool evicting = page.status == PageStatus::evicting, wanted = !evicting && decide_root(s, b.at, group);
+        if (evicting && b.beside) b.tiles[b.at].root = {spent, 1}; // it may be kept after all, so it waits
         if (wanted || !is_clear(page)) (void)visit_page(s, slot);
         if (!wanted) continue;
         BulkPage& found = b.pages[slot];

@@ -6,34 +6,13 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 
 #include "cut/evaluate.h"
+#include "cut/lane_sets.h"
 #include "cut/lanes-inl.h"
 #include "pack/record.h"
-
-// What the targets share.
-#ifndef FJELL_PLACE_ONCE
-#define FJELL_PLACE_ONCE
-namespace fjell {
-namespace {
-
-// The lanes of a set of eight, the lowest first.
-using LaneSets = std::array<std::array<std::uint8_t, 8>, 256>;
-constexpr LaneSets make_lane_sets() {
-    LaneSets sets{};
-    for (std::uint32_t bits = 0; bits < 256; ++bits)
-        for (std::uint8_t lane = 0, n = 0; lane < 8; ++lane)
-            if (bits >> lane & 1) sets[bits][n++] = lane;
-    return sets;
-}
-constexpr LaneSets lane_sets = make_lane_sets();
-
-} // namespace
-} // namespace fjell
-#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {

@@ -4,32 +4,11 @@
 
 #include <hwy/highway.h>
 
-#include <array>
 #include <bit>
 #include <cstddef>
 
+#include "cut/lane_sets.h"
 #include "cut/slot_grid.h"
-
-// What the targets share.
-#ifndef FJELL_SLOT_GRID_ONCE
-#define FJELL_SLOT_GRID_ONCE
-namespace fjell {
-namespace {
-
-// Of each lane of a set of eight, how many lanes below it are in the set.
-using LaneRanks = std::array<std::array<std::uint8_t, 8>, 256>;
-constexpr LaneRanks make_lane_ranks() {
-    LaneRanks ranks{};
-    for (std::uint32_t bits = 0; bits < 256; ++bits)
-        for (std::uint32_t lane = 0; lane < 8; ++lane)
-            ranks[bits][lane] = static_cast<std::uint8_t>(std::popcount(bits & ((1u << lane) - 1)));
-    return ranks;
-}
-constexpr LaneRanks lane_ranks = make_lane_ranks();
-
-} // namespace
-} // namespace fjell
-#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace fjell::HWY_NAMESPACE {
