@@ -195,14 +195,10 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
 // The ramp alone.
 TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
     const TexelPlanes ground = filtered(plan, MapKind::colour, heights, texels, {HeightRows::height, HeightRows::up});
-    const LightOfSrgb& table = LightOfSrgb::table();
-    RampPainter painter(*plan.ramp);
     TexelPlanes light(texels, 3);
-    for (std::size_t i = 0; i < texels.area(); ++i) {
-        float rgb[3];
-        painter.paint(ground.channel[0][i], ground.channel[1][i], rgb);
-        for (std::size_t c = 0; c < 3; ++c) light.channel[c][i] = table.at(rgb[c]);
-    }
+    RampPainter(*plan.ramp)
+        .paint_light(ground.channel[0].data(), ground.channel[1].data(), texels.area(),
+                     {light.channel[0].data(), light.channel[1].data(), light.channel[2].data()});
     return light;
 }
 
