@@ -49,9 +49,7 @@ public:
 
 private:
     [[nodiscard]] const float* at(std::int32_t column, std::int32_t row) const {
-        return heights_.heights_m +
-               static_cast<std::size_t>(row - heights_.at.y) * static_cast<std::size_t>(heights_.at.columns) +
-               static_cast<std::size_t>(column - heights_.at.x);
+        return heights_.heights_m + (row - heights_.at.y) * heights_.stride + (column - heights_.at.x);
     }
     [[nodiscard]] std::size_t slot(std::int32_t y) const {
         return static_cast<std::size_t>(y % kept_) * static_cast<std::size_t>(width_);
