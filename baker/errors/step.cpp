@@ -173,9 +173,10 @@ public:
 
     FJELL_ALWAYS_INLINE void run() {
         const int side_level = 2 * (in.tree.tile_log2 - 1 - in.z) + 1;
-        side_unit = in.scales.level_radius_m[side_level];
-        centre_unit = in.scales.level_radius_m[side_level - 1];
-        for (std::size_t code = 0; code < radius_codes; ++code) side_m[code] = side_unit * in.scales.radii.factor[code];
+        for (std::size_t code = 0; code < radius_codes; ++code) {
+            side_m[code] = in.scales.level_radius_m[side_level] * in.scales.radii.factor[code];
+            centre_m[code] = in.scales.level_radius_m[side_level - 1] * in.scales.radii.factor[code];
+        }
         sides(out.side_x, out.blocks_x, out.blocks_y + 1, [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA {
             in.finer ? side_row(in.steps.side_x.row(j), in.finer->row(2 * j - 1), in.finer->row(2 * j)) : leaf_x_row(j);
         });
@@ -202,11 +203,17 @@ private:
                 apexes.clear(blocks * size);
             }
             for (std::int32_t j = block_row * size; j < (block_row + 1) * size; ++j) row(j);
-            for (std::int32_t b = 0; b < blocks; ++b) to.push_back(code(side_unit, in.finer ? along(b) : leaf(b)));
+            for (std::int32_t b = 0; b < blocks; ++b) to.push_back(code_up(side_m, in.finer ? along(b) : leaf(b)));
         }
     }
-    [[nodiscard]] FJELL_ALWAYS_INLINE std::uint8_t code(float unit, float radius_m) const {
-        return in.scales.radii.code_up(unit, static_cast<double>(radius_m) * sphere_margin);
+    using CodedRadii = std::array<float, radius_codes>; // in metres, of a level
+    // RadiusScale::code_up with room for a sphere's rounding; without a branch, because none could be predicted.
+    [[nodiscard]] FJELL_ALWAYS_INLINE static std::uint8_t code_up(const CodedRadii& radii_m, float radius_m) {
+        const double asked_m = static_cast<double>(radius_m) * sphere_margin;
+        std::uint32_t below = 0; // how many codes are
+        for (std::uint32_t step = radius_codes / 2; step != 0; step /= 2)
+            below += step * static_cast<std::uint32_t>(static_cast<double>(radii_m[below + step - 1]) < asked_m);
+        return static_cast<std::uint8_t>(below);
     }
 
     [[nodiscard]] FJELL_ALWAYS_INLINE float climb_m(std::int32_t steps) const {
@@ -283,19 +290,19 @@ private:
             const float w =
                 distance_m(along_x, std::max(to_west.of(first, size), to_east.of(first, size - 1))) + side_m[side_y[b]];
             const float e = distance_m(along_x, to_east.of(first + size - 1, 1)) + side_m[side_y[b + 1]];
-            out.centre.push_back(code(centre_unit, std::max({n, s, w, e}) * float_rounding));
+            out.centre.push_back(code_up(centre_m, std::max({n, s, w, e}) * float_rounding));
         }
     }
 
     const StepInput& in;
     Radii& out;
     std::int32_t size = 1; // squares of a block, a side
-    float quantum = 1, height_pad = 0, leaf_pad = 0, side_unit = 1, centre_unit = 1;
+    float quantum = 1, height_pad = 0, leaf_pad = 0;
     float along_x = 0, along_y = 0, across = 0; // squares of distances along the ground
     float ends_ground = 0, apexes_ground = 0;   // the same, of leaves
     Buffer<float> line;
     Differences ends, apexes, to_north, to_south, to_west, to_east;
-    std::array<float, radius_codes> side_m{};
+    CodedRadii side_m{}, centre_m{};
 };
 
 FJELL_CLONES void run(RadiusStage& stage) {
