@@ -130,7 +130,7 @@ public:
     void clear() { made_ = false; }
     [[nodiscard]] bool holds(std::int32_t k) const { return made_ && k < static_cast<std::int32_t>(codes_.size()); }
     [[nodiscard]] std::uint8_t at(std::int32_t k) const { return codes_[static_cast<std::size_t>(k)]; }
-    static constexpr std::size_t size = 4096;
+    static constexpr std::size_t size = 1024;
 
 private:
     bool made_ = false;
