@@ -57,8 +57,12 @@ private:
     void make_horizons(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
     void make_control(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
     void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
-    void make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
-                            MixedStores& mixed);
+    struct Below { // what a step is made from
+        const HeightStores& heights;
+        const UnsaturatedStores& unsaturated;
+        StepStores& finer;
+    };
+    void coarser_step(const BakePlan& plan, int z, const Below& below, MixedStores& mixed);
 
     // Runs a stage unless an earlier run has completed it.
     template <typename Work>
@@ -146,7 +150,8 @@ void Bake::run_stages() {
     StepStores finer;
     if (last_z > 0 && !complete({Stage::coarser_steps, last_z})) unsaturated = open_unsaturated(context_);
     if (!complete({Stage::mixed_pages})) mixed = open_mixed(context_);
-    if (last_z > 0 && !complete({Stage::coarser_steps, 1})) finer = open_step(context_, 0);
+    if (last_z > 0 && !complete({Stage::coarser_steps, 1}))
+        finer = context_.in_memory ? open_step_codes(context_) : open_step(context_, 0);
     check_unsaturated(unsaturated);
     check_mixed(mixed);
     check_step(finer, {Stage::finest_step});
@@ -155,10 +160,15 @@ void Bake::run_stages() {
         note_unsaturated(unsaturated);
         note_step(0, finer, mixed);
     });
-    raw.remove();
-    filled.remove();
-    holes.remove();
-    make_coarser_steps(plan, unsaturated, std::move(finer), mixed);
+    const auto remove_heights = [&] {
+        raw.remove();
+        filled.remove();
+        holes.remove();
+    };
+    if (!finer.codes.exists()) remove_heights();
+    if (last_z > 0) coarser_step(plan, 1, {heights, unsaturated, finer}, mixed);
+    remove_heights();
+    for (int z = 2; z <= last_z; ++z) coarser_step(plan, z, {heights, unsaturated, finer}, mixed);
     unsaturated.remove();
     summary_.seconds_errors = seconds_since(errors_start);
     stage({Stage::mixed_pages}, [&] { found.max_error_m = make_mixed_pages(context_, plan, mixed, *spool_); });
@@ -188,7 +198,7 @@ void Bake::check_unsaturated(UnsaturatedStores& stores) const {
 }
 
 void Bake::check_step(StepStores& stores, StageId writer) const {
-    if (!stores.exist()) return;
+    if (!stores.places.exists()) return; // or in memory, where nothing is found
     check(stores.places, complete(writer), checkpoint_.state.stores.places);
     check(stores.centres, complete(writer), checkpoint_.state.stores.centres);
 }
@@ -225,22 +235,19 @@ void Bake::note_step(int z, const StepStores& step, const MixedStores& mixed) {
     left.mixed_records += records_digest(context_, mixed, z, z, false);
 }
 
-// finer: what the finest step has left.
-void Bake::make_coarser_steps(const BakePlan& plan, const UnsaturatedStores& unsaturated, StepStores finer,
-                              MixedStores& mixed) {
+// below.finer: what the step before has left; afterwards what this one has.
+void Bake::coarser_step(const BakePlan& plan, int z, const Below& below, MixedStores& mixed) {
     const bool holes = checkpoint_.state.holes != 0;
-    const int last_z = context_.tree.tile_log2 - 1;
-    for (int z = 1; z <= last_z; ++z) {
-        StepStores step;
-        if (z < last_z && !complete({Stage::coarser_steps, z + 1})) step = open_step(context_, z);
-        check_step(step, {Stage::coarser_steps, z});
-        stage({Stage::coarser_steps, z}, [&] {
-            make_coarser_step(context_, plan, {z, holes, unsaturated, finer}, {step, mixed, *spool_});
-            note_step(z, step, mixed);
-        });
-        finer.remove();
-        finer = std::move(step);
-    }
+    StepStores step;
+    if (z < context_.tree.tile_log2 - 1 && !complete({Stage::coarser_steps, z + 1})) step = open_step(context_, z);
+    check_step(step, {Stage::coarser_steps, z});
+    stage({Stage::coarser_steps, z}, [&] {
+        make_coarser_step(context_, plan, {z, holes, below.unsaturated, below.finer, &below.heights},
+                          {step, mixed, *spool_});
+        note_step(z, step, mixed);
+    });
+    below.finer.remove();
+    below.finer = std::move(step);
 }
 
 constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {

@@ -95,18 +95,16 @@ void fill_heights(const BakeContext& context, const Store<float>& raw, const Sou
 
 namespace {
 
-HeightStatistics measure_region(const BakeContext& context, const HeightStores& heights, const Region& region,
-                                Buffer<float>& buffer) {
+HeightStatistics measure_region(const BakeContext& context, const HeightStores& heights, const Region& region) {
     const Tree& tree = context.tree;
     const Coord last = tree.sample(region.last);
     const Window w{region.first.x, region.first.y, last.x - region.first.x + 1, last.y - region.first.y + 1};
-    buffer.resize(w.area());
-    heights.heights.read(w, buffer.data(), w.columns);
+    const StoreView<float> samples(heights.heights, w);
     HeightStatistics all;
     context.regions.for_each_tile(region, [&](std::uint32_t, Coord corner) {
         const Coord end = tree.sample({corner.x + tree.side(), corner.y + tree.side()});
-        all.add(measure_tile(buffer.data() + std::ptrdiff_t{corner.y - w.y} * w.columns + (corner.x - w.x),
-                             end.x - corner.x + 1, end.y - corner.y + 1, w.columns));
+        all.add(measure_tile(samples.row(corner.y - w.y) + (corner.x - w.x), end.x - corner.x + 1, end.y - corner.y + 1,
+                             samples.stride()));
     });
     if (!heights.holes.exists()) return all;
     // Borders count where the region to the south or east does, and on the terrain's rim.
@@ -125,8 +123,7 @@ HeightStatistics measure_heights(const BakeContext& context, const HeightStores&
     context.run_units({"measure", parts.size(), context.workers_for(static_cast<std::uint64_t>(side * side * 5)),
                        context.samples() / static_cast<double>(parts.size())},
                       [&](std::uint64_t i) {
-                          thread_local Buffer<float> buffer;
-                          parts[i] = measure_region(context, heights, context.regions.at(context.region_at(i)), buffer);
+                          parts[i] = measure_region(context, heights, context.regions.at(context.region_at(i)));
                       });
     HeightStatistics all;
     for (const HeightStatistics& part : parts) all.add(part);

@@ -2,6 +2,7 @@
 // before.
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -47,29 +48,28 @@ void make_near_maps(const BakeContext& context, const BakePlan& plan, const Heig
     const auto tile_bytes =
         static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
     ReaderPool<ImageSource, ImageReader> readers(context.image.get());
-    context.run_units({"maps", context.tile_count(), context.workers_for(tile_bytes),
-                       context.samples() / static_cast<double>(context.tile_count())},
-                      [&](std::uint64_t u) {
-                          const std::uint32_t tile = context.tile_at(u);
-                          const Window w = heights_for_maps(plan.maps, tile);
-                          Buffer<float> heights_m(w.area());
-                          heights.heights.read(w, heights_m.data(), w.columns);
-                          std::unique_ptr<ImageReader> reader = readers.take();
-                          const NearMaps near = near_maps(plan.maps, tile, heights_m.data(), reader.get());
-                          readers.give(std::move(reader));
-                          heights_m = {};
-                          ChunkBatch batch;
-                          for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
-                              const std::vector<MipTexels>& mips = kind == MapKind::colour ? near.colour : near.normal;
-                              for (std::uint32_t mip = 0; mip < mips.size(); ++mip)
-                                  batch.add({chunk_of(kind), tile, mip}, mips[mip].blocks, context.options.compression);
-                              TexelStore& last = kind == MapKind::colour ? out.colour : out.normal;
-                              if (last.exists())
-                                  store_texels(last, plan.maps.texels(kind, near_mips - 1, tile), kind,
-                                               mips.back().texels);
-                          }
-                          out.spool.append(std::move(batch));
-                      });
+    context.run_units(
+        {"maps", context.tile_count(), context.workers_for(tile_bytes),
+         context.samples() / static_cast<double>(context.tile_count())},
+        [&](std::uint64_t u) {
+            const std::uint32_t tile = context.tile_at(u);
+            const Window w = heights_for_maps(plan.maps, tile);
+            std::optional<StoreView<float>> heights_m(std::in_place, heights.heights, w);
+            std::unique_ptr<ImageReader> reader = readers.take();
+            const NearMaps near = near_maps(plan.maps, tile, {heights_m->row(0), heights_m->stride(), w}, reader.get());
+            readers.give(std::move(reader));
+            heights_m.reset();
+            ChunkBatch batch;
+            for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
+                const std::vector<MipTexels>& mips = kind == MapKind::colour ? near.colour : near.normal;
+                for (std::uint32_t mip = 0; mip < mips.size(); ++mip)
+                    batch.add({chunk_of(kind), tile, mip}, mips[mip].blocks, context.options.compression);
+                TexelStore& last = kind == MapKind::colour ? out.colour : out.normal;
+                if (last.exists())
+                    store_texels(last, plan.maps.texels(kind, near_mips - 1, tile), kind, mips.back().texels);
+            }
+            out.spool.append(std::move(batch));
+        });
 }
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out) {

@@ -172,10 +172,13 @@ void make_coarser_step(const BakeContext& context, const BakePlan& plan, const C
         VertexPlanes<std::int32_t> steps(nx, ny);
         VertexPlanes<std::uint8_t> error(nx, ny), holes;
         if (in.holes) holes = VertexPlanes<std::uint8_t>(nx, ny);
-        load_places(in.finer, region, in.z, steps, in.holes ? &holes : nullptr);
         load_unsaturated(context, in.unsaturated, index, in.z, error);
         FinerCentres finer(nx, ny);
-        load_finer_centres(in.finer, region, in.z, context.tree.tile_log2, plan.scales, finer);
+        const FinerInput from_finer{steps, in.holes ? &holes : nullptr, finer};
+        if (in.finer.codes.exists())
+            load_finest(context, in.finer, *in.heights, region, plan.scales, from_finer);
+        else
+            load_finer(in.finer, region, in.z, context.tree.tile_log2, plan.scales, from_finer);
         const StepInput step{plan.scales, context.tree, {context.source.spacing_m[0], context.source.spacing_m[1]},
                              in.z,        square,       nx,
                              ny,          steps,        error,

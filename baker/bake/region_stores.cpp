@@ -11,6 +11,7 @@ namespace fjell::baker {
 void StepStores::remove() {
     places.remove();
     centres.remove();
+    codes.remove();
 }
 
 void UnsaturatedStores::remove() {
@@ -31,7 +32,13 @@ Window places_of(const Tree& tree, int z) {
 StepStores open_step(const BakeContext& context, int z) {
     const Window all = places_of(context.tree, z + 1);
     return {context.open<std::uint32_t>("places" + std::to_string(z + 1), all.columns, all.rows),
-            context.open<CentreRecord>("centres" + std::to_string(z), all.columns - 1, all.rows - 1)};
+            context.open<CentreRecord>("centres" + std::to_string(z), all.columns - 1, all.rows - 1),
+            {}};
+}
+
+StepStores open_step_codes(const BakeContext& context) {
+    const Window all = places_of(context.tree, 1);
+    return {{}, {}, context.open<CentreCodes>("codes", all.columns - 1, all.rows - 1)};
 }
 
 UnsaturatedStores open_unsaturated(const BakeContext& context, int z) {
@@ -122,11 +129,9 @@ QuantisedHeights load_heights(const BakeContext& context, const HeightScale& sca
     QuantisedHeights heights{context.tree, patch_for<std::int32_t>(region, 0), {}};
     Patch<std::int32_t>& steps = heights.steps;
     const Window known = within(steps, context.tree.columns(), context.tree.rows());
-    Buffer<float> heights_m(known.area());
-    stores.heights.read(known, heights_m.data(), known.columns);
+    const StoreView<float> heights_m(stores.heights, known);
     for (std::int32_t y = 0; y < known.rows; ++y)
-        quantise(heights_m.data() + std::ptrdiff_t{y} * known.columns, static_cast<std::size_t>(known.columns), scale,
-                 steps.at(known.x, known.y + y));
+        quantise(heights_m.row(y), static_cast<std::size_t>(known.columns), scale, steps.at(known.x, known.y + y));
     replicate(steps, known);
     if (!stores.holes.exists()) return heights;
     Patch<std::uint8_t> voids = patch_for<std::uint8_t>(region, 0);
@@ -135,47 +140,139 @@ QuantisedHeights load_heights(const BakeContext& context, const HeightScale& sca
     return heights;
 }
 
-void load_places(const StepStores& finer, const Region& region, int z, VertexPlanes<std::int32_t>& steps,
-                 VertexPlanes<std::uint8_t>* holes) {
+namespace {
+
+// The places of step 2^z, which step z - 1 has left.
+void load_places(const StepStores& finer, const Region& region, int z, const FinerInput& out) {
     Patch<std::uint32_t> stored = patch_for<std::uint32_t>(region, z);
     load(finer.places, stored);
     Patch<std::int32_t> values = patch_for<std::int32_t>(region, z);
     std::transform(stored.values.begin(), stored.values.end(), values.values.begin(),
                    [](std::uint32_t v) { return static_cast<std::int32_t>(v & ~hole_flag); });
-    split_planes(values, steps);
-    if (!holes) return;
+    split_planes(values, out.steps);
+    if (!out.holes) return;
     Patch<std::uint8_t> flags = patch_for<std::uint8_t>(region, z);
     std::transform(stored.values.begin(), stored.values.end(), flags.values.begin(),
                    [](std::uint32_t v) { return static_cast<std::uint8_t>(v >> 31); });
-    split_planes(flags, *holes);
+    split_planes(flags, *out.holes);
 }
 
-void load_finer_centres(const StepStores& finer, const Region& region, int z, int tile_log2, const Scales& scales,
-                        FinerCentres& out) {
+// Radii in metres of step z - 1's centres.
+struct CentreRadii {
+    float m[radius_codes];
+    CentreRadii(const Scales& scales, int z, int tile_log2) {
+        const float unit_m = scales.level_radius_m[2 * (tile_log2 - z)];
+        for (std::size_t code = 0; code < radius_codes; ++code) m[code] = unit_m * scales.radii.factor[code];
+    }
+};
+
+// Where there are no centres they ask for nothing.
+template <typename T>
+void clear_unknown(const Patch<T>& patch, const Window& known, FinerCentres& out) {
+    const std::int32_t left = known.x - patch.x, right = left + known.columns;
+    for (std::int32_t y = 0; y < patch.rows; ++y) {
+        const bool outside = y + patch.y < known.y || y + patch.y >= known.y + known.rows;
+        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(patch.columns);
+        const auto clear = [&](std::int32_t from, std::int32_t to) {
+            std::fill(out.error.data() + row + from, out.error.data() + row + to, std::uint8_t{0});
+            std::fill(out.radius_m.data() + row + from, out.radius_m.data() + row + to, 0.0f);
+        };
+        clear(0, outside ? patch.columns : left);
+        if (!outside) clear(right, patch.columns);
+    }
+}
+
+void load_centres(const StepStores& finer, const Region& region, int z, const CentreRadii& radii, FinerCentres& out) {
     Patch<CentreRecord> patch = patch_for<CentreRecord>(region, z);
-    const Window known = within(patch, finer.centres.columns(), finer.centres.rows());
     load(finer.centres, patch);
-    const float unit_m = scales.level_radius_m[2 * (tile_log2 - z)];
-    float radius_m[radius_codes];
-    for (std::size_t code = 0; code < radius_codes; ++code) radius_m[code] = unit_m * scales.radii.factor[code];
     for (std::size_t i = 0; i < patch.area(); ++i) {
         out.steps[i] = patch.values[i].steps;
         out.error[i] = patch.values[i].error;
-        out.radius_m[i] = radius_m[patch.values[i].radius];
+        out.radius_m[i] = radii.m[patch.values[i].radius];
     }
-    // Where there are no centres they ask for nothing.
-    for (std::int32_t y = 0; y < patch.rows; ++y)
-        for (std::int32_t x = 0; x < patch.columns; ++x) {
-            const bool inside = x + patch.x >= known.x && x + patch.x < known.x + known.columns &&
-                                y + patch.y >= known.y && y + patch.y < known.y + known.rows;
-            if (inside) {
-                x = known.x + known.columns - patch.x - 1; // the rest of the row that is
-                continue;
-            }
-            const std::size_t i = patch.index(x + patch.x, y + patch.y);
-            out.error[i] = 0;
-            out.radius_m[i] = 0;
+    clear_unknown(patch, within(patch, finer.centres.columns(), finer.centres.rows()), out);
+}
+
+} // namespace
+
+void load_finer(const StepStores& finer, const Region& region, int z, int tile_log2, const Scales& scales,
+                const FinerInput& out) {
+    load_places(finer, region, z, out);
+    load_centres(finer, region, z, CentreRadii(scales, z, tile_log2), out.centres);
+}
+
+namespace {
+
+// Samples of a row, in height steps, at every second column from `first` on; those beyond the ends take the nearest of
+// these columns, or the last sample where that stands beyond it.
+class EverySecondSample {
+public:
+    EverySecondSample(const BakeContext& context, const HeightScale& scale, const Store<float>& heights,
+                      const Patch<std::int32_t>& patch)
+        : scale_(scale), heights_(heights), last_{context.tree.columns() - 1, context.tree.rows() - 1},
+          grid_{(context.tree.grid_columns() - 1) / 2, (context.tree.grid_rows() - 1) / 2}, patch_(patch),
+          row_(static_cast<std::size_t>(2 * patch.columns)) {}
+
+    // odd: centres, which are one fewer; else places. y: of the patch. Where its sample lies.
+    [[nodiscard]] std::int32_t sample_row(std::int32_t y, bool odd) const {
+        return std::min(2 * std::clamp(patch_.y + y, 0, grid_.y - odd) + odd, last_.y);
+    }
+    void take(std::int32_t y, bool odd, std::int32_t* to) {
+        const std::int32_t x0 = std::max(2 * patch_.x, 0), x1 = std::min(2 * (patch_.x + patch_.columns) - 1, last_.x);
+        const StoreView<float> samples(heights_, {x0, sample_row(y, odd), x1 - x0 + 1, 1});
+        quantise(samples.row(0), static_cast<std::size_t>(x1 - x0 + 1), scale_, row_.data());
+        pick(odd, row_.data(), x0, to);
+    }
+    // from: of columns from x0 on.
+    template <typename T>
+    void pick(bool odd, const T* from, std::int32_t x0, T* to) const {
+        const std::int32_t first = std::max(patch_.x, 0); // columns of a patch whose samples are there
+        const std::int32_t end = std::min(patch_.x + patch_.columns, std::min((last_.x - odd) >> 1, grid_.x - odd) + 1);
+        for (std::int32_t x = first; x < end; ++x) to[x - patch_.x] = from[2 * x + odd - x0];
+        for (std::int32_t x = std::max(first, end); x < patch_.x + patch_.columns; ++x)
+            to[x - patch_.x] = from[std::min(2 * std::min(x, grid_.x - odd) + odd, last_.x) - x0];
+        std::fill(to, to + (first - patch_.x), to[first - patch_.x]);
+    }
+
+private:
+    const HeightScale& scale_;
+    const Store<float>& heights_;
+    const Coord last_, grid_; // the last sample; the last place of step 2
+    const Patch<std::int32_t>& patch_;
+    Buffer<std::int32_t> row_;
+};
+
+} // namespace
+
+void load_finest(const BakeContext& context, const StepStores& finest, const HeightStores& stores, const Region& region,
+                 const Scales& scales, const FinerInput& out) {
+    Patch<std::int32_t> values = patch_for<std::int32_t>(region, 1);
+    EverySecondSample samples(context, scales.height_scale, stores.heights, values);
+    const auto columns = static_cast<std::size_t>(values.columns);
+    for (std::int32_t y = 0; y < values.rows; ++y) {
+        const std::size_t at = static_cast<std::size_t>(y) * columns;
+        samples.take(y, false, values.values.data() + at);
+        samples.take(y, true, out.centres.steps.data() + at);
+    }
+    split_planes(values, out.steps);
+    if (out.holes) {
+        Patch<std::uint8_t> flags = patch_for<std::uint8_t>(region, 1);
+        const std::int32_t x0 = std::max(2 * flags.x, 0);
+        const std::int32_t x1 = std::min(2 * (flags.x + flags.columns), context.tree.columns());
+        for (std::int32_t y = 0; y < flags.rows; ++y) {
+            const StoreView<std::uint8_t> marks(stores.holes, {x0, samples.sample_row(y, false), x1 - x0, 1});
+            samples.pick(false, marks.row(0), x0, flags.values.data() + static_cast<std::size_t>(y) * columns);
         }
+        split_planes(flags, *out.holes);
+    }
+    Patch<CentreCodes> codes = patch_for<CentreCodes>(region, 1);
+    load(finest.codes, codes);
+    const CentreRadii radii(scales, 1, context.tree.tile_log2);
+    for (std::size_t i = 0; i < codes.area(); ++i) {
+        out.centres.error[i] = codes.values[i].error;
+        out.centres.radius_m[i] = radii.m[codes.values[i].radius];
+    }
+    clear_unknown(codes, within(codes, finest.codes.columns(), finest.codes.rows()), out.centres);
 }
 
 void load_unsaturated(const BakeContext& context, const UnsaturatedStores& stores, std::int64_t region_index, int z,
@@ -233,12 +330,12 @@ void store_unsaturated(const BakeContext& context, std::int64_t region_index, co
     stores.east.write({errors.y, across, errors.rows, 1}, east.data(), errors.rows);
 }
 
-void store_step(const StepResult& result, StepStores& stores) {
+namespace {
+
+void store_places(const StepResult& result, StepStores& stores) {
     const StepInput& in = result.step;
     const VertexPlanes<std::uint8_t>* const holes = result.holes;
-    const auto columns = static_cast<std::size_t>(in.nx), rows = static_cast<std::size_t>(in.ny);
-    Buffer<std::uint32_t> corners((columns + 1) * (rows + 1));
-    Buffer<CentreRecord> centres(columns * rows);
+    Buffer<std::uint32_t> corners(static_cast<std::size_t>(in.nx + 1) * static_cast<std::size_t>(in.ny + 1));
     std::uint32_t* corner = corners.data();
     for (std::int32_t j = 0; j <= in.ny; ++j)
         for (std::int32_t i = 0; i <= in.nx; ++i) {
@@ -249,12 +346,31 @@ void store_step(const StepResult& result, StepStores& stores) {
     const bool last_x = in.square.x + in.nx + 1 == stores.places.columns(),
                last_y = in.square.y + in.ny + 1 == stores.places.rows();
     stores.places.write({in.square.x, in.square.y, in.nx + last_x, in.ny + last_y}, corners.data(), in.nx + 1);
-    CentreRecord* centre = centres.data();
+}
+
+// record(i, j): of the centre of square (i, j).
+template <typename T, typename Record>
+void store_centres(const StepInput& in, Store<T>& store, const Record& record) {
+    Buffer<T> centres(static_cast<std::size_t>(in.nx) * static_cast<std::size_t>(in.ny));
+    T* to = centres.data();
     for (std::int32_t j = 0; j < in.ny; ++j)
-        for (std::int32_t i = 0; i < in.nx; ++i)
-            *centre++ = {in.steps.centre.row(j)[i], in.error.centre.row(j)[i],
-                         result.radii.at(VertexKind::centre, i, j), 0};
-    stores.centres.write({in.square.x, in.square.y, in.nx, in.ny}, centres.data(), in.nx);
+        for (std::int32_t i = 0; i < in.nx; ++i) *to++ = record(i, j);
+    store.write({in.square.x, in.square.y, in.nx, in.ny}, centres.data(), in.nx);
+}
+
+} // namespace
+
+void store_step(const StepResult& result, StepStores& stores) {
+    const StepInput& in = result.step;
+    const auto codes = [&](std::int32_t i, std::int32_t j) {
+        return CentreCodes{in.error.centre.row(j)[i], result.radii.at(VertexKind::centre, i, j)};
+    };
+    if (stores.codes.exists()) return store_centres(in, stores.codes, codes);
+    store_places(result, stores);
+    store_centres(in, stores.centres, [&](std::int32_t i, std::int32_t j) {
+        const CentreCodes c = codes(i, j);
+        return CentreRecord{in.steps.centre.row(j)[i], c.error, c.radius, 0};
+    });
 }
 
 void store_mixed(const StepResult& result, int mixed_log2, MixedStores& stores) {

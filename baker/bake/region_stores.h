@@ -25,16 +25,22 @@ struct CentreRecord {
     std::uint16_t unused = 0;
 };
 static_assert(sizeof(CentreRecord) == 8, "CentreRecord lies in a work file");
+struct CentreCodes {
+    std::uint8_t error = 0, radius = 0;
+};
 
 // What step 2^z leaves to the next one: the heights of its places, in height steps, the highest bit a hole; and its own
-// centres.
+// centres. Of the finest step, where samples lie in memory and stay until the next step is made, only what samples do
+// not say: room that is touched for the first time takes longer than quantising them again.
 struct StepStores {
     Store<std::uint32_t> places; // of step 2^(z + 1)
     Store<CentreRecord> centres; // one a square of side 2^(z + 1)
-    [[nodiscard]] bool exist() const { return places.exists(); }
+    Store<CentreCodes> codes;    // of the same squares; instead of both
+    [[nodiscard]] bool exist() const { return places.exists() || codes.exists(); }
     void remove();
 };
 [[nodiscard]] StepStores open_step(const BakeContext& context, int z);
+[[nodiscard]] StepStores open_step_codes(const BakeContext& context); // of the finest step
 
 // Codes of errors before they are saturated, at places of step 2^z: what each region has measured inside of itself, so
 // that the southern and eastern borders, which the neighbours measure too, lie apart: south has a row for each row of
@@ -68,12 +74,18 @@ inline constexpr std::uint32_t hole_flag = 0x80000000u; // of stored heights
 
 [[nodiscard]] QuantisedHeights load_heights(const BakeContext& context, const HeightScale& scale,
                                             const HeightStores& stores, const Region& region);
-// The places of step 2^z, which step z - 1 has left. holes: null: there are none.
-void load_places(const StepStores& finer, const Region& region, int z, VertexPlanes<std::int32_t>& steps,
-                 VertexPlanes<std::uint8_t>* holes);
+// What step z has of the step before: its own places, and the finer centres. holes: null: there are none.
+struct FinerInput {
+    VertexPlanes<std::int32_t>& steps;
+    VertexPlanes<std::uint8_t>* holes;
+    FinerCentres& centres;
+};
 // tile_log2: of the tree.
-void load_finer_centres(const StepStores& finer, const Region& region, int z, int tile_log2, const Scales& scales,
-                        FinerCentres& out);
+void load_finer(const StepStores& finer, const Region& region, int z, int tile_log2, const Scales& scales,
+                const FinerInput& out);
+// The same of step 1, from the codes of the finest step and the samples.
+void load_finest(const BakeContext& context, const StepStores& finest, const HeightStores& stores, const Region& region,
+                 const Scales& scales, const FinerInput& out);
 // The larger of what the regions on both sides of a border have measured.
 void load_unsaturated(const BakeContext& context, const UnsaturatedStores& stores, std::int64_t region_index, int z,
                       VertexPlanes<std::uint8_t>& error);

@@ -138,7 +138,8 @@ struct CoarserStepInput {
     int z; // log2 of the step, at least 1
     bool holes;
     const UnsaturatedStores& unsaturated;
-    const StepStores& finer; // made by step z - 1
+    const StepStores& finer;               // made by step z - 1
+    const HeightStores* heights = nullptr; // where that has left codes alone
 };
 struct CoarserStepOutput {
     StepStores& step;   // not written where it does not exist

@@ -168,8 +168,8 @@ int run_shard(const Arguments& a) {
 }
 
 int run_launch(const Arguments& a) {
-    const ShardPlan plan = load_plan(a.plan_folder);
     check_output(a);
+    const ShardPlan plan = load_plan(a.plan_folder);
     check_program(plan);
     const Recipe recipe = plan_recipe(plan.folder);
     const LaunchOptions options{a.launcher == "slurm" ? Launcher::slurm

@@ -123,8 +123,31 @@ void saturate_errors(const StepInput& input) {
 
 namespace {
 
-// Distances are found in float from whole differences of heights, and rounded up by more than that loses.
+// Distances are found in float from whole differences of heights, and rounded up by more than that loses. A block's
+// radius is the largest of its vertices'; where the other terms are one block's, that of the largest difference: floats
+// round alike, so larger differences never come out with smaller radii, and one root a block will do.
 constexpr float float_rounding = 1 + 0x1p-19f;
+
+// Largest differences of a row of squares, over the rows of its blocks.
+struct Differences {
+    Buffer<std::int32_t> most;
+    void clear(std::int32_t count) { most.assign(static_cast<std::size_t>(count), 0); }
+    // To a or b, the larger.
+    FJELL_ALWAYS_INLINE void see(const std::int32_t* h, const std::int32_t* a, const std::int32_t* b) {
+        std::int32_t* const to = most.data();
+        for (std::size_t i = 0; i < most.size(); ++i) {
+            const std::int32_t p = std::abs(a[i] - h[i]), q = std::abs(b[i] - h[i]), r = p > q ? p : q;
+            to[i] = r > to[i] ? r : to[i];
+        }
+    }
+    FJELL_ALWAYS_INLINE void see(const std::int32_t* h, const std::int32_t* a) { see(h, a, a); }
+    [[nodiscard]] FJELL_ALWAYS_INLINE std::int32_t of(std::int32_t first, std::int32_t count) const {
+        std::int32_t largest = 0;
+        for (std::int32_t i = first; i < first + count; ++i)
+            largest = std::max(largest, most[static_cast<std::size_t>(i)]);
+        return largest;
+    }
+};
 
 class RadiusStage {
 public:
@@ -145,137 +168,141 @@ public:
         out.shift = in.tree.tile_log2 - 1 - in.z >= page_squares_log2 ? radius_squares_log2 : 0;
         out.blocks_x = in.nx >> out.shift;
         out.blocks_y = in.ny >> out.shift;
-        line.resize(static_cast<std::size_t>(in.nx + reach + 1));
+        size = 1 << out.shift;
     }
 
     FJELL_ALWAYS_INLINE void run() {
         const int side_level = 2 * (in.tree.tile_log2 - 1 - in.z) + 1;
-        const float unit = in.scales.level_radius_m[side_level];
-        // Squares beyond the last row or column that the region's own blocks reach into.
-        const std::int32_t more = (1 << out.shift) - 1;
-        plane(in.nx, in.ny + 1 + more, out.blocks_x, unit, out.side_x,
-              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { in.finer ? side_x_row(j) : leaf_x_row(j); });
-        plane(in.nx + 1 + more, in.ny, out.blocks_x + 1, unit, out.side_y,
-              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { in.finer ? side_y_row(j) : leaf_y_row(j); });
-        for (std::size_t code = 0; code < radius_codes; ++code) side_m[code] = unit * in.scales.radii.factor[code];
-        plane(in.nx, in.ny, out.blocks_x, in.scales.level_radius_m[side_level - 1], out.centre,
-              [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA { centre_row(j); });
+        for (std::size_t code = 0; code < radius_codes; ++code) {
+            side_m[code] = in.scales.level_radius_m[side_level] * in.scales.radii.factor[code];
+            centre_m[code] = in.scales.level_radius_m[side_level - 1] * in.scales.radii.factor[code];
+        }
+        sides(out.side_x, out.blocks_x, out.blocks_y + 1, [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA {
+            in.finer ? side_row(in.steps.side_x.row(j), in.finer->row(2 * j - 1), in.finer->row(2 * j)) : leaf_x_row(j);
+        });
+        sides(out.side_y, out.blocks_x + 1, out.blocks_y, [&](std::int32_t j) FJELL_ALWAYS_INLINE_LAMBDA {
+            in.finer ? side_row(in.steps.side_y.row(j), in.finer->row(2 * j) - 1, in.finer->row(2 * j + 1) - 1)
+                     : leaf_y_row(j);
+        });
+        out.centre.clear();
+        for (std::int32_t block = 0; block < out.blocks_y; ++block) centre_blocks(block);
     }
 
 private:
-    // Codes of the blocks of a plane of columns x rows, whose radii row(j) puts on the line.
+    // Codes of the blocks of a plane of sides, whose rows row(j) adds to the line or to the differences. Rows and
+    // columns beyond the region's last square belong to blocks that it shares with the next region.
     template <typename Row>
-    FJELL_ALWAYS_INLINE void plane(std::int32_t columns, std::int32_t rows, std::int32_t blocks_x, float unit,
-                                   std::vector<std::uint8_t>& to, const Row& row) {
-        const std::int32_t size = 1 << out.shift, mask = size - 1;
-        std::vector<float> most(static_cast<std::size_t>(columns));
+    FJELL_ALWAYS_INLINE void sides(std::vector<std::uint8_t>& to, std::int32_t blocks, std::int32_t block_rows,
+                                   const Row& row) {
         to.clear();
-        for (std::int32_t j = 0; j < rows; ++j) {
-            row(j);
-            if ((j & mask) == 0) std::fill(most.begin(), most.end(), 0.0f);
-            for (std::size_t i = 0; i < most.size(); ++i) most[i] = line[i] > most[i] ? line[i] : most[i];
-            if ((j & mask) != mask) continue;
-            for (std::int32_t b = 0; b < blocks_x; ++b) {
-                float block = 0;
-                for (std::int32_t i = b << out.shift; i < (b + 1) << out.shift; ++i)
-                    block = std::max(block, most[static_cast<std::size_t>(i)]);
-                to.push_back(in.scales.radii.code_up(unit, static_cast<double>(block) * sphere_margin));
+        for (std::int32_t block_row = 0; block_row < block_rows; ++block_row) {
+            if (in.finer) {
+                line.assign(static_cast<std::size_t>(blocks * size), 0.0f);
+            } else {
+                ends.clear(blocks * size);
+                apexes.clear(blocks * size);
             }
+            for (std::int32_t j = block_row * size; j < (block_row + 1) * size; ++j) row(j);
+            for (std::int32_t b = 0; b < blocks; ++b) to.push_back(code_up(side_m, in.finer ? along(b) : leaf(b)));
         }
     }
+    using CodedRadii = std::array<float, radius_codes>; // in metres, of a level
+    // RadiusScale::code_up with room for a sphere's rounding; without a branch, because none could be predicted.
+    [[nodiscard]] FJELL_ALWAYS_INLINE static std::uint8_t code_up(const CodedRadii& radii_m, float radius_m) {
+        const double asked_m = static_cast<double>(radius_m) * sphere_margin;
+        std::uint32_t below = 0; // how many codes are
+        for (std::uint32_t step = radius_codes / 2; step != 0; step /= 2)
+            below += step * static_cast<std::uint32_t>(static_cast<double>(radii_m[below + step - 1]) < asked_m);
+        return static_cast<std::uint8_t>(below);
+    }
 
-    [[nodiscard]] FJELL_ALWAYS_INLINE float climb_m(std::int32_t a, std::int32_t b) const {
-        return static_cast<float>(std::abs(a - b)) * quantum + height_pad;
+    [[nodiscard]] FJELL_ALWAYS_INLINE float climb_m(std::int32_t steps) const {
+        return static_cast<float>(steps) * quantum + height_pad;
+    }
+    [[nodiscard]] FJELL_ALWAYS_INLINE float distance_m(float ground, std::int32_t steps) const {
+        const float climb = climb_m(steps);
+        return std::sqrt(ground + climb * climb);
     }
 
     // A leaf's sphere holds the corners of its triangles: the ends of its side and the centres beside it.
-    FJELL_ALWAYS_INLINE void leaf_row(const std::int32_t* h, const std::int32_t* a, const std::int32_t* b,
-                                      const std::int32_t* c, const std::int32_t* d, float ends, float apexes,
-                                      std::int32_t count) {
-        for (std::int32_t i = 0; i < count; ++i) {
-            const std::int32_t e0 = std::abs(a[i] - h[i]), e1 = std::abs(b[i] - h[i]);
-            const std::int32_t p0 = std::abs(c[i] - h[i]), p1 = std::abs(d[i] - h[i]);
-            const float end = static_cast<float>(e0 > e1 ? e0 : e1) * quantum + height_pad;
-            const float apex = static_cast<float>(p0 > p1 ? p0 : p1) * quantum + height_pad;
-            const float x = ends + end * end, y = apexes + apex * apex;
-            line[static_cast<std::size_t>(i)] = (std::sqrt(x > y ? x : y) + leaf_pad) * float_rounding;
-        }
-    }
     FJELL_ALWAYS_INLINE void leaf_x_row(std::int32_t j) {
         const auto& h = in.steps;
-        const std::int32_t* const ends = h.corner.row(j);
-        leaf_row(h.side_x.row(j), ends, ends + 1, h.centre.row(j - 1), h.centre.row(j), along_x, along_y, in.nx);
+        const std::int32_t* const corners = h.corner.row(j);
+        ends.see(h.side_x.row(j), corners, corners + 1);
+        apexes.see(h.side_x.row(j), h.centre.row(j - 1), h.centre.row(j));
+        ends_ground = along_x, apexes_ground = along_y;
     }
     FJELL_ALWAYS_INLINE void leaf_y_row(std::int32_t j) {
         const auto& h = in.steps;
-        const std::int32_t* const apexes = h.centre.row(j);
-        leaf_row(h.side_y.row(j), h.corner.row(j), h.corner.row(j + 1), apexes - 1, apexes, along_y, along_x,
-                 in.nx + 1 + (1 << out.shift) - 1);
+        const std::int32_t* const centres = h.centre.row(j);
+        ends.see(h.side_y.row(j), h.corner.row(j), h.corner.row(j + 1));
+        apexes.see(h.side_y.row(j), centres - 1, centres);
+        ends_ground = along_y, apexes_ground = along_x;
+    }
+    [[nodiscard]] FJELL_ALWAYS_INLINE float leaf(std::int32_t block) const {
+        const float end = distance_m(ends_ground, ends.of(block * size, size)),
+                    apex = distance_m(apexes_ground, apexes.of(block * size, size));
+        return (std::max(end, apex) + leaf_pad) * float_rounding;
     }
 
-    // Over two rows of finer centres, two of them each: (2 i + first) and the next.
-    FJELL_ALWAYS_INLINE void side_row(const std::int32_t* h, std::size_t north, std::size_t south, std::int32_t count) {
+    // Over two rows of finer centres, two of them each: (2 i + first) and the next. Each has a radius of its own.
+    FJELL_ALWAYS_INLINE void side_row(const std::int32_t* h, std::size_t north, std::size_t south) {
         const FinerCentres& f = *in.finer;
-        const float ground = across;
+        const auto count = static_cast<std::int32_t>(line.size());
         float* const to = line.data();
-        std::fill_n(to, count, 0.0f);
         for (const std::size_t row : {north, south}) {
             const std::int32_t* const steps = f.steps.data() + row;
             const float* const radius = f.radius_m.data() + row;
             for (std::int32_t i = 0; i < count; ++i) {
-                const float da = climb_m(steps[2 * i], h[i]), db = climb_m(steps[2 * i + 1], h[i]);
-                const float a = std::sqrt(ground + da * da) + radius[2 * i];
-                const float b = std::sqrt(ground + db * db) + radius[2 * i + 1];
+                const float a = distance_m(across, std::abs(steps[2 * i] - h[i])) + radius[2 * i];
+                const float b = distance_m(across, std::abs(steps[2 * i + 1] - h[i])) + radius[2 * i + 1];
                 const float most = (a > b ? a : b) * float_rounding;
                 to[i] = most > to[i] ? most : to[i];
             }
         }
     }
-    FJELL_ALWAYS_INLINE void side_x_row(std::int32_t j) {
-        side_row(in.steps.side_x.row(j), in.finer->row(2 * j - 1), in.finer->row(2 * j), in.nx);
-    }
-    FJELL_ALWAYS_INLINE void side_y_row(std::int32_t j) {
-        side_row(in.steps.side_y.row(j), in.finer->row(2 * j) - 1, in.finer->row(2 * j + 1) - 1,
-                 in.nx + 1 + (1 << out.shift) - 1);
+    [[nodiscard]] FJELL_ALWAYS_INLINE float along(std::int32_t block) const {
+        float most = 0;
+        for (std::int32_t i = block * size; i < (block + 1) * size; ++i)
+            most = std::max(most, line[static_cast<std::size_t>(i)]);
+        return most;
     }
 
-    FJELL_ALWAYS_INLINE void centre_row(std::int32_t j) {
+    // A centre's children are the four sides of its square. All northern ones of a block have one radius, and all
+    // southern ones but those of its last row the same; its western and eastern ones likewise.
+    FJELL_ALWAYS_INLINE void centre_blocks(std::int32_t block_row) {
         const auto& steps = in.steps;
-        const std::int32_t* const h = steps.centre.row(j);
-        const std::int32_t* const north = steps.side_x.row(j);
-        const std::int32_t* const south = steps.side_x.row(j + 1);
-        const std::int32_t* const side_y = steps.side_y.row(j);
-        expand(out.side_x, out.blocks_x, j, north_m);
-        expand(out.side_x, out.blocks_x, j + 1, south_m);
-        expand(out.side_y, out.blocks_x + 1, j, side_y_m);
-        float* const to = line.data();
-        for (std::int32_t i = 0; i < in.nx; ++i) {
-            const float dn = climb_m(north[i], h[i]), ds = climb_m(south[i], h[i]);
-            const float dw = climb_m(side_y[i], h[i]), de = climb_m(side_y[i + 1], h[i]);
-            const float n = std::sqrt(along_y + dn * dn) + north_m[static_cast<std::size_t>(i)];
-            const float s = std::sqrt(along_y + ds * ds) + south_m[static_cast<std::size_t>(i)];
-            const float w = std::sqrt(along_x + dw * dw) + side_y_m[static_cast<std::size_t>(i)];
-            const float e = std::sqrt(along_x + de * de) + side_y_m[static_cast<std::size_t>(i) + 1];
-            const float ns = n > s ? n : s, we = w > e ? w : e;
-            to[i] = (ns > we ? ns : we) * float_rounding;
+        for (Differences* const d : {&to_north, &to_south, &to_west, &to_east}) d->clear(in.nx);
+        const std::int32_t last = (block_row + 1) * size - 1;
+        for (std::int32_t j = block_row * size; j <= last; ++j) {
+            const std::int32_t* const h = steps.centre.row(j);
+            to_north.see(h, steps.side_x.row(j), steps.side_x.row(j == last ? j : j + 1));
+            if (j == last) to_south.see(h, steps.side_x.row(j + 1));
+            to_west.see(h, steps.side_y.row(j));
+            to_east.see(h, steps.side_y.row(j) + 1);
         }
-    }
-    // The radii in metres of a row of squares, from those of their blocks.
-    FJELL_ALWAYS_INLINE void expand(const std::vector<std::uint8_t>& codes, std::int32_t blocks, std::int32_t j,
-                                    std::vector<float>& to) {
-        const std::uint8_t* const row = codes.data() + (j >> out.shift) * blocks;
-        const std::int32_t size = 1 << out.shift;
-        to.resize(static_cast<std::size_t>(blocks * size));
-        for (std::int32_t b = 0; b < blocks; ++b)
-            for (std::int32_t i = 0; i < size; ++i) to[static_cast<std::size_t>(b * size + i)] = side_m[row[b]];
+        const std::uint8_t* const side_x = out.side_x.data() + block_row * out.blocks_x;
+        const std::uint8_t* const side_y = out.side_y.data() + block_row * (out.blocks_x + 1);
+        for (std::int32_t b = 0; b < out.blocks_x; ++b) {
+            const std::int32_t first = b * size;
+            const float n = distance_m(along_y, to_north.of(first, size)) + side_m[side_x[b]];
+            const float s = distance_m(along_y, to_south.of(first, size)) + side_m[side_x[b + out.blocks_x]];
+            const float w =
+                distance_m(along_x, std::max(to_west.of(first, size), to_east.of(first, size - 1))) + side_m[side_y[b]];
+            const float e = distance_m(along_x, to_east.of(first + size - 1, 1)) + side_m[side_y[b + 1]];
+            out.centre.push_back(code_up(centre_m, std::max({n, s, w, e}) * float_rounding));
+        }
     }
 
     const StepInput& in;
     Radii& out;
+    std::int32_t size = 1; // squares of a block, a side
     float quantum = 1, height_pad = 0, leaf_pad = 0;
     float along_x = 0, along_y = 0, across = 0; // squares of distances along the ground
-    std::vector<float> line, north_m, south_m, side_y_m;
-    std::array<float, radius_codes> side_m{};
+    float ends_ground = 0, apexes_ground = 0;   // the same, of leaves
+    Buffer<float> line;
+    Differences ends, apexes, to_north, to_south, to_west, to_east;
+    CodedRadii side_m{}, centre_m{};
 };
 
 FJELL_CLONES void run(RadiusStage& stage) {

@@ -1,6 +1,7 @@
 #include "baker/errors/unsaturated.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -115,6 +116,27 @@ UnsaturatedError unsaturated_error(const UnsaturatedInput& in, Coord v) {
 
 namespace {
 
+// Codes of small errors that are multiples of a unit, looked up instead of searched for.
+class CodeTable {
+public:
+    void make(const ErrorScale& scale, double unit_m) {
+        std::uint32_t code = 0;
+        for (std::size_t k = 0; k < codes_.size(); ++k) {
+            while (code < 255 && static_cast<double>(scale.metres[code]) < static_cast<double>(k) * unit_m) ++code;
+            codes_[k] = static_cast<std::uint8_t>(code);
+        }
+        made_ = true;
+    }
+    void clear() { made_ = false; }
+    [[nodiscard]] bool holds(std::int32_t k) const { return made_ && k < static_cast<std::int32_t>(codes_.size()); }
+    [[nodiscard]] std::uint8_t at(std::int32_t k) const { return codes_[static_cast<std::size_t>(k)]; }
+    static constexpr std::size_t size = 1024;
+
+private:
+    bool made_ = false;
+    std::array<std::uint8_t, size> codes_;
+};
+
 class UnsaturatedErrors {
 public:
     UnsaturatedErrors(const UnsaturatedInput& input, Patch<std::uint8_t>& out)
@@ -132,6 +154,9 @@ public:
         if (small)
             phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.x, r.first.y), in.ground.steps.columns, n,
                                               r.last.y - r.first.y + 1, 2 * s);
+        table.clear();
+        if (std::int64_t{n} * n >= static_cast<std::int64_t>(CodeTable::size))
+            table.make(in.scales.errors, half_quantum / s);
         for (std::int32_t y = r.first.y; y <= r.last.y; y += s)
             if (((y >> z) & 1) == 0) {
                 row(VertexKind::side_x, {r.first.x + s, y}, z, n);
@@ -188,8 +213,10 @@ private:
             scan(line, 0, plain);
         }
         const double unit_m = half_quantum / s;
-        for (std::int32_t i = 0; i < plain; ++i)
-            codes[i * s] = in.scales.errors.code_up(worst[static_cast<std::size_t>(i)] * unit_m);
+        for (std::int32_t i = 0; i < plain; ++i) {
+            const std::int32_t k = worst[static_cast<std::size_t>(i)];
+            codes[i * s] = table.holds(k) ? table.at(k) : in.scales.errors.code_up(k * unit_m);
+        }
     }
 
     void scan(VertexRow line, std::int32_t from, std::int32_t count) {
@@ -203,6 +230,7 @@ private:
     const double half_quantum;
     Patch<std::uint8_t>& to;
     std::vector<std::int32_t> worst;
+    CodeTable table;
     bool small = false; // this step's vertices go side by side
     DeinterleavedSamples phases;
 };

@@ -49,9 +49,7 @@ public:
 
 private:
     [[nodiscard]] const float* at(std::int32_t column, std::int32_t row) const {
-        return heights_.heights_m +
-               static_cast<std::size_t>(row - heights_.at.y) * static_cast<std::size_t>(heights_.at.columns) +
-               static_cast<std::size_t>(column - heights_.at.x);
+        return heights_.heights_m + (row - heights_.at.y) * heights_.stride + (column - heights_.at.x);
     }
     [[nodiscard]] std::size_t slot(std::int32_t y) const {
         return static_cast<std::size_t>(y % kept_) * static_cast<std::size_t>(width_);
@@ -195,14 +193,10 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
 // The ramp alone.
 TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
     const TexelPlanes ground = filtered(plan, MapKind::colour, heights, texels, {HeightRows::height, HeightRows::up});
-    const LightOfSrgb& table = LightOfSrgb::table();
-    RampPainter painter(*plan.ramp);
     TexelPlanes light(texels, 3);
-    for (std::size_t i = 0; i < texels.area(); ++i) {
-        float rgb[3];
-        painter.paint(ground.channel[0][i], ground.channel[1][i], rgb);
-        for (std::size_t c = 0; c < 3; ++c) light.channel[c][i] = table.at(rgb[c]);
-    }
+    RampPainter(*plan.ramp)
+        .paint_light(ground.channel[0].data(), ground.channel[1].data(), texels.area(),
+                     {light.channel[0].data(), light.channel[1].data(), light.channel[2].data()});
     return light;
 }
 

@@ -13,10 +13,6 @@ struct SampleAxes {
 // From samples to the texels of mip 0.
 [[nodiscard]] SampleAxes sample_axes(const MapPlan& plan, MapKind kind);
 
-struct HeightWindow {
-    const float* heights_m;
-    Window at;
-};
 // Linear light, three channels.
 [[nodiscard]] TexelPlanes base_colours(const MapPlan& plan, const HeightWindow& heights, const Window& texels,
                                        ImageReader* reader);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "compiler.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -95,6 +97,138 @@ void RampPainter::paint(float height_m, float up, float (&rgb)[3]) {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += (over[c] - rgb[c]) * part;
     }
     for (float& v : rgb) v = std::clamp(v, 0.0f, 255.0f);
+}
+
+// ---- many texels side by side
+
+namespace {
+
+constexpr std::size_t piece_texels = 64;
+
+FJELL_CLONES void replace_by_light(float* codes, std::size_t count, const float* light) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto v = static_cast<std::int32_t>(codes[i]);
+        codes[i] = light[v] + (light[v + 1] - light[v]) * (codes[i] - static_cast<float>(v));
+    }
+}
+
+struct Extent {
+    float least, most;
+};
+// In lanes, which the compiler may take side by side without reordering anything.
+FJELL_CLONES Extent extent_of(const float* values, std::size_t count) {
+    constexpr std::size_t lanes = 16;
+    float least[lanes], most[lanes];
+    std::fill_n(least, lanes, values[0]);
+    std::fill_n(most, lanes, values[0]);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes)
+        for (std::size_t k = 0; k < lanes; ++k) {
+            least[k] = values[i + k] < least[k] ? values[i + k] : least[k];
+            most[k] = values[i + k] > most[k] ? values[i + k] : most[k];
+        }
+    for (; i < count; ++i) least[0] = std::min(least[0], values[i]), most[0] = std::max(most[0], values[i]);
+    return {*std::min_element(least, least + lanes), *std::max_element(most, most + lanes)};
+}
+
+// Straight from `from` on, by per_metre a metre.
+FJELL_CLONES void set_slope(const float* heights_m, std::size_t count, float from_m, float from, float per_metre,
+                            float* FJELL_RESTRICT to) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float above = heights_m[i] - from_m;
+        to[i] = from + (above > 0 ? above : 0) * per_metre;
+    }
+}
+// The same from its height on; below, what is there stays.
+FJELL_CLONES void set_slope_above(const float* heights_m, std::size_t count, float from_m, float from, float per_metre,
+                                  float* FJELL_RESTRICT to) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float above = heights_m[i] - from_m, value = from + (above > 0 ? above : 0) * per_metre;
+        to[i] = heights_m[i] >= from_m ? value : to[i];
+    }
+}
+
+// How much of a layer shows on each texel: 1 or more covers all; 0 where nothing of it does, or where it does not reach
+// down to a layer that shows. showing: of the layer before, and of this one afterwards. Returns whether any of it does.
+FJELL_CLONES bool find_parts(const float* up, std::size_t count, float from_up, float per_up,
+                             std::int32_t* FJELL_RESTRICT showing, float* FJELL_RESTRICT parts) {
+    std::int32_t any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float part = (from_up - up[i]) * per_up;
+        const std::int32_t all = !(part < 1), some = (up[i] < from_up) & showing[i];
+        showing[i] = all | some;
+        any |= showing[i];
+        parts[i] = all ? 1.0f : some ? part : 0.0f;
+    }
+    return any != 0;
+}
+
+FJELL_CLONES void blend_parts(const float* parts, const float* over, std::size_t count, float* FJELL_RESTRICT to) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float mixed = to[i] + (over[i] - to[i]) * parts[i];
+        to[i] = parts[i] < 1 ? mixed : over[i];
+    }
+}
+
+FJELL_CLONES void clamp_codes(float* codes, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const float v = codes[i] < 0 ? 0 : codes[i];
+        codes[i] = v > 255 ? 255 : v;
+    }
+}
+
+} // namespace
+
+void LightOfSrgb::replace(float* codes, std::size_t count) const {
+    replace_by_light(codes, count, light_.data());
+}
+
+struct RampPainter::Piece {
+    const float *heights_m, *up;
+    std::size_t count;
+    float least_m, most_m, most_up;
+    std::int32_t showing[piece_texels];
+};
+
+// The stops that its heights lie between, from below; nearly always one or two.
+void RampPainter::ask(const Layer& layer, const Piece& piece, float* const (&rgb)[3]) {
+    const std::vector<Stop>& stops = layer.stops;
+    std::size_t at = 0;
+    while (at + 1 < stops.size() && piece.least_m >= stops[at + 1].height_m) ++at;
+    for (std::size_t c = 0; c < 3; ++c)
+        set_slope(piece.heights_m, piece.count, stops[at].height_m, stops[at].rgb[c], stops[at].per_metre[c], rgb[c]);
+    for (++at; at < stops.size() && piece.most_m >= stops[at].height_m; ++at)
+        for (std::size_t c = 0; c < 3; ++c)
+            set_slope_above(piece.heights_m, piece.count, stops[at].height_m, stops[at].rgb[c], stops[at].per_metre[c],
+                            rgb[c]);
+}
+
+void RampPainter::paint_piece(Piece& piece, float* const (&to)[3]) const {
+    // As in paint(): nothing shows under a layer that covers all of the texels.
+    std::size_t first = layers_.size() - 1;
+    while (first > 0 && (layers_[first].from_up - piece.most_up) * layers_[first].per_up < 1) --first;
+    ask(layers_[first], piece, to);
+    std::fill_n(piece.showing, piece.count, 1);
+    float parts[piece_texels], over[3][piece_texels];
+    for (std::size_t i = first + 1; i < layers_.size(); ++i) {
+        const Layer& layer = layers_[i];
+        if (!find_parts(piece.up, piece.count, layer.from_up, layer.per_up, piece.showing, parts)) continue;
+        ask(layer, piece, {over[0], over[1], over[2]});
+        for (std::size_t c = 0; c < 3; ++c) blend_parts(parts, over[c], piece.count, to[c]);
+    }
+    for (float* const channel : to) {
+        clamp_codes(channel, piece.count);
+        LightOfSrgb::table().replace(channel, piece.count);
+    }
+}
+
+void RampPainter::paint_light(const float* heights_m, const float* up, std::size_t count, float* const (&to)[3]) const {
+    for (std::size_t from = 0; from < count; from += piece_texels) {
+        const std::size_t n = std::min(piece_texels, count - from);
+        const auto [least_m, most_m] = extent_of(heights_m + from, n);
+        Piece piece{heights_m + from, up + from, n, least_m, most_m, extent_of(up + from, n).most, {}};
+        paint_piece(piece, {to[0] + from, to[1] + from, to[2] + from});
+    }
 }
 
 Ramp absolute(const Ramp& ramp, double least_m, double most_m) {

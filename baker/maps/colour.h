@@ -43,8 +43,11 @@ public:
     explicit RampPainter(const Ramp& ramp);
     // up: the normal's. rgb: sRGB, 0..255. O(1) where heights change little from call to call.
     void paint(float height_m, float up, float (&rgb)[3]);
+    // The same of many texels side by side, as light 0..1: to[c][i] is bit for bit what light_of_srgb makes of paint().
+    void paint_light(const float* heights_m, const float* up, std::size_t count, float* const (&to)[3]) const;
 
 private:
+    struct Piece; // of a row
     struct Stop {
         float height_m, rgb[3], per_metre[3]; // towards the next one
     };
@@ -55,6 +58,8 @@ private:
     };
     static std::vector<Stop> prepare(const std::vector<Ramp::Stop>& stops);
     static void ask(Layer& layer, float height_m, float (&rgb)[3]);
+    static void ask(const Layer& layer, const Piece& piece, float* const (&rgb)[3]);
+    void paint_piece(Piece& piece, float* const (&to)[3]) const;
     std::vector<Layer> layers_;
 };
 
@@ -66,6 +71,7 @@ public:
         const auto v = static_cast<std::size_t>(static_cast<std::int32_t>(code));
         return light_[v] + (light_[v + 1] - light_[v]) * (code - static_cast<float>(static_cast<std::int32_t>(code)));
     }
+    void replace(float* codes, std::size_t count) const; // by their light
 
 private:
     LightOfSrgb();

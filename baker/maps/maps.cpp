@@ -261,8 +261,7 @@ Window heights_for_maps(const MapPlan& plan, std::uint32_t tile) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights_m, ImageReader* reader) {
-    const HeightWindow heights{heights_m, heights_for_maps(plan, tile)};
+NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const HeightWindow& heights, ImageReader* reader) {
     NearMaps maps;
     if (plan.colour_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::colour, tile);

@@ -68,12 +68,19 @@ struct MipTexels {
     Texels texels;            // plan.texels(kind, mip, tile).area() * channels(kind)
 };
 
+// Samples of a window, finite everywhere; rows are `stride` floats apart.
+struct HeightWindow {
+    const float* heights_m;
+    std::ptrdiff_t stride;
+    Window at;
+};
 // Mips 0 .. min(near_mips, mip_count) - 1 of a tile; texels are kept for the last one only (empty before).
-// heights_m: the window above, row by row, finite everywhere. reader: null without an image.
+// heights: of heights_for_maps(). reader: null without an image.
 struct NearMaps {
     std::vector<MipTexels> colour, normal;
 };
-[[nodiscard]] NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const float* heights_m, ImageReader* reader);
+[[nodiscard]] NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const HeightWindow& heights,
+                                 ImageReader* reader);
 
 // The same mips of a horizon or control map: first which points they are made from (horizon.h, control.h), in a grid of
 // every (1 << stride_log2())-th sample, then the work.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "compiler.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -24,7 +26,7 @@ bool is_void(const Decoding& d, double number) {
 
 // Whether any number of a chunk is a void.
 template <typename T>
-bool any_void(const T* raw, std::size_t count, const Decoding& d) {
+FJELL_ALWAYS_INLINE inline bool any_void(const T* raw, std::size_t count, const Decoding& d) {
     std::int32_t found = 0;
     for (const Decoding::Void& v : d.voids)
         for (std::size_t i = 0; i < count; ++i) found += std::abs(static_cast<double>(raw[i]) - v.number) <= v.slack;
@@ -38,7 +40,7 @@ struct Extremes {
         least.fill(c.least_m);
         most.fill(c.most_m);
     }
-    void see(const float* heights, std::size_t count) {
+    FJELL_ALWAYS_INLINE void see(const float* heights, std::size_t count) {
         std::size_t i = 0;
         for (; i + lanes <= count; i += lanes)
             for (std::size_t k = 0; k < lanes; ++k) {
@@ -55,7 +57,7 @@ struct Extremes {
 
 // Heights of a chunk, and how many of them nobody can believe.
 template <typename T>
-std::int32_t heights_of(const T* raw, float* heights, std::size_t count, const Scaling& s) {
+FJELL_ALWAYS_INLINE inline std::int32_t heights_of(const T* raw, float* heights, std::size_t count, const Scaling& s) {
     std::int32_t implausible = 0;
     if (s == Scaling{}) {
         for (std::size_t i = 0; i < count; ++i) {
@@ -81,7 +83,7 @@ void find_step(double raw, double& per_unit) {
 }
 
 template <typename T>
-void find_step(const T* raw, std::size_t count, double& per_unit) {
+FJELL_ALWAYS_INLINE inline void find_step(const T* raw, std::size_t count, double& per_unit) {
     if (per_unit == 1) {
         constexpr T limit = static_cast<T>(1 << 30); // inside it, truncating to an integer is defined
         std::int32_t broken = 0;
@@ -96,8 +98,8 @@ void find_step(const T* raw, std::size_t count, double& per_unit) {
 
 // One sample at a time, for a chunk with voids or implausible heights.
 template <typename T>
-void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
-                   const RowPlace& place, ReadStatistics& statistics) {
+FJELL_NOINLINE void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size_t count,
+                                  const Decoding& d, const RowPlace& place, ReadStatistics& statistics) {
     for (std::size_t i = 0; i < count; ++i) {
         const double value = static_cast<double>(raw[i]);
         const double metres = d.scaling.file_m(value), asked = d.scaling.asked_m(metres);
@@ -124,8 +126,8 @@ void decode_slowly(const T* raw, const std::uint8_t* valid, float* to, std::size
 }
 
 template <typename T>
-void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& d,
-                   const RowPlace& place, ReadStatistics& statistics) {
+FJELL_ALWAYS_INLINE inline void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size_t count,
+                                              const Decoding& d, const RowPlace& place, ReadStatistics& statistics) {
     std::array<float, chunk> heights;
     for (std::size_t at = 0; at < count; at += chunk) {
         const std::size_t n = std::min(chunk, count - at);
@@ -147,12 +149,12 @@ void decode_chunks(const T* raw, const std::uint8_t* valid, float* to, std::size
 
 } // namespace
 
-void decode_row(const float* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, ReadStatistics& statistics) {
+FJELL_CLONES void decode_row(const float* raw, const std::uint8_t* valid, float* to, std::size_t count,
+                             const Decoding& decoding, const RowPlace& place, ReadStatistics& statistics) {
     decode_chunks(raw, valid, to, count, decoding, place, statistics);
 }
-void decode_row(const double* raw, const std::uint8_t* valid, float* to, std::size_t count, const Decoding& decoding,
-                const RowPlace& place, ReadStatistics& statistics) {
+FJELL_CLONES void decode_row(const double* raw, const std::uint8_t* valid, float* to, std::size_t count,
+                             const Decoding& decoding, const RowPlace& place, ReadStatistics& statistics) {
     decode_chunks(raw, valid, to, count, decoding, place, statistics);
 }
 

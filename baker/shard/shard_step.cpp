@@ -231,7 +231,7 @@ void ShardRun::errors(const CheckpointState& found) {
     const BakePlan plan = make_plan(context_, found);
     ChunkFile chunks(scratch_.file("chunks"), plan.header);
     const int z = step_.z;
-    StepStores step{make<std::uint32_t>("places", places_of(context_.tree, z + 1), own_.places(z + 1)), {}};
+    StepStores step{make<std::uint32_t>("places", places_of(context_.tree, z + 1), own_.places(z + 1)), {}, {}};
     const Window all = places_of(context_.tree, z + 1);
     step.centres = make<CentreRecord>("centres", {0, 0, all.columns - 1, all.rows - 1}, own_.centres(z));
     if (z == 0) {
@@ -314,7 +314,8 @@ void ShardRun::coarser(const BakePlan& plan, const CheckpointState& found, Chunk
     const UnsaturatedStores unsaturated = find_unsaturated();
     const Window all = places_of(context_.tree, z);
     StepStores finer{find<std::uint32_t>(before, "places", all, own_.places(z)),
-                     find<CentreRecord>(before, "centres", {0, 0, all.columns - 1, all.rows - 1}, own_.centres(z - 1))};
+                     find<CentreRecord>(before, "centres", {0, 0, all.columns - 1, all.rows - 1}, own_.centres(z - 1)),
+                     {}};
     add_frames_to(finer.places, before, "places", step_frame, step_frame,
                   [&](const PartWindows& w) { return w.places(z); });
     add_frames_to(finer.centres, before, "centres", step_frame, step_frame,

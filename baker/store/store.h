@@ -45,6 +45,7 @@ public:
     void write(std::uint64_t offset, std::span<const std::byte> from);
     void remove(); // closes it and gives its space back; harmless when there is none
     void clear();  // what an earlier run has left is zero again
+    [[nodiscard]] const std::byte* in_memory() const { return memory_.data(); } // its first byte; null: in a file
     [[nodiscard]] std::uint64_t size() const;
 
     // What a file holds, to be compared by a later run; of memory, which no later run meets, always the same.
@@ -146,6 +147,11 @@ public:
         columns_ = rows_ = 0;
     }
     void clear() { file_.clear(); }
+    // The first value of the first row, rows columns() apart; null where not all values lie in memory as they are.
+    [[nodiscard]] const T* in_memory() const {
+        const bool as_they_are = held_.area() == 0 && flip_ == 0 && frame_.empty();
+        return as_they_are ? static_cast<const T*>(static_cast<const void*>(file_.in_memory())) : nullptr;
+    }
     // As of a WorkFile, of all that is held.
     [[nodiscard]] Digest written() const { return file_.written(); }
     [[nodiscard]] Digest digest() const {
@@ -188,6 +194,33 @@ private:
     std::uint32_t flip_ = 0; // of the bits of floats, between the file and whoever reads
     WorkFile file_;
     std::vector<Frame> frame_;
+};
+
+// A window of a store, to be read: where it lies in memory, or else copied. The store must stay, and what lies in the
+// window.
+template <typename T>
+class StoreView {
+public:
+    StoreView(const Store<T>& store, const Window& window) : first_(store.in_memory()), stride_(store.columns()) {
+        if (first_) {
+            first_ += window.y * stride_ + window.x;
+            return;
+        }
+        copy_.resize(window.area());
+        stride_ = window.columns;
+        store.read(window, copy_.data(), stride_);
+        first_ = copy_.data();
+    }
+    StoreView(const StoreView&) = delete;
+    StoreView& operator=(const StoreView&) = delete;
+    // Rows and columns are counted from the window's.
+    [[nodiscard]] const T* row(std::int32_t y) const { return first_ + y * stride_; }
+    [[nodiscard]] std::ptrdiff_t stride() const { return stride_; }
+
+private:
+    const T* first_;
+    std::ptrdiff_t stride_;
+    Buffer<T> copy_;
 };
 
 // The folder PACK.work. One process at a time. Unless it is kept, the destructor removes it with all that is in it.

@@ -6,9 +6,11 @@
 #include <filesystem>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "baker/read/pack_source.h"
 #include "fjell/cut.h"
 #include "fjell/io/failure.h"
 #include "fjell/pack_set.h"
@@ -359,4 +361,89 @@ TEST_CASE("parts that lie over each other or outside the set are refused, and wh
     CHECK(set_part_at(parts, 512 + a.pack().header.file_bytes, in_part) == 1);
     CHECK(in_part == 0);
     CHECK(set_part_at(parts, 512 + a.pack().header.file_bytes + b.pack().header.file_bytes, in_part) == 2);
+}
+
+namespace {
+
+// Packs of files that say their own places in text, each baked on its own, as members of one set. Steps are in the
+// files' units; spacing_m: as asked for; 0: what the files say.
+struct BakedApart {
+    double step, spacing_m;
+    double west, north; // of the set's first sample
+
+    static constexpr std::int32_t cells = 64, columns = 2 * cells + 1, rows = cells + 1;
+    static constexpr std::uint32_t tiles_x = 2000, tiles_y = 3;
+
+    // Whole metres; mirrored, so that it goes on where the same ground ends in the west.
+    static int height(std::int32_t x, std::int32_t y, bool mirrored) {
+        x = mirrored ? columns - 1 - x : x;
+        return x * y % 89 + (x / 7 * 31 + y / 5 * 17) % 53;
+    }
+    // off: of its place, in cells.
+    void bake(const std::string& out, std::uint32_t tile_x, std::uint32_t tile_y, bool mirrored, double off = 0) const {
+        const double x = west + (tile_x * cells + off) * step, y = north - (tile_y * cells + rows - 1) * step;
+        std::string text = fmt::format("ncols {}\nnrows {}\nxllcenter {:.15f}\nyllcenter {:.15f}\ncellsize {:.15f}\n",
+                                       columns, rows, x, y, step);
+        for (std::int32_t j = 0; j < rows; ++j)
+            for (std::int32_t i = 0; i < columns; ++i)
+                text += fmt::format("{}{}", height(i, j, mirrored), i + 1 == columns ? "\n" : " ");
+        spit(out + ".asc", text);
+        baker::ReadOptions reading;
+        if (spacing_m > 0) reading.spacing_m = spacing_m;
+        (void)baker::bake(baker::read_dem(out + ".asc", reading), small_bake(6), out);
+    }
+};
+
+} // namespace
+
+TEST_CASE("packs baked apart are one set where floats do not hold their spacing, in metres or in degrees") {
+    for (const BakedApart& apart : {BakedApart{0.1, 0, 500000.3, 6000000.7},     // a tenth of a metre
+                                    BakedApart{1.0 / 10800, 10.3, 7.1, 46.3}}) { // a third of an arc-second
+        CAPTURE(apart.step);
+        const TemporaryFolder folder;
+        const std::uint32_t far_x = BakedApart::tiles_x - 2, far_y = BakedApart::tiles_y - 1;
+        apart.bake(folder / "west.fjell", 0, 0, false);
+        apart.bake(folder / "east.fjell", 2, 0, true);
+        apart.bake(folder / "far.fjell", far_x, far_y, false);
+        const auto cells = static_cast<std::uint32_t>(BakedApart::cells);
+        const io::PackFile west(folder / "west.fjell");
+        const double(&spacing_m)[2] = west.pack().header.spacing_m;
+        const io::SetFile set{BakedApart::tiles_x * cells + 1,
+                              BakedApart::tiles_y * cells + 1,
+                              cells,
+                              {spacing_m[0], spacing_m[1]},
+                              {{"west.fjell", 0, 0, 2, 1, 0, false},
+                               {"east.fjell", 2, 0, 2, 1, 0, false},
+                               {"far.fjell", far_x, far_y, 2, 1, 0, false}}};
+        const std::string path = folder / "set.json";
+        spit(path, io::set_file_text(set));
+        REQUIRE(refusal(path) == "");
+        {
+            const io::PackFile opened(path);
+            CHECK(opened.packs() == 3);
+            CHECK(opened.pack().header.origin_m[0] == Approx(apart.west).epsilon(1e-12));
+            CHECK(opened.pack().header.origin_m[1] == Approx(apart.north).epsilon(1e-12));
+        }
+        const auto reader = baker::PackSource(path).reader();
+        const auto holds = [&](std::uint32_t tile_x, std::uint32_t tile_y, bool mirrored) {
+            std::vector<float> read(std::size_t{BakedApart::columns} * BakedApart::rows);
+            baker::ReadStatistics seen;
+            reader->read({static_cast<std::int32_t>(tile_x * cells), static_cast<std::int32_t>(tile_y * cells),
+                          BakedApart::columns, BakedApart::rows},
+                         read.data(), seen);
+            std::size_t wrong = 0;
+            for (std::size_t i = 0; i < read.size(); ++i) {
+                const auto x = static_cast<std::int32_t>(i % BakedApart::columns),
+                           y = static_cast<std::int32_t>(i / BakedApart::columns);
+                wrong += std::abs(read[i] - static_cast<float>(BakedApart::height(x, y, mirrored))) > 0;
+            }
+            return wrong == 0;
+        };
+        CHECK(holds(0, 0, false));
+        CHECK(holds(2, 0, true));
+        CHECK(holds(far_x, far_y, false));
+        // A hundredth of a cell is ten times what no rounding of doubles comes to.
+        apart.bake(folder / "far.fjell", far_x, far_y, false, 0.01);
+        CHECK(says(refusal(path), "far.fjell: place (origin and tile_x, tile_y): not that of"));
+    }
 }

@@ -56,7 +56,7 @@ inline baker::NearMaps near_of(const baker::MapPlan& plan, const std::function<d
     for (int y = w.y; y < w.y + w.rows; ++y)
         for (int x = w.x; x < w.x + w.columns; ++x) heights.push_back(static_cast<float>(height(x, y)));
     const auto reader = plan.image ? plan.image->reader() : nullptr;
-    return baker::near_maps(plan, tile, heights.data(), reader.get());
+    return baker::near_maps(plan, tile, {heights.data(), w.columns, w}, reader.get());
 }
 
 // The window of a mip's grid that a tile needs, from the tiles' texels.

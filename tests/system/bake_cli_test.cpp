@@ -355,6 +355,9 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refused(folder, bake + "dem.asc -o out.fjell --zscale 0", 2, "");
     refused(folder, bake + "dem.asc -o out.fjell --estimate best", 2, "--estimate");
     refused(folder, bake + "synth", 2, "--help");
+    for (const char* command : {"merge", "launch"})
+        refused(folder, bake + command + " plan -o out/", 2,
+                "out/: is a folder's name; add --packs AxB for a pack set, or name a file for a pack");
     // A shell variable that is not set does not mean "not given".
     refused(folder, bake + "dem.asc -o out.fjell --json ''", 2, "after --json");
     refused(folder, bake + "dem.asc -o out.fjell --json=", 2, "--json=");

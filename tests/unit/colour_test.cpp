@@ -1,5 +1,6 @@
 // Ramps and images: what they mean, and what is refused.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "baker/maps/colour.h"
@@ -7,6 +8,8 @@
 #include "baker/place/open_source.h"
 #include "raster.h"
 #include "support/dem.h"
+#include "support/rounds.h"
+#include "support/terrain_fixture.h"
 
 using namespace fjell;
 using namespace fjell::baker;
@@ -85,6 +88,47 @@ TEST_CASE("a relative ramp spans the terrain's own heights, slopes included") {
     CHECK(metres.stops[1].height_m == 620);
     CHECK(metres.slopes[0].stops[0].height_m == 460);
     CHECK(painted(absolute(relative, 5, 5), 5) == std::vector<int>{255, 255, 255}); // flat: no division by its range
+}
+
+TEST_CASE("many texels are painted as each of them alone, bit for bit") {
+    Random random(17);
+    for (int round = 0; round < rounds(30, 300); ++round) {
+        const auto stops = [&] {
+            std::vector<Ramp::Stop> all(static_cast<std::size_t>(pick(random, 1, 6)));
+            double height_m = pick(random, -500, 500);
+            for (Ramp::Stop& stop : all) {
+                stop = {height_m, {0, 0, 0}};
+                for (double& v : stop.rgb) v = pick(random, 0, 255);
+                height_m += pick(random, 0, 3) * 100; // some stand at one height
+            }
+            return all;
+        };
+        Ramp ramp{stops(), false, {}};
+        for (int degrees = 5, layers = pick(random, 0, 3); layers > 0; --layers, degrees += 20)
+            ramp.slopes.push_back({degrees + 0.0, degrees + pick(random, 1, 18) + 0.0, stops()});
+        // Rows that lie in one layer and stop, or pass through all of them; whole pieces and parts of them.
+        const auto count = static_cast<std::size_t>(pick(random, 1, 300));
+        const double middle_m = pick(random, -900, 900), range_m = pick(random, 0, 2) * 300;
+        const double least = pick(random, 0, 70), range = pick(random, 0, 20);
+        std::vector<float> heights_m, up;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double at = pick(random, 0, 1000) / 1000.0;
+            heights_m.push_back(static_cast<float>(middle_m + (at - 0.5) * range_m));
+            up.push_back(static_cast<float>(std::cos((least + at * range) * 3.14159265358979 / 180)));
+        }
+        std::vector<float> light[3] = {heights_m, heights_m, heights_m};
+        RampPainter painter(ramp);
+        painter.paint_light(heights_m.data(), up.data(), count, {light[0].data(), light[1].data(), light[2].data()});
+        for (std::size_t i = 0; i < count; ++i) {
+            float rgb[3];
+            painter.paint(heights_m[i], up[i], rgb);
+            for (std::size_t c = 0; c < 3; ++c) {
+                CAPTURE(round, i, c);
+                REQUIRE(std::bit_cast<std::uint32_t>(light[c][i]) ==
+                        std::bit_cast<std::uint32_t>(light_of_srgb(rgb[c])));
+            }
+        }
+    }
 }
 
 TEST_CASE("light and sRGB are each other's inverse for every code") {
