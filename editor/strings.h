@@ -305,6 +305,7 @@ inline constexpr char rate_and_time_left[] = "  %.1f M/s  %.0f s left";
 inline constexpr char time_left[] = "  %.0f s left";
 inline constexpr char another_job_runs[] = "Another job is running: wait for it, or cancel it.";
 inline constexpr char cancelled[] = "Cancelled%s%s";
+inline constexpr char writes[] = "Writes %s/%s";
 } // namespace fields
 
 namespace file_browser {
