@@ -1066,6 +1066,7 @@ inline constexpr char pictures[] = "{}: {} pictures of {} pixels; a film of them
 inline constexpr char tuned[] = "{:.3g} px{} over {}: p99 {} ms of {} ms{}{}; {} flights";
 inline constexpr char tuned_least[] = ", the smallest allowed,";
 inline constexpr char tuned_limit[] = ", limited by {} ({:.0f}% of the slowest frames' time)";
+inline constexpr char tuned_mostly[] = ", mostly for {} ({:.0f}% of the slowest frames' time)";
 inline constexpr char tuned_budget_limits[] = "; below it a budget of the profile is the limit, not time";
 inline constexpr char nothing_flown[] = "no flight was made";
 inline constexpr char not_tuned[] = "no threshold up to {:.3g} px keeps the budget over {}; there {}; {} flights";
