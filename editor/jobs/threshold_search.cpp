@@ -68,6 +68,7 @@ private:
     bool reconsider(double error_px);
     void descend();
     void bisect();
+    void recall(Candidate& c, Candidate before) const;
     bool confirm();
     void publish();
     [[nodiscard]] std::uint32_t expected() const;
@@ -172,14 +173,24 @@ void Search::bisect() {
     }
 }
 
+// Once it has been judged anew, the flights before count as well: often each of them was the only one.
+void Search::recall(Candidate& c, Candidate before) const {
+    const std::uint32_t flights = c.point.flights + before.point.flights;
+    add(c, {std::move(before.least_us), before.point.vertices, before.point.reached, std::move(before.least_parts_us)});
+    c.point.flights = flights;
+}
+
 // What was found is flown again. Where it fails, what lies between it and the next larger one that kept the budget is
 // searched again: false.
 bool Search::confirm() {
     confirming_ = true;
     Candidate& found = candidate(good_px_);
-    const Candidate before = std::exchange(found, {});
+    Candidate before = std::exchange(found, {});
     found.point.error_px = good_px_;
-    if (settle(found)) return true;
+    if (settle(found)) {
+        recall(found, std::move(before));
+        return true;
+    }
     if (found.point.flights == 0) found = before; // no flight is left to doubt it with
     if (found.point.keeps) return true;
     for (auto c = candidates_.rbegin(); c != candidates_.rend(); ++c)

@@ -302,3 +302,27 @@ TEST_CASE("what limits a threshold is told from each frame's least time, so that
     CHECK(std::accumulate(best.dearest_us.begin(), best.dearest_us.end(), 0.0) >= best.p99_us);
     CHECK_THAT(tune_text(r, asked(1000), "an orbit"), Catch::Contains("limited by refining (75%"));
 }
+
+TEST_CASE("where one flight would do for a threshold, what is told of its time comes from both that there are") {
+    constexpr std::size_t frames = 100;
+    std::size_t flights = 0;
+    const TuneResult r = find_threshold(
+        asked(500'000), // so much that spoiled frames keep it too
+        [&](double) {
+            FlightCost flight{std::vector<double>(frames, 400), 1, 1,
+                              std::vector<CostParts>(frames, {0, 300, 100, 0, 0, 0})};
+            for (const std::size_t i : {flights % frames, (flights + 7) % frames}) { // other ones the next time
+                flight.times_us[i] += 4000;
+                flight.parts_us[i][5] += 4000;
+            }
+            ++flights;
+            return flight;
+        },
+        [](const TuneResult&) {});
+    const TunePoint* const best = r.at(r.best_px);
+    REQUIRE(best != nullptr);
+    CHECK(best->flights == 2);
+    CHECK(best->p99_us == 400);
+    CHECK(best->dearest_us == CostParts{0, 300, 100, 0, 0, 0});
+    CHECK_THAT(tune_text(r, asked(500'000), "an orbit"), Catch::Contains("mostly for refining (75%"));
+}
