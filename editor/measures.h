@@ -127,7 +127,7 @@ public:
     // Counts some thousand triangles a call, so that no frame pays for a large mesh; shown when all are counted.
     // The mesh may change between calls: the counts are then of several frames. O(indices_a_call).
     void count_levels(const MeshView& mesh, std::uint32_t tile_log2);
-    static constexpr std::size_t indices_a_call = 12'000;
+    static constexpr std::size_t indices_a_call = 6'000;
     void clear();
 
 private:

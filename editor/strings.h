@@ -305,6 +305,7 @@ inline constexpr char rate_and_time_left[] = "  %.1f M/s  %.0f s left";
 inline constexpr char time_left[] = "  %.0f s left";
 inline constexpr char another_job_runs[] = "Another job is running: wait for it, or cancel it.";
 inline constexpr char cancelled[] = "Cancelled%s%s";
+inline constexpr char writes[] = "Writes %s/%s";
 } // namespace fields
 
 namespace file_browser {
@@ -1065,6 +1066,7 @@ inline constexpr char pictures[] = "{}: {} pictures of {} pixels; a film of them
 inline constexpr char tuned[] = "{:.3g} px{} over {}: p99 {} ms of {} ms{}{}; {} flights";
 inline constexpr char tuned_least[] = ", the smallest allowed,";
 inline constexpr char tuned_limit[] = ", limited by {} ({:.0f}% of the slowest frames' time)";
+inline constexpr char tuned_mostly[] = ", mostly for {} ({:.0f}% of the slowest frames' time)";
 inline constexpr char tuned_budget_limits[] = "; below it a budget of the profile is the limit, not time";
 inline constexpr char nothing_flown[] = "no flight was made";
 inline constexpr char not_tuned[] = "no threshold up to {:.3g} px keeps the budget over {}; there {}; {} flights";

@@ -51,31 +51,17 @@ CostParts parts_of(const flight::FrameEntry& entry, const FlownTimes& times) {
             times.upload_us,        times.draw_us};
 }
 
-CostParts mean_of_dearest(const std::vector<double>& times_us, const std::vector<CostParts>& parts) {
-    const double p99_us = flight::percentiles(times_us).p99;
-    CostParts mean{};
-    double count = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (times_us[i] < p99_us) continue;
-        for (std::size_t k = 0; k < mean.size(); ++k) mean[k] += parts[i][k];
-        ++count;
-    }
-    for (double& us : mean) us /= std::max(count, 1.0);
-    return mean;
-}
-
 // each: with the frame's number, to show how far it is.
 FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function<void(std::size_t)>& each) {
     FlightCost flown;
     flown.times_us.reserve(flight.frames());
-    std::vector<CostParts> parts;
-    parts.reserve(flight.frames());
+    flown.parts_us.reserve(flight.frames());
     double vertices = 0, reached = 0;
     flight.fly(error_px, [&](const flight::FrameEntry& entry, const FlownTimes& times, std::size_t frame) {
         each(frame);
         if (frame == 0) return; // built from nothing, once
         flown.times_us.push_back(times.all_us());
-        parts.push_back(parts_of(entry, times));
+        flown.parts_us.push_back(parts_of(entry, times));
         vertices += entry.vertices;
         reached += entry.converged ? 1 : 0;
     });
@@ -83,7 +69,6 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
     const auto frames = static_cast<double>(flown.times_us.size());
     flown.vertices = vertices / frames;
     flown.reached = reached / frames;
-    flown.dearest_us = mean_of_dearest(flown.times_us, parts);
     return flown;
 }
 

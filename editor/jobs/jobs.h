@@ -43,7 +43,7 @@ struct TunePoint {
     double reached = 1;        // share of frames that had what the threshold asks for: no budget in its way, no lag
     std::uint32_t frames = 0;  // that counted: without the first
     std::uint32_t flights = 0; // at this threshold
-    CostParts dearest_us{};    // the mean of frames at p99 and above, in the cheapest of these flights
+    CostParts dearest_us{};    // the mean of frames at p99 and above
     bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
 

@@ -23,11 +23,33 @@ constexpr double hopeless = 1.5;   // of the budget, for half of all frames: not
 constexpr double resolved = 1.015; // thresholds that lie no farther apart are not told apart
 constexpr std::uint32_t most_at_one = 3;
 
-// A threshold and the least that each frame took in its flights.
+// A threshold and the least that each frame took in its flights, with the parts of that.
 struct Candidate {
     TunePoint point;
     std::vector<double> least_us;
+    std::vector<CostParts> least_parts_us;
 };
+
+void keep_least(Candidate& c, const FlightCost& flight) {
+    const bool parted = !flight.parts_us.empty();
+    for (std::size_t i = 0; i < c.least_us.size(); ++i) {
+        if (flight.times_us[i] >= c.least_us[i]) continue;
+        c.least_us[i] = flight.times_us[i];
+        if (parted) c.least_parts_us[i] = flight.parts_us[i];
+    }
+}
+
+CostParts mean_from(double least_us, const Candidate& c) {
+    CostParts mean{};
+    double count = 0;
+    for (std::size_t i = 0; i < c.least_parts_us.size(); ++i) {
+        if (c.least_us[i] < least_us) continue;
+        for (std::size_t k = 0; k < mean.size(); ++k) mean[k] += c.least_parts_us[i][k];
+        ++count;
+    }
+    for (double& us : mean) us /= std::max(count, 1.0);
+    return mean;
+}
 
 class Search {
 public:
@@ -46,6 +68,7 @@ private:
     bool reconsider(double error_px);
     void descend();
     void bisect();
+    void recall(Candidate& c, Candidate before) const;
     bool confirm();
     void publish();
     [[nodiscard]] std::uint32_t expected() const;
@@ -70,12 +93,12 @@ Candidate& Search::candidate(double error_px) {
 
 void Search::add(Candidate& c, FlightCost flight) const {
     TunePoint& p = c.point;
-    if (p.flights == 0)
+    if (p.flights == 0) {
         c.least_us = std::move(flight.times_us);
-    else
-        for (std::size_t i = 0; i < c.least_us.size(); ++i) c.least_us[i] = std::min(c.least_us[i], flight.times_us[i]);
-    const auto sum = [](const CostParts& parts) { return std::accumulate(parts.begin(), parts.end(), 0.0); };
-    if (p.flights == 0 || sum(flight.dearest_us) < sum(p.dearest_us)) p.dearest_us = flight.dearest_us;
+        c.least_parts_us = std::move(flight.parts_us);
+    } else {
+        keep_least(c, flight);
+    }
     p.reached = p.flights == 0 ? flight.reached : std::max(p.reached, flight.reached);
     p.vertices = flight.vertices;
     p.frames = static_cast<std::uint32_t>(c.least_us.size());
@@ -84,6 +107,7 @@ void Search::add(Candidate& c, FlightCost flight) const {
     p.p50_us = times.p50;
     p.p99_us = times.p99;
     p.max_us = times.max;
+    p.dearest_us = mean_from(times.p99, c);
     p.keeps = p.p99_us <= settings_.budget_us && p.reached >= least_reached;
 }
 
@@ -149,14 +173,24 @@ void Search::bisect() {
     }
 }
 
+// Once it has been judged anew, the flights before count as well: often each of them was the only one.
+void Search::recall(Candidate& c, Candidate before) const {
+    const std::uint32_t flights = c.point.flights + before.point.flights;
+    add(c, {std::move(before.least_us), before.point.vertices, before.point.reached, std::move(before.least_parts_us)});
+    c.point.flights = flights;
+}
+
 // What was found is flown again. Where it fails, what lies between it and the next larger one that kept the budget is
 // searched again: false.
 bool Search::confirm() {
     confirming_ = true;
     Candidate& found = candidate(good_px_);
-    const Candidate before = std::exchange(found, {});
+    Candidate before = std::exchange(found, {});
     found.point.error_px = good_px_;
-    if (settle(found)) return true;
+    if (settle(found)) {
+        recall(found, std::move(before));
+        return true;
+    }
     if (found.point.flights == 0) found = before; // no flight is left to doubt it with
     if (found.point.keeps) return true;
     for (auto c = candidates_.rbegin(); c != candidates_.rend(); ++c)
@@ -200,15 +234,18 @@ constexpr const char* cost_parts[] = {strings::limits::preparing_views,   string
                                       strings::limits::uploading,         strings::limits::drawing};
 static_assert(std::size(cost_parts) == std::tuple_size_v<CostParts>, "a part was added: name it");
 
-std::string limit_of(const TunePoint& p) {
-    const LimitingPart limit = limiting_part(p.dearest_us);
-    return limit.name == nullptr ? "" : fmt::format(strings::results::tuned_limit, limit.name, 100 * limit.share);
+// limits: time does, and not the range or a budget of the profile.
+std::string limit_of(const TunePoint& p, bool limits) {
+    const LimitingPart part = limiting_part(p.dearest_us);
+    if (part.name == nullptr) return "";
+    if (limits) return fmt::format(strings::results::tuned_limit, part.name, 100 * part.share);
+    return fmt::format(strings::results::tuned_mostly, part.name, 100 * part.share);
 }
 
 std::string what_helps(const TunePoint& p, const TuneSettings& s) {
     if (p.reached < least_reached) return fmt::format(strings::results::raise_budgets, 100 * p.reached);
     return fmt::format(
-        strings::results::takes_longer, fine_ms_text(p.p99_us).text, fine_ms_text(s.budget_us).text, limit_of(p),
+        strings::results::takes_longer, fine_ms_text(p.p99_us).text, fine_ms_text(s.budget_us).text, limit_of(p, true),
         s.measure == TuneMeasure::frame ? strings::results::smaller_picture : strings::results::fewer_items);
 }
 
@@ -252,8 +289,8 @@ std::string tune_text(const TuneResult& result, const TuneSettings& settings, co
             break;
         }
     return fmt::format(strings::results::tuned, result.best_px, least ? strings::results::tuned_least : "", flight,
-                       fine_ms_text(best->p99_us).text, fine_ms_text(settings.budget_us).text, limit_of(*best), why,
-                       result.flights);
+                       fine_ms_text(best->p99_us).text, fine_ms_text(settings.budget_us).text,
+                       limit_of(*best, !least && why.empty()), why, result.flights);
 }
 
 std::string tune_csv(const std::vector<TunePoint>& curve) {

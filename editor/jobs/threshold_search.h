@@ -4,11 +4,12 @@
 // the same work frame by frame, so what they differ in is other programs, which make frames dearer and never cheaper,
 // and which no threshold can help: each frame counts with its least time. More flights can then only lower the p99: a
 // threshold is flown until it keeps the budget, three times at most, or once where half of all frames are far beyond
-// it. The search goes down from most_px by halves until one fails, which flies what is dear only once and gives the
-// curve its span, and bisects the last octave on a logarithmic scale down to 1.5%. Should the threshold that was found
-// have room to spare next to one that failed, the failed one is doubted, once, and flown again. Every threshold tried
-// has three digits, rounded up, so that the one that is offered is one that was flown. In the end it is flown again, as
-// if for the first time, and if it fails then, a larger one is looked for.
+// it. What limits a threshold is told from the same least times and their parts. The search goes down from most_px by
+// halves until one fails, which flies what is dear only once and gives the curve its span, and bisects the last octave
+// on a logarithmic scale down to 1.5%. Should the threshold that was found have room to spare next to one that failed,
+// the failed one is doubted, once, and flown again. Every threshold tried has three digits, rounded up, so that the one
+// that is offered is one that was flown. In the end it is flown again, as if for the first time, and if it fails then,
+// a larger one is looked for.
 //
 // Rejected: a fit of a power law through all flights. It needs fewer of them, but offers thresholds never flown, and a
 // budget of vertices that is reached bends the curve.
@@ -30,7 +31,7 @@ namespace fjell::editor {
 struct FlightCost {
     std::vector<double> times_us;     // of the frames that count, in their order; as many in every flight
     double vertices = 0, reached = 1; // as in TunePoint
-    CostParts dearest_us{};           // the mean of the frames at its p99 and above
+    std::vector<CostParts> parts_us;  // of the same frames; empty: not known
 };
 
 struct TuneResult {

@@ -17,7 +17,7 @@ struct Window {
 };
 constexpr Window windows[] = {
     {"", 0, 0, nullptr},
-    {strings::dialogs::welcome_to_fjell, 560, 380, draw_start},
+    {strings::dialogs::welcome_to_fjell, 560, 0, draw_start},
     {strings::common::open, 640, 460, draw_open_file},
     {strings::common::save_profile, 640, 460, draw_save_profile},
     {strings::dialogs::save_camera_path, 640, 460, draw_save_path},
@@ -26,7 +26,7 @@ constexpr Window windows[] = {
     {strings::dialogs::export_gltf, 520, 0, draw_snapshot},
     {strings::dialogs::screenshot, 520, 0, draw_screenshot},
     {strings::common::keys, 560, 600, draw_keys},
-    {strings::common::messages, 640, 420, draw_messages},
+    {strings::common::messages, 640, 0, draw_messages},
     {strings::dialogs::unsaved_changes, 480, 0, draw_unsaved},
     {strings::dialogs::recovered_changes, 480, 0, draw_recover},
     {strings::dialogs::the_pack_is_ready, 480, 0, draw_baked},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <system_error>
 
 namespace fjell::editor::fields {
 
@@ -127,6 +128,19 @@ void suggest(PathText& path, std::string& made_for, const State& state, const ch
     made_for = state.scene.path;
     const std::filesystem::path pack(state.scene.path);
     copy(path, (state.scene.open() ? pack.stem().string() : std::string("fjell")) + ending);
+}
+
+void destination(const char* group, const PathText& path) {
+    if (path[0] == '\0' || path[0] == '/') return;
+    static const std::string started_in = [] {
+        std::error_code failed;
+        const std::string folder = std::filesystem::current_path(failed).string();
+        return folder == "/" ? "" : folder;
+    }();
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::ColorConvertU32ToFloat4(ui::quiet));
+    ImGui::TextWrapped(strings::fields::writes, started_in.c_str(), path);
+    ui::mark(group, "destination");
+    ImGui::PopStyleColor();
 }
 
 } // namespace fjell::editor::fields

@@ -40,5 +40,7 @@ void outcome(const State& state, JobKind kind, bool with_rate = false);
 // that it was suggested for; another one's name is none of a path.
 inline constexpr const char* nothing_yet = "\n";
 void suggest(PathText& path, std::string& made_for, const State& state, const char* ending);
+// Where a name that begins in no folder leads to: nobody sees where a program was started.
+void destination(const char* group, const PathText& path);
 
 } // namespace fjell::editor::fields

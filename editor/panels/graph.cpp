@@ -105,6 +105,7 @@ void draw_line(ImDrawList& list, const Scale& s, const GraphLine& line) {
     for (std::size_t i = 0; i < size; ++i)
         points[i] = {s.x(first + i, all), s.y(static_cast<double>(line.values->value(first + i) * line.factor))};
     if (line.filled) {
+        const PlainEdges under_the_line(list);
         const ImU32 fill = (line.colour & ~IM_COL32_A_MASK) | (70u << IM_COL32_A_SHIFT);
         for (std::size_t i = 1; i < size; ++i)
             list.AddQuadFilled({points[i - 1].x, zero}, points[i - 1], points[i], {points[i].x, zero}, fill);

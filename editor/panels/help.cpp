@@ -1,4 +1,5 @@
 // Keys, and all messages.
+#include <algorithm>
 #include <cstdio>
 
 #include "editor/panels/panels.h"
@@ -92,8 +93,12 @@ void draw_keys(const State&, Commands& commands) {
 }
 
 void draw_messages(const State& state, Commands& commands) {
-    const float button = ImGui::GetFrameHeightWithSpacing();
-    ImGui::BeginChild("list", {0, -button});
+    // As high as they are, as far as the button stays in the window.
+    static float list_height = 0;
+    const float line = ImGui::GetTextLineHeight();
+    const float below = ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetStyle().WindowPadding.y;
+    const float room = 0.98F * ImGui::GetIO().DisplaySize.y - ImGui::GetCursorScreenPos().y - below;
+    ImGui::BeginChild("list", {0, std::max(std::min({list_height, 24 * line, room}), 3 * line)});
     scroll_by_keys();
     if (state.messages.all.empty()) ImGui::TextUnformatted(strings::help::no_messages_yet);
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
@@ -109,6 +114,7 @@ void draw_messages(const State& state, Commands& commands) {
         ImGui::PopTextWrapPos();
         ImGui::PopStyleColor();
     }
+    list_height = ImGui::GetCursorPosY();
     ImGui::EndChild();
     if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("messages", "close");

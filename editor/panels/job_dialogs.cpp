@@ -38,6 +38,7 @@ void draw_snapshot(const State& state, Commands& commands) {
     ui::focus_first();
     fields::path(strings::job_dialogs::gltf, "export", "path", form.path, strings::job_dialogs::gltf_hint,
                  strings::job_dialogs::about_gltf);
+    fields::destination("export", form.path);
     fields::choice(strings::common::mesh, "export", "own", form.own, kinds, 2, strings::job_dialogs::about_mesh);
     fields::label(strings::job_dialogs::converged);
     ImGui::BeginDisabled(form.own == 1);
@@ -81,6 +82,7 @@ void draw_screenshot(const State&, Commands& commands) {
     ui::focus_first();
     fields::path(strings::common::picture, "screenshot", "path", form.path, strings::common::png_hint,
                  strings::common::about_png);
+    fields::destination("screenshot", form.path);
     fields::choice(strings::job_dialogs::contents, "screenshot", "what", form.what, kinds, 2,
                    strings::job_dialogs::about_contents);
     ImGui::Separator();

@@ -273,6 +273,7 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size) {
     const bool time = state.runs.heat == Heat::time;
     const double full = std::max(time ? run.p99_us : run.error_px, 1e-9);
     const float radius = 0.32F * ImGui::GetFontSize();
+    const ui::PlainEdges one_over_the_other(list);
     for (const FlownPlace& p : run.places) {
         const double value = static_cast<double>(time ? p.update_us : p.error_px);
         const ImVec2 at{from.x + static_cast<float>(p.pose.position_m.x / state.scene.width_m()) * size.x,

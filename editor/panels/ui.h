@@ -66,6 +66,21 @@ void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 
 inline constexpr ImU32 good = IM_COL32(110, 200, 120, 255), warning_colour = IM_COL32(235, 190, 80, 255),
                        bad = IM_COL32(240, 105, 95, 255), quiet = IM_COL32(150, 158, 170, 255);
+// While it lives a list fills shapes without smooth edges, which take twice as many vertices: for shapes side by
+// side, where the next one or a line covers the edge.
+class PlainEdges {
+public:
+    explicit PlainEdges(ImDrawList& list) : list_(list), before_(list.Flags) {
+        list.Flags &= ~ImDrawListFlags_AntiAliasedFill;
+    }
+    ~PlainEdges() { list_.Flags = before_; }
+    PlainEdges(const PlainEdges&) = delete;
+    PlainEdges& operator=(const PlainEdges&) = delete;
+
+private:
+    ImDrawList& list_;
+    ImDrawListFlags before_;
+};
 [[nodiscard]] ImU32 severity_colour(Severity severity);
 [[nodiscard]] ImU32 colour(const gl::Rgb8& rgb);
 

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-constexpr auto longest_wait = 60s; // with both cores busy, a frame may take a second
+constexpr auto longest_wait = 180s; // with both cores busy a frame may take a second, and a script a minute
 
 // Between two looks at something outside this process.
 void pause_polling() {

@@ -4,7 +4,7 @@
 //
 // Nothing here depends on how fast the machine is. Every input returns when the editor has counted its event (the
 // dump's "input") and two more frames have begun: then its command has been applied, the panels show it, and so does
-// the screen. Every wait ends the test after a minute, saying what it waited for.
+// the screen. Every wait ends the test after three minutes, saying what it waited for.
 #pragma once
 
 #include <cstdint>

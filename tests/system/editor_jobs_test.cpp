@@ -128,7 +128,7 @@ TEST_CASE("a tuning by command sets the threshold only when it shall, as one und
         const std::string csv = slurp(place.folder / "curve.csv");
         CHECK(std::count(csv.begin(), csv.end(), '\n') == 6);
         CHECK_THAT(last_message(state), Catch::Contains("2 px, the smallest allowed, over an orbit: p99 ") &&
-                                            Catch::Contains(" of 1,000 ms, limited by "));
+                                            Catch::Contains(" of 1,000 ms, mostly for "));
     }
 }
 

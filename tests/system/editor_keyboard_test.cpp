@@ -52,9 +52,10 @@ struct Keyboard {
 // Controls of these groups that the window shows, without what only tells of something.
 std::set<std::string> controls(const json& state, const std::set<std::string>& groups) {
     // Or is grey as long as nothing has been typed or compared.
-    static const std::set<std::string> tell{"bake.plan",       "bake.picture",           "job.progress",
-                                            "bake.start",      "browse.choose",          "bake.control",
-                                            "export.error_px", "compare-picture.profile"};
+    static const std::set<std::string> tell{
+        "bake.plan",          "bake.picture",          "job.progress",    "bake.start",
+        "browse.choose",      "bake.control",          "export.error_px", "compare-picture.profile",
+        "export.destination", "screenshot.destination"};
     std::set<std::string> found;
     for (const auto& [name, place] : state["marks"].items())
         if (groups.contains(name.substr(0, name.find('.'))) && !tell.contains(name)) found.insert(name);
@@ -108,8 +109,10 @@ TEST_CASE("by keyboard alone a pack is opened, a threshold changed, the profile 
     CHECK(slurp(k.home / "mine.toml").find("error_px = 7.5") != std::string::npos);
     k.choose("alt+f", "menu.export");
     editor.until("a dialog", dialog_is("export"));
+    CHECK(editor.state()["marks"].contains("export.destination")); // of the name that is proposed
     editor.key("ctrl+a");
     editor.type(k.home / "hills.glb");
+    CHECK_FALSE(editor.state()["marks"].contains("export.destination")); // which tells its folder itself
     editor.key("Return");
     editor.until("the export", [&](const json&) { return fs::exists(k.home / "hills.glb"); });
     CHECK(slurp(k.home / "hills.glb").substr(0, 4) == "glTF");

@@ -376,6 +376,8 @@ TEST_CASE("a slider reaches both ends of every key exactly, never falls, and say
             double read = -1;
             REQUIRE(typed_value(key, "16.667", read));
             CHECK(read == 16667);
+            REQUIRE(typed_value(key, "0.043", read));
+            CHECK(read == 43); // 0.043 / 1e-3 is a little less
             times = true;
         }
         double untouched = 5;

@@ -125,6 +125,21 @@ TEST_CASE("a path that is laid, saved and opened is the same path") {
     }
 }
 
+TEST_CASE("a flight is called after the file of its path, the path before it is saved, and an orbit without one") {
+    const TemporaryFolder folder;
+    Random random(1);
+    Route route;
+    CHECK(std::string(route.flight_name().text) == "an orbit");
+    (void)lay(random, route, 4);
+    CHECK(std::string(route.flight_name().text) == "the camera path");
+    route.save(folder / "valley.json");
+    CHECK(std::string(route.flight_name().text) == "the path valley.json");
+    route.clear();
+    CHECK(std::string(route.flight_name().text) == "an orbit");
+    route.open(folder / "valley.json", plain());
+    CHECK(std::string(route.flight_name().text) == "the path valley.json");
+}
+
 TEST_CASE("a path passes through all of its points, as long as it was asked to") {
     for (unsigned seed = 0; seed < 20; ++seed) {
         Random random(seed);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -179,8 +180,8 @@ TEST_CASE("the tuner stops after a bounded number of flights, though each thresh
         [&](double error_px) {
             const bool again = std::ranges::find(flown, error_px) != flown.end();
             flown.push_back(error_px);
-            return FlightCost{std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1,
-                              1};
+            return FlightCost{
+                std::vector<double>(50, error_px < 0.1 || (again && error_px < 900) ? 1100.0 : 800.0), 1, 1, {}};
         },
         [](const TuneResult&) {});
     CHECK(r.flights == flown.size());
@@ -198,7 +199,7 @@ TEST_CASE("a threshold that fails beside one with room to spare is flown again, 
         asked(1000),
         [&](double error_px) {
             const bool spoiled = error_px == 4 && ++at_four <= 2;
-            return FlightCost{std::vector<double>(50, cost.p99_us(error_px) * (spoiled ? 10 : 1)), 1, 1};
+            return FlightCost{std::vector<double>(50, cost.p99_us(error_px) * (spoiled ? 10 : 1)), 1, 1, {}};
         },
         [](const TuneResult&) {});
     CHECK(at_four > 2);
@@ -253,11 +254,75 @@ TEST_CASE("what limits a threshold is the part that its dearest frames spend mos
     const TuneResult r = find_threshold(
         asked(1000),
         [](double error_px) {
-            return FlightCost{
-                std::vector<double>(50, 400 / error_px), 1, 1, {0, 300 / error_px, 100 / error_px, 0, 0, 0}};
+            return FlightCost{std::vector<double>(50, 400 / error_px), 1, 1,
+                              std::vector<CostParts>(50, {0, 300 / error_px, 100 / error_px, 0, 0, 0})};
         },
         [](const TuneResult&) {});
     REQUIRE(r.best_px > 0);
     CHECK_THAT(tune_text(r, asked(1000), "an orbit"),
                Catch::Contains("limited by refining (75% of the slowest frames' time)"));
+    // Where time is left nothing of it limits.
+    CHECK_THAT(tune_text(find_threshold(
+                             asked(500'000),
+                             [](double) {
+                                 return FlightCost{std::vector<double>(50, 400), 1, 1,
+                                                   std::vector<CostParts>(50, {0, 300, 100, 0, 0, 0})};
+                             },
+                             [](const TuneResult&) {}),
+                         asked(500'000), "an orbit"),
+               Catch::Contains("the smallest allowed") && !Catch::Contains("limited by") &&
+                   Catch::Contains("mostly for refining (75% of the slowest frames' time)"));
+}
+
+TEST_CASE("what limits a threshold is told from each frame's least time, so that what spoils frames of every flight "
+          "does not falsify it") {
+    // Refining takes three quarters of what a frame needs. In every flight another program takes ten times as much as
+    // that from drawing, of every third frame, which are other ones the next time: no flight has an unspoiled p99.
+    constexpr std::size_t frames = 90;
+    std::size_t flights = 0;
+    const TuneResult r = find_threshold(
+        asked(1000),
+        [&](double error_px) {
+            FlightCost flight;
+            for (std::size_t i = 0; i < frames; ++i) {
+                const double needed_us = 400 / error_px; // of all frames, so that the parts of all are looked at
+                const double spoiled_us = i % 3 == flights % 3 ? 10 * needed_us : 0;
+                flight.times_us.push_back(needed_us + spoiled_us);
+                flight.parts_us.push_back({0, 0.75 * needed_us, 0.25 * needed_us, 0, 0, spoiled_us});
+            }
+            ++flights;
+            return flight;
+        },
+        [](const TuneResult&) {});
+    REQUIRE(r.best_px > 0);
+    const TunePoint& best = *r.at(r.best_px);
+    REQUIRE(best.flights > 1); // or there is nothing to compare
+    CHECK(best.keeps);
+    CHECK(best.dearest_us[5] == 0);
+    CHECK(std::accumulate(best.dearest_us.begin(), best.dearest_us.end(), 0.0) == Approx(best.p99_us));
+    CHECK_THAT(tune_text(r, asked(1000), "an orbit"), Catch::Contains("limited by refining (75%"));
+}
+
+TEST_CASE("where one flight would do for a threshold, what is told of its time comes from both that there are") {
+    constexpr std::size_t frames = 100;
+    std::size_t flights = 0;
+    const TuneResult r = find_threshold(
+        asked(500'000), // so much that spoiled frames keep it too
+        [&](double) {
+            FlightCost flight{std::vector<double>(frames, 400), 1, 1,
+                              std::vector<CostParts>(frames, {0, 300, 100, 0, 0, 0})};
+            for (const std::size_t i : {flights % frames, (flights + 7) % frames}) { // other ones the next time
+                flight.times_us[i] += 4000;
+                flight.parts_us[i][5] += 4000;
+            }
+            ++flights;
+            return flight;
+        },
+        [](const TuneResult&) {});
+    const TunePoint* const best = r.at(r.best_px);
+    REQUIRE(best != nullptr);
+    CHECK(best->flights == 2);
+    CHECK(best->p99_us == 400);
+    CHECK(best->dearest_us == CostParts{0, 300, 100, 0, 0, 0});
+    CHECK_THAT(tune_text(r, asked(500'000), "an orbit"), Catch::Contains("mostly for refining (75%"));
 }
