@@ -291,6 +291,9 @@ void drop_bulk(CutState& s) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase < BulkPhase::releasing);
     for (std::uint32_t i = 0; b.phase != BulkPhase::idle && i < b.visited_count; ++i) note_idle(s, b.visited[i]);
+    // Slots that have been written in vain, beyond those that a mesh with fewer vertices will take.
+    if (b.phase != BulkPhase::idle && !b.beside)
+        s.dirty_vertices.mark_range(b.fresh_before, b.fresh_before + b.numbered);
     b.phase = BulkPhase::idle;
 }
 
@@ -304,17 +307,13 @@ BulkStatus stop(CutState& s, BulkStatus status) {
     return status;
 }
 
-// How many pages of centres go through the phases together. Their records and masks then stay in the cache, and there
-// are enough of them for a host's threads. Whatever the number of these, or pages would be visited in another order.
-constexpr std::uint32_t pages_together = 64;
-
 // A page's north and west neighbours come before it in every list, or with it: tiles go row by row, and quarters of
 // pages do. So their centres are known when its sides are decided.
 void begin_centres(CutState& s) {
     BulkPass& b = s.bulk;
     const std::uint32_t all = quarters_of(s, b.z) * b.listed_count[0];
     b.at = b.next_centres;
-    b.end = b.next_centres = is_coarse(s, b.z) ? all : std::min(b.at + pages_together, all);
+    b.end = b.next_centres = is_coarse(s, b.z) ? all : std::min(b.at + b.pages_together, all);
     b.first_listed = b.listed_count[1];
     b.phase = BulkPhase::centres;
 }

@@ -105,6 +105,10 @@ struct BulkDescent {
     BulkPlace places[max_tile_log2];
 };
 
+// Records and masks of so many pages stay in the cache, and they are enough for a host's threads. The same whatever the
+// number of these, or pages would be visited in another order.
+inline constexpr std::uint32_t bulk_pages_together = 64;
+
 struct BulkPass {
     BulkPage* pages;          // one a page state
     std::uint32_t* visited;   // states of pages that hold something
@@ -124,7 +128,8 @@ struct BulkPass {
     std::int32_t z;                  // step in work
     std::uint32_t at;                // next tile or page
     std::uint32_t part;              // of it
-    std::uint32_t end;               // of the pages that go through the phases together
+    std::uint32_t pages_together;    // at most, through centres, sides and vertices
+    std::uint32_t end;               // of those pages
     std::uint32_t next_centres;      // those whose centres come after them
     std::uint32_t first_listed;      // of listed[1], the first of these pages
     std::uint32_t numbered;          // vertices that have their numbers
