@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "cut/state.h"
 #include "fjell/measure.h"
 #include "pack/terrain_data.h"
 #include "support/cut_scene.h"
@@ -50,7 +51,48 @@ std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& li
     return drawn;
 }
 
+bool is_building(const Cut& cut) {
+    return find_cut(cut.cut)->bulk.phase != BulkPhase::idle;
+}
+
 } // namespace
+
+TEST_CASE("while a jump is built the claim is finite, and no sample that is shown is farther from the mesh") {
+    Random random(153);
+    std::size_t building = 0, wrong = 0, close = 0;
+    for (int round = 0; round < rounds(60, 1500); ++round) {
+        const auto pack = random_terrain(random, 200, 6);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings = random_settings(random);
+        settings.items = unlimited_items;
+        View view = random_view(random, terrain);
+        (void)cut.update({&view, 1}, settings);
+        for (int frame = 0; frame < 12; ++frame) {
+            settings.now_s += 0.05;
+            settings.visits = static_cast<std::uint32_t>(pick(random, 1, 6)); // in place of a clock
+            if (pick(random, 0, 5) == 0) view = random_view(random, terrain);
+            const CutReport report = cut.update({&view, 1}, settings);
+            if (!is_building(cut)) continue;
+            ++building;
+            CutMesh live = cut_mesh(cut.cut);
+            const std::vector<MeshVertex> drawn = drawn_vertices(terrain, live);
+            live.mesh.vertices = drawn;
+            const Frustum frustum = make_frustum(view);
+            const double shown_px = measure_error(terrain, live.mesh, view, &frustum).max_px;
+            CAPTURE(round, frame, settings.error_px, settings.morph, report.error_px_effective, shown_px);
+            REQUIRE(shown_px <= report.error_px_effective * (1 + 1e-6));
+            // All errors are less than the terrain's extent, and no view's near plane is nearer than 1e-5 of that.
+            REQUIRE(report.error_px_effective < 1e6 * lambda_px(view));
+            wrong += shown_px > report.threshold_px;
+            close += shown_px > report.error_px_effective / 4;
+        }
+    }
+    CAPTURE(building, wrong, close);
+    CHECK(building > rounds<std::size_t>(25, 500));
+    CHECK(wrong > building / 10);
+    CHECK(close != 0);
+}
 
 TEST_CASE("no sample is farther from a live mesh than its bound, however far it is behind, and the bound is tight") {
     Random random(151);

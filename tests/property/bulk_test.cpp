@@ -16,6 +16,7 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
         Cut cut(terrain, ample_cut(terrain));
         View view = random_view(random, terrain);
         for (int frame = 0; frame < 8; ++frame) {
+            cut.state().bulk.pages_together = static_cast<std::uint32_t>(pick(random, 1, 5));
             if (pick(random, 0, 2) == 0) view = random_view(random, terrain);
             view = moved(random, view, random_step_m(random, terrain));
             CutSettings settings;
@@ -40,6 +41,7 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
         CutBudget budget = ample_cut(terrain, 2);
         if (round % 3 == 0) budget.vertices = std::max(budget.vertices / 4, terrain.tile_count() * 4 + 200);
         Cut cut(terrain, budget);
+        if (round % 2 == 0) cut.state().bulk.pages_together = 1;
         std::vector<View> views{random_view(random, terrain)};
         CutSettings settings;
         settings.error_px = random_threshold(random);

@@ -131,9 +131,11 @@ struct CutReport {
     std::uint32_t exhausted = 0; // CutBudgetBits
     // Requested: CutSettings::error_px. Threshold: what the cut refines to, which is more when a capacity is exhausted.
     // Effective: no sample that a view shows is farther from the surface on screen, whatever waits for items, time, a
-    // capacity or a page (Terrain::missing_px): the threshold, or more while the mesh lags; measure.h's unbounded_px
-    // when what waits may touch the eye. Thresholds of all views rise alike: where View::error_px is set, these are for
-    // it times View::error_px / error_px_requested.
+    // capacity or a page (Terrain::missing_px): the threshold, or more while the mesh lags. After a jump, and when the
+    // eye stands in what waits, it is what no mesh of the terrain exceeds: the largest error, as near as ground is to
+    // the eye or as the near plane, if that is farther; hundreds or thousands of times the threshold, and measure.h's
+    // unbounded_px at most. Thresholds of all views rise alike: where View::error_px is set, these are for it times
+    // View::error_px / error_px_requested.
     double error_px_requested = 0, error_px_effective = 0, threshold_px = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass

@@ -18,6 +18,8 @@ BulkPage& visit_page(CutState& s, std::uint32_t slot) {
     page.build = s.bulk.build;
     page.wanted = 0;
     page.grades = 0;
+    page.has_groups = false;
+    page.parents = 0;
     std::fill_n(page.active, bulk_rows, 0);
     std::fill_n(page.ticks, page_ticks, unscheduled);
     s.bulk.visited[s.bulk.visited_count++] = slot;
@@ -32,6 +34,21 @@ BulkPage& visit_page(CutState& s, std::uint32_t slot) {
 }
 
 namespace {
+
+// Steps of which a page 0 has several: of it all are decided before its vertices are placed.
+bool is_coarse(const CutState& s, int z) {
+    return s.steps[z].page_log2 < page_squares_log2;
+}
+
+// Of the pages whose vertices are placed: of coarse steps all that were visited, since those are pages 0.
+std::uint32_t placed_page(const CutState& s, std::uint32_t n) {
+    return is_coarse(s, s.bulk.z) ? s.bulk.visited[n] : s.bulk.listed[1][n];
+}
+
+// Pages under one with active centres.
+std::uint32_t quarters_of(const CutState& s, int z) {
+    return s.steps[z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
+}
 
 // The page that squares lie in has a state then. False: it is not loaded, or there is none to be had.
 bool attach_squares(CutState& s, BulkSquares& at) {
@@ -52,8 +69,8 @@ void visit_at(CutState& s, int z, std::int32_t i, std::int32_t j) {
 // parent.
 bool next_squares(const CutState& s, BulkSquares& squares) {
     const BulkPass& b = s.bulk;
-    const std::uint32_t quarters = s.steps[b.z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
-    if (b.at == quarters * b.listed_count[0]) return false;
+    const std::uint32_t quarters = quarters_of(s, b.z);
+    if (b.at == b.end) return false;
     const BulkSquares above = listed_squares(s, b.listed[0][b.at / quarters], b.z + 1);
     const auto quarter = static_cast<std::int32_t>(b.at % quarters);
     squares = squares_at(s, b.z, 2 * above.i0 + quarter % 2 * above.n, 2 * above.j0 + quarter / 2 * above.n);
@@ -126,7 +143,7 @@ bool next_centres(CutState& s, BulkUnit& unit) {
 
 bool next_sides(CutState& s, BulkUnit& unit) {
     BulkPass& b = s.bulk;
-    if (b.at == b.listed_count[1]) return false;
+    if (b.at == b.end) return false;
     const BulkSquares at = listed_squares(s, b.listed[1][b.at], b.z);
     if (b.part == 0) visit_neighbours(s, at);
     unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
@@ -136,8 +153,8 @@ bool next_sides(CutState& s, BulkUnit& unit) {
 
 bool next_vertices(CutState& s, BulkUnit& unit) {
     BulkPass& b = s.bulk;
-    if (b.at == b.visited_count) return false;
-    const std::uint32_t slot = b.visited[b.at], shape = s.page_state[slot].shape;
+    if (b.at == b.end) return false;
+    const std::uint32_t slot = placed_page(s, b.at), shape = s.page_state[slot].shape;
     const std::uint32_t rows = shape == 0 ? s.shapes[0].count : s.shapes[1].count / 2; // rows of two groups
     unit = unit_of(s, slot, 0, static_cast<std::int32_t>(rows), units_of(s, shape != 0));
     advance(b, unit);
@@ -260,18 +277,23 @@ void begin_bulk(CutState& s, bool beside) {
     }
     b.beside = beside;
     b.no_pages = false;
-    b.taken = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
+    b.taken = b.numbered = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
+    b.next_centres = b.first_listed = 0;
     b.free_before = beside ? s.free_vertex_count : 0;
     b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
     b.z = s.terrain->tree.tile_log2 - 1;
     b.phase = BulkPhase::roots;
     std::fill_n(b.travelled_m, grade_count, 0.0);
+    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) b.tiles[i].planned = 2;
 }
 
 void drop_bulk(CutState& s) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase < BulkPhase::releasing);
     for (std::uint32_t i = 0; b.phase != BulkPhase::idle && i < b.visited_count; ++i) note_idle(s, b.visited[i]);
+    // Slots that have been written in vain, beyond those that a mesh with fewer vertices will take.
+    if (b.phase != BulkPhase::idle && !b.beside)
+        s.dirty_vertices.mark_range(b.fresh_before, b.fresh_before + b.numbered);
     b.phase = BulkPhase::idle;
 }
 
@@ -285,37 +307,69 @@ BulkStatus stop(CutState& s, BulkStatus status) {
     return status;
 }
 
-// All vertices are decided: they get their numbers.
+// A page's north and west neighbours come before it in every list, or with it: tiles go row by row, and quarters of
+// pages do. So their centres are known when its sides are decided.
+void begin_centres(CutState& s) {
+    BulkPass& b = s.bulk;
+    const std::uint32_t all = quarters_of(s, b.z) * b.listed_count[0];
+    b.at = b.next_centres;
+    b.end = b.next_centres = is_coarse(s, b.z) ? all : std::min(b.at + b.pages_together, all);
+    b.first_listed = b.listed_count[1];
+    b.phase = BulkPhase::centres;
+}
+void begin_sides(CutState& s) {
+    BulkPass& b = s.bulk;
+    b.at = b.first_listed;
+    b.end = b.listed_count[1];
+    b.phase = BulkPhase::sides;
+}
+// They get their numbers.
 void begin_vertices(CutState& s) {
     BulkPass& b = s.bulk;
-    std::uint32_t number = 0;
-    for (std::uint32_t i = 0; i < b.visited_count; ++i) {
-        BulkPage& page = b.pages[b.visited[i]];
-        page.number = std::exchange(number, number + page.wanted);
+    const bool coarse = is_coarse(s, b.z);
+    b.at = coarse ? 0 : b.first_listed;
+    b.end = coarse ? b.visited_count : b.listed_count[1];
+    for (std::uint32_t n = b.at; n != b.end; ++n) {
+        BulkPage& page = b.pages[placed_page(s, n)];
+        page.number = std::exchange(b.numbered, b.numbered + page.wanted);
     }
-    FJELL_ASSERT(number == b.taken);
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) b.tiles[i].planned = 2;
+    FJELL_ASSERT(b.numbered == b.taken);
     b.phase = BulkPhase::vertices;
+}
+
+// Those of the next step, under pages with active centres. False: there is none, or nothing in it.
+bool begin_finer(CutState& s) {
+    BulkPass& b = s.bulk;
+    if (b.z == 0 || b.listed_count[1] == 0) return false;
+    std::swap(b.listed[0], b.listed[1]);
+    b.listed_count[0] = std::exchange(b.listed_count[1], 0u);
+    --b.z;
+    b.next_centres = 0;
+    begin_centres(s);
+    return true;
 }
 
 // No unit of the phase is left.
 BulkStatus next_phase(CutState& s) {
     BulkPass& b = s.bulk;
-    b.at = b.part = 0;
+    b.part = 0;
     if (b.phase == BulkPhase::centres) {
-        b.phase = BulkPhase::sides;
-    } else if (b.phase == BulkPhase::sides && b.z != 0 && b.listed_count[1] != 0) {
-        std::swap(b.listed[0], b.listed[1]);
-        b.listed_count[0] = std::exchange(b.listed_count[1], 0u);
-        --b.z;
-        b.phase = BulkPhase::centres;
-    } else if (b.phase == BulkPhase::sides) {
-        if (!has_segments(s)) return stop(s, BulkStatus::no_triangles);
-        begin_vertices(s);
-    } else {
-        begin_triangles(s);
-        b.phase = BulkPhase::triangles;
+        begin_sides(s);
+        return BulkStatus::unfinished;
     }
+    const bool last = b.z == 0 || b.listed_count[1] == 0;
+    if (b.phase == BulkPhase::sides && (!is_coarse(s, b.z) || last || !is_coarse(s, b.z - 1))) {
+        begin_vertices(s);
+        return BulkStatus::unfinished;
+    }
+    if (b.next_centres != quarters_of(s, b.z) * b.listed_count[0]) {
+        begin_centres(s);
+        return BulkStatus::unfinished;
+    }
+    if (begin_finer(s)) return BulkStatus::unfinished;
+    if (!has_segments(s)) return stop(s, BulkStatus::no_triangles);
+    begin_triangles(s);
+    b.phase = BulkPhase::triangles;
     return BulkStatus::unfinished;
 }
 
@@ -348,7 +402,7 @@ BulkStatus step_bulk(CutState& s) {
     b.units = 1;
     if (b.phase == BulkPhase::triangles) return step_tiles(s);
     if (b.phase == BulkPhase::roots) {
-        if (!step_roots(s)) b.phase = BulkPhase::sides, b.at = 0;
+        if (!step_roots(s)) begin_sides(s);
         return b.taken > bulk_capacity(s) ? stop(s, BulkStatus::no_vertices) : BulkStatus::unfinished;
     }
     BulkUnit units[most_units];

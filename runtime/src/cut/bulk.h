@@ -6,8 +6,8 @@
 // known which children are active; a page's corners are handed down as a grid of slots, so that no vertex is looked up.
 // Both use only slots that are free. What they find becomes the cut's state at the end, page by page.
 //
-// Vertices are written once all are known. All of it is done in units of a quarter of a page at most, so that it may
-// stop after any of them.
+// Some pages at a time are decided and their vertices written, so that records and masks are read while they are in the
+// cache. All of it is done in units of a quarter of a page at most, so that it may stop after any of them.
 #pragma once
 
 #include "cut/find.h"
@@ -52,7 +52,8 @@ void install_mesh(CutState& s);
 
 // What it has begun to build comes to its end; what it has only decided is forgotten.
 void finish_bulk(CutState& s);
-// From nothing, with all slots. What does not fit leaves the cut as it is.
+// From nothing, with all slots. What does not fit leaves states and triangles as they are, but not what vertices' slots
+// hold: it has to be built again, or reset.
 [[nodiscard]] BulkStatus build_bulk(CutState& s);
 // After a jump of the camera: builds what is seen, as long as the frame may. True: it has not come to its end, and what
 // is drawn is as it was. What is not seen is due when it has.

@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "compiler.h"
-#include "cut/bulk_masks.h"
+#include "cut/bulk_groups.h"
 #include "cut/fans.h"
 #include "cut/jobs.h"
 #include "cut/mesh.h"
@@ -146,6 +146,8 @@ private:
         down_.places[down_.depth++] = {at.i0, at.j0, 0, 0};
         gather(at);
         scatter();
+        // Where nothing that is drawn stays, its state may be written at once, from the same masks.
+        if (!b.beside && at.n == static_cast<std::int32_t>(page_squares)) write_step(s, at, masks_);
         rows();
     }
     // More of its rows.

@@ -21,7 +21,9 @@ struct alignas(64) BulkPage {
     std::uint16_t first[bulk_rows]; // of the row's vertices, counted from the page's first; where it has any
     std::uint16_t wanted;           // vertices
     std::uint16_t ticks[page_ticks];
-    std::uint8_t grades; // 1 + the highest grade of the groups that were evaluated; 0: none was
+    std::uint8_t grades;   // 1 + the highest grade of the groups that were evaluated; 0: none was
+    bool has_groups;       // its state's are written, and
+    std::uint32_t parents; // of its vertices are active, each counted once for each vertex that has it
 };
 static_assert(sizeof(BulkPage) == 1088);
 
@@ -78,9 +80,9 @@ struct BulkTile : TileStack {
 enum class BulkPhase : std::uint8_t {
     idle,
     roots,     // of all tiles: which are wanted
-    centres,   // of step z, page by page: which are wanted
+    centres,   // of step z, of the next pages: which are wanted
     sides,     // then which sides
-    vertices,  // all are known, and written to their slots
+    vertices,  // and what is wanted of these pages is written to its slots, while its records are at hand
     triangles, // tile by tile on the way down, when it is known which vertices are active
     built,     // the mesh stands beside the one that is drawn
     // It is drawn, and the state of pages follows:
@@ -103,6 +105,10 @@ struct BulkDescent {
     BulkPlace places[max_tile_log2];
 };
 
+// Records and masks of so many pages stay in the cache, and they are enough for a host's threads. The same whatever the
+// number of these, or pages would be visited in another order.
+inline constexpr std::uint32_t bulk_pages_together = 64;
+
 struct BulkPass {
     BulkPage* pages;          // one a page state
     std::uint32_t* visited;   // states of pages that hold something
@@ -122,6 +128,11 @@ struct BulkPass {
     std::int32_t z;                  // step in work
     std::uint32_t at;                // next tile or page
     std::uint32_t part;              // of it
+    std::uint32_t pages_together;    // at most, through centres, sides and vertices
+    std::uint32_t end;               // of those pages
+    std::uint32_t next_centres;      // those whose centres come after them
+    std::uint32_t first_listed;      // of listed[1], the first of these pages
+    std::uint32_t numbered;          // vertices that have their numbers
     double travelled_m[grade_count]; // by the odometers, since the pass began
     std::uint32_t units;             // that the last step has done
 };

@@ -49,7 +49,7 @@ bool run_bulk(CutState& s) {
     b.again = b.again || s.leapt;
     CutReport& r = s.report;
     do {
-        if (b.again && b.phase < BulkPhase::vertices) {
+        if (b.again && b.phase < BulkPhase::triangles) {
             drop_bulk(s);
             if (needs_pages(s) && reclaim_page(s)) {
                 ++r.visits;

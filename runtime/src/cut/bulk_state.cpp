@@ -4,13 +4,11 @@
 #include <utility>
 
 #include "cut/bulk.h"
-#include "cut/bulk_masks.h"
-#include "cut/group_words.h"
+#include "cut/bulk_groups.h"
 #include "cut/jobs.h"
 #include "cut/lag.h"
 #include "cut/mesh.h"
 #include "cut/pages.h"
-#include "cut/slot_grid.h"
 
 namespace fjell {
 
@@ -19,24 +17,28 @@ namespace {
 // A page's groups, a plane of a step at a time: all of them, so that nobody has to clear them before.
 class Installer {
 public:
-    Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]), taken_(state) {}
+    Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]) {}
 
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
         PageState& info = s.page_state[slot_];
+        if (!page_.has_groups) steps();
+        mark_absent_parents(s, slot_);
+        info.active = page_.wanted;
+        info.used = page_.wanted != 0;
+        return page_.parents - (info.shape == 0 ? 2 : 0); // a root's do not exist
+    }
+
+private:
+    void steps() {
+        const PageState& info = s.page_state[slot_];
         const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
                   coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
         if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
         // Below a step without sides nothing is active, but for what neighbours have beside it.
         for (int z = coarsest; z >= finest; --z)
             if (z == coarsest || masks_.any_side || has_neighbours(z)) step(z);
-        mark_absent_parents(s, slot_);
-        info.active = page_.wanted;
-        info.used = page_.wanted != 0;
-        return parents_ - (info.shape == 0 ? 2 : 0); // a root's do not exist
     }
-
-private:
     // Are centres active along the page's west or north border?
     [[nodiscard]] bool has_neighbours(int z) const {
         const BulkSquares at = listed_squares(s, slot_, z);
@@ -49,101 +51,16 @@ private:
     }
 
     void step(int z) {
-        at_ = listed_squares(s, slot_, z);
-        n_ = static_cast<std::uint32_t>(at_.n);
-        masks_.gather(s, at_);
-        masks_.gather_finer(s, at_);
-        centres();
-        // Children of sides: the finer centres of rows -1 to 2n - 1, those of even columns and those of odd ones.
-        split_rows(masks_.finer, 2 * n_ + 1, even_, odd_);
-        sides_x();
-        sides_y();
-        column();
-    }
-
-    // Rows that are other pages', or have nothing that might be active.
-    void put_none(std::uint32_t first, std::uint32_t rows) {
-        const std::uint32_t words_log2 = at_.step->words_log2;
-        GroupState* const groups = s.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
-        std::fill_n(groups, rows << words_log2, GroupState{});
-    }
-
-    // Rows of a plane from `first` on. What the rim says of parents that do not exist comes after them.
-    void put(std::uint32_t first, std::uint32_t rows, const std::uint32_t* parent0, const std::uint32_t* parent1) {
-        const std::uint32_t words_log2 = at_.step->words_log2, *const active = page_.active + first;
-        const std::uint32_t group = slot_ * max_page_groups + (first << words_log2);
-        write_groups(s.groups + group, rows, 1u << words_log2,
-                     {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
-        parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
-        put_slots(taken_, {&page_, first, rows}, s.vertex_slot + std::size_t{group} * group_lanes,
-                  std::size_t{group_lanes} << words_log2);
-    }
-
-    void centres() {
-        std::uint32_t parents[2][page_squares];
-        const std::uint32_t first = at_.row(VertexKind::centre, 0);
-        if (!centre_parents(s, at_, parents)) return put_none(first, n_);
-        for (std::uint32_t j = 0; j < n_; ++j) {
-            const std::uint32_t active = page_.active[first + j];
-            child_[0][j] = active & static_cast<std::uint32_t>(masks_.side_y[j]);
-            child_[1][j] = active & static_cast<std::uint32_t>(masks_.side_y[j] >> 1);
-            child_[2][j] = active & masks_.side_x[j];
-            child_[3][j] = active & masks_.side_x[j + 1];
-        }
-        put(first, n_, parents[0], parents[1]);
-    }
-    void sides_x() {
-        const std::uint32_t rows = n_ + (masks_.owns_south ? 1 : 0);
-        std::uint32_t south[page_squares + 1];
-        std::copy_n(masks_.centre + 1, n_, south);
-        south[n_] = 0;
-        for (std::uint32_t j = 0; j < rows; ++j) { // rows 2j - 1 and 2j
-            const bool below = j != n_;
-            child_[0][j] = even_[2 * j];
-            child_[1][j] = odd_[2 * j];
-            child_[2][j] = below ? even_[2 * j + 1] : 0;
-            child_[3][j] = below ? odd_[2 * j + 1] : 0;
-        }
-        const std::uint32_t first = at_.row(VertexKind::side_x, 0);
-        put(first, rows, masks_.centre, south);
-        if (!masks_.owns_south) put_none(first + n_, 1);
-    }
-    void sides_y() {
-        std::uint32_t west[page_squares];
-        const std::uint32_t all = at_.all();
-        for (std::uint32_t j = 0; j < n_; ++j) { // rows 2j and 2j + 1
-            west[j] = (masks_.centre[j + 1] << 1 | masks_.west_centre[j]) & all;
-            child_[0][j] = (odd_[2 * j + 1] << 1 | masks_.finer_west[2 * j]) & all;
-            child_[1][j] = even_[2 * j + 1];
-            child_[2][j] = (odd_[2 * j + 2] << 1 | masks_.finer_west[2 * j + 1]) & all;
-            child_[3][j] = even_[2 * j + 2];
-        }
-        put(at_.row(VertexKind::side_y, 0), n_, west, masks_.centre + 1);
-    }
-    // East of the last squares, where the terrain ends: its lanes go south.
-    void column() {
-        if (!masks_.owns_east) return put_none(at_.column(), 1);
-        std::uint32_t west = 0, child[4] = {};
-        for (std::uint32_t j = 0; j < n_; ++j) {
-            west |= (masks_.centre[j + 1] >> (n_ - 1) & 1) << j;
-            for (std::uint32_t south = 0; south < 2; ++south)
-                child[2 * south] |= (odd_[2 * j + 1 + south] >> (n_ - 1) & 1) << j;
-        }
-        for (std::size_t d = 0; d < 4; ++d) child_[d][0] = child[d];
-        constexpr std::uint32_t none = 0;
-        put(at_.column(), 1, &west, &none);
+        const BulkSquares at = listed_squares(s, slot_, z);
+        masks_.gather(s, at);
+        masks_.gather_finer(s, at);
+        write_step(s, at, masks_);
     }
 
     CutState& s;
     const std::uint32_t slot_;
-    const BulkPage& page_;
-    const BulkSlots taken_;
-    BulkSquares at_{};
-    std::uint32_t n_ = 0; // squares a side
+    BulkPage& page_;
     BulkMasks masks_;
-    std::uint32_t even_[2 * page_squares + 1], odd_[2 * page_squares + 1];
-    std::uint32_t child_[4][page_squares + 1];
-    std::uint32_t parents_ = 0;
 };
 
 // What was active in a page gives its slots back.

@@ -285,6 +285,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (std::uint32_t worker = 0; worker < budget.workers; ++worker)
         part(s.bulk.descents[worker].grids,
              l.grids + sizeof(SlotGrid) * static_cast<std::size_t>(terrain.tree.tile_log2) * worker);
+    s.bulk.pages_together = bulk_pages_together;
     part(s.bulk.pages, l.bulk_pages);
     part(s.bulk.visited, l.bulk_slots[0]);
     for (int i = 0; i < 2; ++i) part(s.bulk.listed[i], l.bulk_slots[i + 1]);

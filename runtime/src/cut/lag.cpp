@@ -211,8 +211,55 @@ void forget_late_page(CutState& s, std::uint32_t slot) {
     (void)std::remove(s.late_pages, end, slot);
 }
 
+namespace {
+
+// Samples to each side of the eye that are looked at one by one; of all others it is enough that they are not nearer.
+constexpr std::int32_t columns_around = 8;
+
+// No sample that is shown is nearer to the eye: it lies beyond the near plane, and the ground around the eye is known.
+double nearest_shown_m(const CutState& s, const View& v) {
+    const TerrainData& t = *s.terrain;
+    const double spacing_x_m = t.header.spacing_m[0], spacing_z_m = t.header.spacing_m[1];
+    const auto sample_near = [](double at_m, double a_sample_m, std::int32_t count) {
+        return static_cast<std::int32_t>(std::clamp(std::floor(at_m / a_sample_m), 0.0, count - 1.0));
+    };
+    const std::int32_t column = sample_near(v.eye_m.x, spacing_x_m, t.tree.columns()),
+                       row = sample_near(v.eye_m.z, spacing_z_m, t.tree.rows());
+    // The eye stands between a sample and the next, so that the first that is not looked at is this far away; all stand
+    // below the highest.
+    double nearest_m =
+        std::max(columns_around * std::min(spacing_x_m, spacing_z_m), v.eye_m.y - static_cast<double>(t.header.max_m));
+    for (std::int32_t y = std::max(row - columns_around, 0);
+         y <= std::min(row + columns_around, t.tree.rows() - 1) && nearest_m > v.near_m; ++y)
+        for (std::int32_t x = std::max(column - columns_around, 0);
+             x <= std::min(column + columns_around, t.tree.columns() - 1); ++x) {
+            const TerrainData::Vertex sample = t.vertex({x, y});
+            if (!sample.loaded) return v.near_m;
+            const Vec3 way = Vec3{x * spacing_x_m, static_cast<double>(sample.height_m), y * spacing_z_m} - v.eye_m;
+            nearest_m = std::min(nearest_m, std::sqrt(dot(way, way)));
+        }
+    return std::max(nearest_m / grow, v.near_m);
+}
+
+} // namespace
+
+double any_mesh_px(const CutState& s) {
+    const PackHeader& h = s.terrain->header;
+    // Errors bound what a mesh without morphing hides. Heights do too, where all that is drawn stands between them.
+    const auto error_m = static_cast<double>(h.max_error_m),
+               heights_m = static_cast<double>(h.max_m) - static_cast<double>(h.min_m);
+    const bool morphs = s.morph_now.morph != Morph::none || s.report.morphing != 0;
+    const double most_m = s.some_hidden ? error_m + (morphs ? heights_m : 0)
+                          : morphs      ? heights_m
+                                        : std::min(error_m, heights_m);
+    double most_px = 0;
+    for (std::uint32_t i = 0; i < s.view_count; ++i)
+        most_px = std::max(most_px, pixels(unit_px(s, i), most_m, nearest_shown_m(s, s.views[i])));
+    return most_px;
+}
+
 double lag_px(CutState& s, bool offscreen_too) {
-    if (s.jumped) return unbounded_px; // nothing that was known holds: it is for the next frames to find out
+    if (s.jumped) return any_mesh_px(s); // nothing that was known holds: it is for the next frames to find out
     Worst worst;
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
     const auto add = [&](std::uint32_t slot) {
@@ -243,7 +290,9 @@ double lag_px(CutState& s, bool offscreen_too) {
     for (std::uint32_t i = 0; i < s.late_page_count; ++i) add(s.late_pages[i]);
     for (std::uint32_t i = 0; i < s.evicting_count; ++i)
         if (!s.page_state[s.evicting[i]].late && s.page_state[s.evicting[i]].active != 0) add(s.evicting[i]);
-    return std::min(worst.px(s), unbounded_px);
+    // Where the eye stands inside a sphere, or nearly so, that bound says little.
+    const double px = worst.px(s), coarse_px = 256 * s.report.threshold_px;
+    return px < coarse_px ? px : std::min(px, any_mesh_px(s));
 }
 
 } // namespace fjell

@@ -26,6 +26,10 @@ void note_late(CutState& s, std::uint32_t slot);
 void forget_late_pages(CutState& s, bool all);
 void forget_late_page(CutState& s, std::uint32_t slot); // it loses its state
 
+// What no mesh of the terrain exceeds, whatever it was made for and however it morphs: the largest error, as near as a
+// sample that a view shows may be to its eye. Coarse, but finite, and nothing has to be known of the cut. O(1) a view.
+[[nodiscard]] double any_mesh_px(const CutState& s);
+
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
 // unbounded_px at most. 0: nothing does. offscreen_too: also of pages that are called off-screen. O(awake pages).
 [[nodiscard]] double lag_px(CutState& s, bool offscreen_too);

@@ -176,7 +176,7 @@ double waiting_px(CutState& s, bool overlooking) {
     forget_late_pages(s, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
-    if (s.bulk.phase != BulkPhase::idle || s.pages_wait) return unbounded_px;
+    if (s.bulk.phase != BulkPhase::idle || s.pages_wait) return any_mesh_px(s);
     // What is called off-screen, and may be seen, is refined to the factor at least, but for what waits there.
     const double coarsest_px = overlooking ? r.threshold_px * s.settings.offscreen_factor : 0;
     const double lag = std::max(lag_px(s, overlooking), coarsest_px);
