@@ -72,7 +72,7 @@ TEST_CASE("a bake that is killed at any moment goes on to the same bytes") {
         const Scene scene(holes);
         const long calls = scene.count("all");
         std::mt19937 random(seed + holes);
-        for (int i = 0; i < rounds(5, 15); ++i) {
+        for (int i = 0; i < rounds(3, 15); ++i) {
             const long n = std::uniform_int_distribution<long>(1, calls)(random);
             const Run r = scene.run({"all", "kill", std::to_string(n)});
             CAPTURE(holes, seed, i, n, calls, r.err);

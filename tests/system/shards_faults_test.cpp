@@ -44,7 +44,7 @@ TEST_CASE(
         int kills = 0;
         for (Run r; kills < 100; ++kills) {
             // At most as many calls as a step of one shard makes, some of them in none.
-            const int n = std::uniform_int_distribution<int>(1, kills < 20 ? 60 : 2000)(random);
+            const int n = std::uniform_int_distribution<int>(1, kills < rounds(8, 20) ? 60 : 2000)(random);
             r = run_in(folder.path, with_fault("all", "/scratch/", "kill", std::to_string(n), launch));
             CAPTURE(round, kills, n, r.err);
             if (r.code == 0) break;
