@@ -59,7 +59,7 @@ private:
     [[nodiscard]] static const fs::path& profiles() {
         static const test::TemporaryFolder folder_of_all;
         // Little memory to clear: most of these programs live for a few frames.
-        spit(folder_of_all / "plain.toml", "[budget]\nvertices = 131072\ntriangles = 262144\n"
+        spit(folder_of_all / "plain.toml", "[budget]\nvertices = 262144\ntriangles = 524288\n"
                                            "[view]\nwidth_px = 640\nheight_px = 360\n"
                                            "[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
         return folder_of_all.path;
