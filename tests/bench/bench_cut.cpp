@@ -203,6 +203,7 @@ void compare(benchmark::State& state, const Scene& scene, double cells, double t
 
 // From nothing, with the view moving: every rebuild is of another place, so that neither caches nor branches know it.
 void from_nothing(benchmark::State& state, double error_px) {
+    constexpr CutBudget large_budget{1u << 22, 1u << 23, 1024, 1};
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
     std::vector<View> views = flight_views(t, 3, 200); // a place every 24 cells
@@ -214,7 +215,7 @@ void from_nothing(benchmark::State& state, double error_px) {
     LiveCut cuts[2];
     CutSettings settings[2];
     for (std::uint32_t two = 0; two < 2; ++two) {
-        CutBudget budget = cut_budget;
+        CutBudget budget = error_px < 0.5 ? large_budget : cut_budget;
         budget.workers = two + 1;
         const std::size_t bytes = cut_bytes(t, budget);
         memory[two] = io::allocate(bytes);
@@ -330,6 +331,7 @@ int main(int argc, char** argv) {
     declare("from-nothing/4px", [](benchmark::State& s) { from_nothing(s, 4); });
     declare("from-nothing/1px", [](benchmark::State& s) { from_nothing(s, 1); });
     declare("from-nothing/0.5px", [](benchmark::State& s) { from_nothing(s, 0.5); });
+    declare("from-nothing/0.25px", [](benchmark::State& s) { from_nothing(s, 0.25); });
     declare("from-nothing/sizes", from_nothing_sizes);
     declare("sizes", compare_sizes);
     declare_frames_that_time_ends();
