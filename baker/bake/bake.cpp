@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <malloc.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,11 @@
 namespace fjell::baker {
 
 namespace {
+
+std::uint64_t physical_memory_bytes() {
+    return static_cast<std::uint64_t>(std::max(sysconf(_SC_PHYS_PAGES), 0L)) *
+           static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
 
 using Clock = std::chrono::steady_clock;
 
@@ -178,6 +184,9 @@ void Bake::run_stages() {
     plan.header.max_error_m = found.max_error_m;
     const BakeSummary times = std::exchange(summary_, summary_of(context_, found, plan.header));
     summary_.resumed = times.resumed;
+    if (!context_.in_memory && !context_.options.checkpoint_s && !times.resumed &&
+        context_.enough_bytes <= physical_memory_bytes() / 2)
+        summary_.enough_bytes = context_.enough_bytes;
     summary_.seconds_read = times.seconds_read;
     summary_.seconds_textures = times.seconds_textures;
     summary_.seconds_horizons = times.seconds_horizons;
@@ -376,6 +385,10 @@ std::vector<std::string> remarks(const BakeSummary& s) {
             fmt::format("the quantum is {:.4g} m because 65536 steps of 16 bits span the {:.6g} m within one "
                         "tile; smaller tiles (--tile) keep finer steps",
                         s.quantum_m, s.quantum_range_m));
+    if (s.enough_bytes > 0)
+        lines.push_back(fmt::format("it worked in files beside the pack; with --memory {} it stays in memory, which "
+                                    "takes less time",
+                                    (s.enough_bytes >> 20) + 1));
     return lines;
 }
 

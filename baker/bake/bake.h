@@ -63,6 +63,8 @@ struct BakeSummary {
                   horizon_bytes = 0, // those of the textures that are horizon maps
         control_bytes = 0;           // and control maps
     bool resumed = false;            // some stages were complete from an earlier run
+    std::uint64_t enough_bytes = 0;  // of memory, for a bake that worked in files; 0: it did not, or had to, or they
+                                     // are more than half of this machine's
     bool work_damaged = false;       // an earlier run's work was not as it had left it, and all was done anew
     // Read, filled and measured; colour and normal maps; horizon maps; control maps; vertices; assembled and on the
     // disk; everything.
@@ -70,7 +72,8 @@ struct BakeSummary {
            seconds_write = 0, seconds_total = 0;
 };
 
-// What a user may not expect of a bake, a line each: heights that may be no ground, and a quantum that is coarse.
+// What a user may not expect of a bake, a line each: heights that may be no ground, a quantum that is coarse, and
+// memory that was not used.
 [[nodiscard]] std::vector<std::string> remarks(const BakeSummary& summary);
 
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption

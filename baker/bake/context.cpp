@@ -57,11 +57,12 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
           options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
       control_log2(
           control.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.control_spacing), options)),
+      enough_bytes(
+          (work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, control_log2}) + base_bytes) / 3 *
+          4),
       // Work files that an earlier run has left are gone on with.
-      in_memory(
-          part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
-          static_cast<double>(work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, control_log2}) +
-                              base_bytes) <= 0.75 * static_cast<double>(options.memory_bytes)) {}
+      in_memory(part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
+                enough_bytes <= options.memory_bytes) {}
 
 Window BakeContext::region_window() const {
     return part.area() ? part : Window{0, 0, regions.across(), regions.down()};

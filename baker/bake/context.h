@@ -85,6 +85,7 @@ public:
     const ControlPlan control;                // without rules: none
     const ControlImages control_images;
     const std::uint32_t colour_log2, normal_log2, horizon_log2, control_log2; // texels a side of mip 0; 0: no such map
+    const std::uint64_t enough_bytes;                                         // of memory, for all stores to lie there
     const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
 };
 

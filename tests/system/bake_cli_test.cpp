@@ -331,6 +331,20 @@ TEST_CASE(
 #endif
     }
     refused(folder, bake + "plain.json -o c.fjell --memory 130 --tile 4096 --checkpoint 5", 2, "--memory");
+
+    // It says how much would have been enough.
+    const std::string hint = "it worked in files beside the pack; with --memory ";
+    const Run files = run_in(folder.path, bake + "plain.json -o c.fjell --memory 128");
+    const std::size_t at = files.out.find(hint);
+    REQUIRE(at != std::string::npos);
+    const int enough = std::stoi(files.out.substr(at + hint.size()));
+    CHECK(enough > 128);
+    const auto says = [&](int memory_mb) {
+        const Run run = run_in(folder.path, bake + "plain.json -o d.fjell --memory " + std::to_string(memory_mb));
+        return run.out.find(hint) != std::string::npos;
+    };
+    CHECK_FALSE(says(enough));
+    CHECK(says(enough - 2));
 }
 
 TEST_CASE("the smallest height field has two by two samples") {
