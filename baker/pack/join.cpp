@@ -40,6 +40,8 @@ std::vector<Member> members_in(const std::string& folder) {
     std::vector<Member> members;
     for (const std::string& name : names) {
         io::check_interrupt();
+        if (std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
+            throw Failure(1, folder + ": has a pack whose name is no line of text; rename it"); // set.json refuses it
         members.push_back({name, io::PackFile((fs::path(folder) / name).string()).pack().header});
     }
     return members;
@@ -122,7 +124,7 @@ JoinSummary join_packs(const std::string& folder) {
     refuse_overlaps(set);
     JoinSummary summary;
     summary.borders = compare_borders(set, folder);
-    if (!summary.borders.ok()) throw Failure(1, folder + "/" + summary.borders.first);
+    if (!summary.borders.ok()) throw Failure(1, (fs::path(folder) / summary.borders.first).string());
     const std::string index = (fs::path(folder) / "set.json").string();
     (void)io::SetParts(set, index); // whatever else nobody would open
     write_set_index(set, index);

@@ -265,9 +265,9 @@ TEST_CASE("of several borders that differ one is told, and how many more do") {
     const baker::Dem whole = ground(random, 3, 1);
     const Pair pair(whole);
     pair.bake("far", tiles_of_ground(whole, 2, 0, 1, 1));
-    const std::string said = join_refusal(pair.set);
+    const std::string said = join_refusal(pair.set + "/");
     CAPTURE(said);
-    CHECK(said.find("west.fjell and east.fjell: ") != std::string::npos);
+    CHECK(said.find("/set/west.fjell and east.fjell: ") != std::string::npos);
     CHECK(said.ends_with(" (one more border differs)"));
 }
 
@@ -392,4 +392,6 @@ TEST_CASE("packs that overlap, lie off each other's tiles or are of other scales
     std::filesystem::remove(pair.set + "/east.fjell");
     CHECK(join_refusal(pair.set).find("set: has no packs (*.fjell)") != std::string::npos);
     CHECK(join_refusal(pair.set + "/none").find("cannot be listed") != std::string::npos);
+    spit(pair.set + "/two\nlines.fjell", "");
+    CHECK(join_refusal(pair.set).find("set: has a pack whose name is no line of text; rename it") != std::string::npos);
 }
