@@ -2,8 +2,8 @@
 // with a height, an error and a radius of its own; the runtime takes them for one vertex (docs/pack-format.md: all
 // pages that hold it have equal bits), so that a difference is a crack, or an error that nobody is told of.
 //
-// Of the packs' pages only those along the borders are read, O(samples on borders); of each pack its directory, up to
-// three times.
+// Of the packs' pages only those along the borders are read, O(samples on borders); of each pack its directory, once
+// and again for every neighbour in the west and north. Maps are not looked at (verify_maps.h).
 #pragma once
 
 #include <cstdint>
