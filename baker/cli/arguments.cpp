@@ -177,6 +177,8 @@ void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split->add_option("PACK", a.pack)->required();
     c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
     add_packs_option(*c.split, a, "how many across and down (default 2x2); those without any ground are left out");
+    c.join = app.add_subcommand("join", "make a pack set of the packs in a folder, if they agree where they meet");
+    c.join->add_option("FOLDER", a.set_folder, "the packs' folder; its set.json is written")->required();
 }
 
 } // namespace

@@ -36,7 +36,7 @@ struct Arguments {
     Recipe against; // verify: its inputs and read options
     std::string against_recipe_path, verify_json_path;
 
-    std::string set_folder;       // split
+    std::string set_folder;       // split, join
     std::optional<SetGrid> packs; // split, merge, launch
 
     std::string terrain_path, dem_path; // synth, heights
@@ -50,6 +50,7 @@ struct Commands {
     CLI::App* verify;
     CLI::App* heights;
     CLI::App* split;
+    CLI::App* join;
     CLI::App* synth;
     CLI::App* materials;
     CLI::App* plan;

@@ -1,7 +1,8 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, split, synth, materials. Exit codes: 0 done, 1 the input is at
-// fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, split, join, synth, materials. Exit codes: 0 done, 1 the input is
+// at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@
 #include "baker/cli/shards.h"
 #include "baker/cli/summary.h"
 #include "baker/materials/encode.h"
+#include "baker/pack/join.h"
+#include "baker/pack/set_borders.h"
 #include "baker/pack/split.h"
 #include "baker/place/crs_label.h"
 #include "baker/place/open_source.h"
@@ -181,6 +184,15 @@ std::string verdict(const VerifyReport& r, const MapsReport& maps, const std::st
                        parse_json(recipe_text(reading_part(source)), pack).dump());
 }
 
+// Which packs of a set differ where they meet, and how. Empty: none, or it is no set.
+std::string seam_of(const std::string& path) {
+    const std::string index = set_file_of(path);
+    if (index.empty()) return {};
+    const std::filesystem::path folder = std::filesystem::path(index).parent_path();
+    const BorderReport borders = compare_borders(parse_set_file(read_text(index), index), folder.string());
+    return borders.ok() ? "" : path + ": " + borders.first;
+}
+
 json verify_json(const VerifyReport& r, const MapsReport& maps) {
     json j{{"ok", r.ok() && maps.ok()},
            {"vertices", r.vertices},
@@ -237,11 +249,14 @@ int run_verify(const Arguments& a) {
         check_spacing(*against, source.inputs.front(), pack.pack().header);
     }
     VerifyReport r = verify(pack, against.get());
+    const std::string seam = r.border_mismatches != 0 ? seam_of(a.pack) : "";
+    if (!seam.empty()) r.first = seam;
     r.chunks = check_all_chunks(pack);
     const MapsReport maps = check_maps(pack);
     const bool ok = r.ok() && maps.ok(), prints = a.verify_json_path != "-";
     report.write(verify_json(r, maps));
     if (prints) print_verify(r, maps, source.inputs);
+    if (!seam.empty()) throw Failure(1, seam);
     if (!ok) throw Failure(1, verdict(r, maps, a.pack, source));
     if (prints) fmt::print("ok\n");
     return 0;
@@ -268,6 +283,14 @@ int run_split(const Arguments& a) {
     return 0;
 }
 
+int run_join(const Arguments& a) {
+    const JoinSummary s = join_packs(a.set_folder);
+    print_set(s.set, a.set_folder);
+    fmt::print("{} vertices where packs meet: heights, holes, errors and radii agree; {:.1f} MB of pages were read\n",
+               s.borders.vertices, static_cast<double>(s.borders.bytes_read) / 1e6);
+    return 0;
+}
+
 int run_synth(const Arguments& a) {
     refuse_overwriting(places_written(a.dem_path), {a.terrain_path});
     require_tif(a.dem_path);
@@ -288,16 +311,18 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.split->parsed() || commands.synth->parsed() || commands.materials->parsed();
+                       commands.split->parsed() || commands.join->parsed() || commands.synth->parsed() ||
+                       commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2,
-                      "info, verify, heights, split, synth and materials bake nothing; leave out the height field and "
-                      "-o, or the command");
+        throw Failure(
+            2, "info, verify, heights, split, join, synth and materials bake nothing; leave out the height field and "
+               "-o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
     if (commands.split->parsed()) return run_split(a);
+    if (commands.join->parsed()) return run_join(a);
     if (commands.synth->parsed()) return run_synth(a);
     if (commands.materials->parsed()) return run_materials(a);
     if (commands.plan->parsed()) return run_plan(a);

@@ -124,13 +124,6 @@ std::vector<std::string> named_in(const fs::path& index) {
     return names;
 }
 
-void write_index(const io::SetFile& set, const fs::path& to) {
-    io::AtomicFile file(to.string());
-    const std::string text = io::set_file_text(set);
-    file.write(std::as_bytes(std::span(text)));
-    file.commit();
-}
-
 // Packs of the set that is replaced, which the new one has no use for. Written down before the old index goes, which
 // alone names them; as an index, though nobody opens it.
 std::vector<std::string> note_old_packs(const io::SetFile& set, const fs::path& folder) {
@@ -146,7 +139,7 @@ std::vector<std::string> note_old_packs(const io::SetFile& set, const fs::path& 
     io::SetFile list = set;
     list.packs.clear();
     for (const std::string& name : old) list.packs.push_back({name, 0, 0, 1, 1, 0, false});
-    write_index(list, folder / "set.old");
+    write_set_index(list, (folder / "set.old").string());
     return old;
 }
 
@@ -162,7 +155,7 @@ void publish(const io::SetFile& set, const std::string& folder, const std::strin
         fs::rename(fs::path(work) / pack.file, to / pack.file, error);
         if (error) errno = error.value(), io::disk_failure((to / pack.file).string(), "rename");
     }
-    write_index(set, index);
+    write_set_index(set, index);
     bool gone = true; // what cannot be removed now stays in the list
     for (const std::string& name : old) gone = (fs::remove(to / name, error), !error) && gone;
     if (gone) fs::remove(to / "set.old", error);
@@ -191,6 +184,13 @@ void make_set_folder(const std::string& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) throw Failure(1, folder + ": cannot be made (" + error.message() + "); choose another folder");
+}
+
+void write_set_index(const io::SetFile& set, const std::string& path) {
+    io::AtomicFile file(path);
+    const std::string text = io::set_file_text(set);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
 }
 
 std::string set_work_name(const std::string& folder) {

@@ -9,6 +9,7 @@
 #include "baker/pack/chunk_spool.h"
 #include "baker/store/window.h"
 #include "fjell/pack.h"
+#include "io/set_file.h"
 #include "tree/tree.h"
 
 namespace fjell::baker {
@@ -38,6 +39,8 @@ struct SetInput {
 void check_grid(const SetGrid& grid, std::uint32_t tiles_x, std::uint32_t tiles_y, const std::string& name);
 // The folder of a set, made where it is not there yet. Throws Failure 1.
 void make_set_folder(const std::string& folder);
+// set.json, or a list like it, replaced whole. Throws Failure 3 for the disk.
+void write_set_index(const io::SetFile& set, const std::string& path);
 // What a bake or a split into this folder calls its output: its work folder (store.h) then lies inside, on the same
 // file system.
 [[nodiscard]] std::string set_work_name(const std::string& folder);

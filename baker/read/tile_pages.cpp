@@ -1,16 +1,20 @@
 #include "baker/read/tile_pages.h"
 
+#include <numeric>
+
 #include <fmt/format.h>
 
 #include "tree/order.h"
 
 namespace fjell::baker {
 
-TilePages::TilePages(const io::PackFile& file) : file_(file) {
-    const TerrainBudget one_tile{pages_of(file.pack().header).pages_per_tile()};
-    const std::size_t bytes = terrain_bytes(file.pack().header, one_tile);
+TilePages::TilePages(const io::PackFile& file) : TilePages(file, pages_of(file.pack().header).pages_per_tile()) {}
+
+TilePages::TilePages(const io::PackFile& file, std::uint32_t most_pages) : file_(file) {
+    const TerrainBudget budget{most_pages};
+    const std::size_t bytes = terrain_bytes(file.pack().header, budget);
     memory_ = io::allocate(bytes);
-    check(create_terrain(file.pack(), file.corners(), one_tile, {memory_.get(), bytes}, terrain_), 0);
+    check(create_terrain(file.pack(), file.corners(), budget, {memory_.get(), bytes}, terrain_), 0);
 }
 
 void TilePages::check(const Status& status, std::uint32_t tile) const {
@@ -21,14 +25,20 @@ void TilePages::check(const Status& status, std::uint32_t tile) const {
 
 void TilePages::load(std::uint32_t tile) {
     if (whole_ && tile == held_) return;
+    std::vector<std::uint32_t> all(terrain_.pages_per_tile());
+    std::iota(all.begin(), all.end(), 0u);
+    load_pages(tile, all);
+    whole_ = true;
+}
+
+void TilePages::load_pages(std::uint32_t tile, std::span<const std::uint32_t> pages) {
     whole_ = false;
     for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) (void)unload_page(terrain_, held_, page);
     held_ = tile;
-    for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
+    for (const std::uint32_t page : pages) {
         file_.read_chunk({ChunkKind::geometry, tile, page}, raw_);
         check(insert_page(terrain_, tile, page, raw_), tile);
     }
-    whole_ = true;
 }
 
 } // namespace fjell::baker

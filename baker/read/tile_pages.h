@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "baker/read/source.h"
@@ -10,13 +12,16 @@
 
 namespace fjell::baker {
 
-// A terrain of which one tile's pages are there. One thread at a time. Memory: that tile's pages, 8 bytes for every
-// page of the pack, and what of the file is being decoded.
+// A terrain of which one tile's pages are there, or some of them. One thread at a time. Memory: as many pages, 8 bytes
+// for every page of the pack, and what of the file is being decoded.
 class TilePages {
 public:
     explicit TilePages(const io::PackFile& file); // must outlive it; throws Failure
+    TilePages(const io::PackFile& file, std::uint32_t most_pages);
     // Pages of other tiles go. Throws Failure 1 for one that is damaged.
     void load(std::uint32_t tile);
+    // Only these of the tile, coarse ones first; all others go.
+    void load_pages(std::uint32_t tile, std::span<const std::uint32_t> pages);
     [[nodiscard]] const Terrain& terrain() const { return terrain_; }
 
 private:

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include <fcntl.h>
@@ -55,8 +56,9 @@ void check_named(const SetFile& set, const SetFilePack& named, const PackHeader&
 
 } // namespace
 
-SetParts::SetParts(const std::string& set_path) {
-    const SetFile set = parse_set_file(read_text(set_path), set_path);
+SetParts::SetParts(const std::string& set_path) : SetParts(parse_set_file(read_text(set_path), set_path), set_path) {}
+
+SetParts::SetParts(const SetFile& set, const std::string& set_path) {
     const std::filesystem::path folder = std::filesystem::path(set_path).parent_path();
     const std::string folder_path = folder.empty() ? "." : folder.string();
     folder_.fd = uninterrupted([&] { return open(folder_path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC); });
@@ -86,6 +88,9 @@ SetParts::SetParts(const std::string& set_path) {
     const Status s = make_set_index(shape, parts, {memory_.get(), bytes}, index_, at_fault);
     if (s.ok()) return;
     const std::string where = at_fault < parts_.size() ? parts_[at_fault].path : set_path;
+    if (s.code == Code::wrong_pack && std::string_view(s.field).starts_with("corners"))
+        throw Failure(1, where + ": " + s.field + ": not those of the packs beside it; the packs of a set must be of " +
+                             "one bake: fjell-bake join " + folder_path + " compares their borders");
     if (s.code == Code::wrong_pack)
         throw Failure(1, where + ": " + s.field + ": not that of " + parts_.front().path +
                              "; the packs of a set must be of one bake");

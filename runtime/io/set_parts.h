@@ -26,6 +26,8 @@ public:
     // set_file: the path of set.json. Throws Failure: 1 for a set, or a pack of it, that is missing, damaged or not
     // the one that the set names; 3 for a disk that fails.
     explicit SetParts(const std::string& set_file);
+    // The same of an index that is not in a file, or not yet. set_file: where it would be.
+    SetParts(const SetFile& set, const std::string& set_file);
     ~SetParts();
     SetParts(const SetParts&) = delete;
     SetParts& operator=(const SetParts&) = delete;

@@ -169,7 +169,7 @@ const std::set<std::string>& flags_of(const std::string& program) {
     return at->second;
 }
 
-const std::vector<std::string> subcommands{"info",      "verify", "heights", "split",  "synth",
+const std::vector<std::string> subcommands{"info",      "verify", "heights", "split",  "join", "synth",
                                            "materials", "plan",   "shard",   "launch", "merge"};
 
 // "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.

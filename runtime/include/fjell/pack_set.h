@@ -8,7 +8,8 @@
 // terrain is sparse: its tiles' numbers (tiles_of()) leave the missing ones out, and Terrain::tile_at() and
 // tile_place() lead from places to numbers and back.
 // Packs of a set share all that their codes count on: tile size, order, spacing, the scales of heights, errors and
-// radii, sizes of maps, CRS. All of it is compared. What they cannot tell is whether they were baked of one field.
+// radii, sizes of maps, CRS. All of it is compared, and corners where tiles meet. What they cannot tell is whether they
+// were baked of one field: for that their borders must be read, as fjell-bake join and fjell-bake verify do.
 // Ownership: the index lies in the host's memory; of the parts nothing is needed afterwards but their files. Thread:
 // any. Complexity: O(chunks + places for tiles). zstd may allocate. Failure: a Status; at_fault is the part's number,
 // or how many there are when it is no single one's.
@@ -48,9 +49,9 @@ struct SetIndex {
 
 // 0 for parts that make_set_index() refuses before it reads their corners.
 [[nodiscard]] std::size_t set_index_bytes(const SetShape& shape, std::span<const SetPart> parts);
-// Fails with wrong_pack for a part of another recipe than the first (field: what differs), with out_of_range
-// for one that does not lie in the set's tiles or lies over another one, with corrupt for its corners, with
-// memory_too_small.
+// Fails with wrong_pack for a part of another recipe than the first (field: what differs), or whose tiles have other
+// corners than those of earlier parts that meet them, with out_of_range for one that does not lie in the set's tiles or
+// lies over another one, with corrupt for its corners, with memory_too_small.
 Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std::span<std::byte> memory,
                       SetIndex& index, std::uint32_t& at_fault);
 // The number of the part whose file an offset of the whole lies in, and the offset in that; how many there are for the

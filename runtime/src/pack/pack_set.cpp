@@ -171,7 +171,7 @@ Layout layout_of(std::span<const SetPart> parts, const PackHeader& h) {
     l.corners = block.place(frame_bytes(l.raw_bytes) + directory_bytes(h), 1);
     l.directory = l.corners + frame_bytes(l.raw_bytes);
     l.places = l.directory + static_cast<std::size_t>(h.directory_count) * sizeof(ChunkEntry);
-    l.raw = block.place(l.raw_bytes, 1);
+    l.raw = block.place(l.raw_bytes / sizeof(std::uint32_t), sizeof(std::uint32_t));
     l.numbers = block.place(std::uint64_t{h.tiles_x} * h.tiles_y, sizeof(std::uint32_t));
     std::size_t most = 0;
     for (const SetPart& part : parts)
@@ -226,23 +226,37 @@ void enter_chunks(const SetPart& part, std::uint64_t begins, const PackHeader& h
     }
 }
 
-// One part's corners to the whole's: of a full terrain row by row, of a sparse one four a tile.
-void place_corners(const SetPart& part, const PackHeader& h, const std::uint32_t* numbers, const std::byte* from,
-                   std::byte* to) {
+// Where a tile's corner k lies among the whole's, in a full terrain row by row, in a sparse one four a tile.
+std::size_t corner_index(const PackHeader& h, const std::uint32_t* numbers, std::size_t x, std::size_t y,
+                         std::size_t k) {
+    if (h.tiles_held == 0) return (y + k / 2) * (std::size_t{h.tiles_x} + 1) + x + k % 2;
+    return std::size_t{numbers[y * h.tiles_x + x]} * 4 + k;
+}
+
+// One part's corners to the whole's, which hold no_index where none is yet. False: tiles of an earlier part have other
+// heights there, so that packs of different ground lie side by side.
+bool place_corners(const SetPart& part, const PackHeader& h, const std::uint32_t* numbers, const std::byte* from,
+                   std::uint32_t* to) {
     const PackHeader& p = part.pack->header;
-    const std::size_t a_row = std::size_t{p.tiles_x} + 1, each = sizeof(std::uint32_t);
-    if (h.tiles_held == 0) {
-        for (std::size_t y = 0; y <= p.tiles_y; ++y)
-            std::memcpy(to + ((part.tile_y + y) * (std::size_t{h.tiles_x} + 1) + part.tile_x) * each,
-                        from + y * a_row * each, a_row * each);
-        return;
-    }
-    for (std::size_t y = 0; y < p.tiles_y; ++y)
-        for (std::size_t x = 0; x < p.tiles_x; ++x) {
-            const std::size_t tile = numbers[(part.tile_y + y) * h.tiles_x + part.tile_x + x];
-            for (std::size_t k = 0; k < 4; ++k)
-                std::memcpy(to + (tile * 4 + k) * each, from + ((y + k / 2) * a_row + x + k % 2) * each, each);
+    const auto agrees = [&](std::size_t cx, std::size_t cy, std::uint32_t corner) {
+        for (std::size_t k = 0; k < 4; ++k) {                 // the tiles that have it as their corner k
+            const std::size_t x = cx - k % 2, y = cy - k / 2; // beyond the first: huge
+            if (x >= h.tiles_x || y >= h.tiles_y || numbers[y * h.tiles_x + x] == no_index) continue;
+            const std::uint32_t placed = to[corner_index(h, numbers, x, y, k)];
+            if (placed != no_index && placed != corner) return false;
         }
+        return true;
+    };
+    for (std::size_t y = 0; y < p.tiles_y; ++y)
+        for (std::size_t x = 0; x < p.tiles_x; ++x)
+            for (std::size_t k = 0; k < 4; ++k) {
+                std::uint32_t corner = 0;
+                std::memcpy(&corner, from + ((y + k / 2) * (std::size_t{p.tiles_x} + 1) + x + k % 2) * sizeof corner,
+                            sizeof corner);
+                if (!agrees(part.tile_x + x + k % 2, part.tile_y + y + k / 2, corner)) return false;
+                to[corner_index(h, numbers, part.tile_x + x, part.tile_y + y, k)] = corner;
+            }
+    return true;
 }
 
 } // namespace
@@ -266,13 +280,16 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     if (!number_tiles(parts, h, numbers, at_fault))
         return {Code::out_of_range, "tiles (an earlier pack of the set has some of them)"};
     std::uint64_t end = sizeof(PackHeader);
+    auto* const corners_of_whole = reinterpret_cast<std::uint32_t*>(at + l.raw);
+    std::fill_n(corners_of_whole, l.raw_bytes / sizeof(std::uint32_t), no_index);
     for (at_fault = 0; at_fault < parts.size(); ++at_fault) {
         const SetPart& part = parts[at_fault];
         const ChunkId id{ChunkKind::corners, 0, 0};
         const std::span raw{at + l.part_corners, chunk_raw_bytes(part.pack->header, id)};
         if (!decode_chunk(part.pack->entry(chunk_index(part.pack->header, id)), part.corners, raw).ok())
             return {Code::corrupt, "corners"};
-        place_corners(part, h, numbers, raw.data(), at + l.raw);
+        if (!place_corners(part, h, numbers, raw.data(), corners_of_whole))
+            return {Code::wrong_pack, "corners where tiles meet"};
         enter_chunks(part, end, h, numbers, at + l.directory);
         end += part.pack->header.file_bytes;
     }
