@@ -46,7 +46,8 @@ void near_maps(benchmark::State& state, const baker::MapPlan& plan) {
     for (int y = w.y; y < w.y + w.rows; ++y)
         for (int x = w.x; x < w.x + w.columns; ++x) heights.push_back(dem().at(x, y));
     const auto reader = plan.image ? plan.image->reader() : nullptr;
-    for (auto _ : state) benchmark::DoNotOptimize(baker::near_maps(plan, tile, {heights.data(), w.columns, w}, reader.get()));
+    for (auto _ : state)
+        benchmark::DoNotOptimize(baker::near_maps(plan, tile, {heights.data(), w.columns, w}, reader.get()));
     per_sample(state, 512.0 * 512.0);
 }
 
