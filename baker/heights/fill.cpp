@@ -11,7 +11,7 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr std::int32_t chunk = 1024; // samples a side that one piece of work covers
+constexpr std::int32_t piece_side = 1024; // samples a side that one piece of work covers
 // Sweeps that take out the coarse grid's corners; the coarse grid takes care of the rest. Each one looks one sample
 // further, twice (see relax): what is cut off further away cannot be felt.
 constexpr int sweeps = 8;
@@ -45,11 +45,11 @@ Window clipped(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y
 // body(piece): pieces of a window, in parallel.
 template <typename Body>
 void for_each_chunk(const Window& window, int threads, const Body& body) {
-    const std::int64_t across = (window.columns - 1) / chunk + 1, down = (window.rows - 1) / chunk + 1;
+    const std::int64_t across = (window.columns - 1) / piece_side + 1, down = (window.rows - 1) / piece_side + 1;
     parallel_for(across * down, threads, [&](std::int64_t i) {
-        const auto x = window.x + static_cast<std::int32_t>(i % across) * chunk,
-                   y = window.y + static_cast<std::int32_t>(i / across) * chunk;
-        body(clipped(x, y, x + chunk, y + chunk, window));
+        const auto x = window.x + static_cast<std::int32_t>(i % across) * piece_side,
+                   y = window.y + static_cast<std::int32_t>(i / across) * piece_side;
+        body(clipped(x, y, x + piece_side, y + piece_side, window));
     });
 }
 

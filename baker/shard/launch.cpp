@@ -18,7 +18,7 @@ namespace fjell::baker {
 
 namespace {
 
-std::string quoted(const std::string& word) {
+std::string shell_quoted(const std::string& word) {
     std::string text = "'";
     for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return text + "'";
@@ -31,14 +31,14 @@ std::string how(const LaunchOptions& o) {
 // shards: a number, two with a dash between, or what a shell makes either of.
 std::string shard_command(const ShardPlan& plan, const LaunchOptions& o, const ShardStep& step,
                           const std::string& shards) {
-    return fmt::format("{} shard {} {}/{} --step {} --quiet{}", quoted(o.program), quoted(plan.folder), shards,
-                       plan.shards, step.name(), how(o));
+    return fmt::format("{} shard {} {}/{} --step {} --quiet{}", shell_quoted(o.program), shell_quoted(plan.folder),
+                       shards, plan.shards, step.name(), how(o));
 }
 
 std::string merge_command(const ShardPlan& plan, const LaunchOptions& o) {
     const std::string packs = o.packs ? fmt::format(" --packs {}x{}", o.packs->packs_x, o.packs->packs_y) : "";
-    return fmt::format("{} merge {} -o {}{}{}{}", quoted(o.program), quoted(plan.folder), quoted(o.out_path), packs,
-                       o.quiet ? " --quiet" : "", how(o));
+    return fmt::format("{} merge {} -o {}{}{}{}", shell_quoted(o.program), shell_quoted(plan.folder),
+                       shell_quoted(o.out_path), packs, o.quiet ? " --quiet" : "", how(o));
 }
 
 // JOB is the shell's name for the job before.
@@ -47,12 +47,12 @@ std::string sbatch(const LaunchOptions& o, const std::string& name, const std::s
     const std::string cores = o.threads > 0 ? fmt::format(" --cpus-per-task={}", o.threads) : "";
     return fmt::format("JOB=$(sbatch --parsable --job-name=fjell-{}{} ${{JOB:+--dependency=afterok:$JOB}} "
                        "--kill-on-invalid-dep=yes{} --wrap={})",
-                       name, cores, more, quoted(command));
+                       name, cores, more, shell_quoted(command));
 }
 
 std::vector<std::string> of_slurm(const ShardPlan& plan, const LaunchOptions& o) {
     std::vector<std::string> commands{"set -e", "JOB="}; // one that the environment has is not ours to wait for
-    const std::string log = quoted(plan.folder + "/log");
+    const std::string log = shell_quoted(plan.folder + "/log");
     commands.push_back("mkdir -p " + log);
     for (const ShardStep& step : shard_steps(plan.rounds))
         commands.push_back(sbatch(
@@ -74,7 +74,7 @@ std::vector<std::string> of_mpi(const ShardPlan& plan, const LaunchOptions& o) {
                     plan.shards, processes);
     for (const ShardStep& step : shard_steps(plan.rounds))
         commands.push_back(fmt::format("mpirun $FJELL_MPI_OPTIONS -n {} sh -c {}", processes,
-                                       quoted("exec " + shard_command(plan, o, step, share))));
+                                       shell_quoted("exec " + shard_command(plan, o, step, share))));
     commands.push_back(merge_command(plan, o));
     return commands;
 }

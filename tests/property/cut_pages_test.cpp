@@ -74,17 +74,17 @@ void live_with(std::uint32_t seed, const Way& way, int count) {
         gone += way.abrupt ? host.unloaded : host.released;
     }
     CAPTURE(gone, incomplete, refined, spent, enough);
-    if (way.scarce) REQUIRE(spent > rounds<std::size_t>(3, 12));
-    if (way.scarce) REQUIRE(enough > rounds<std::size_t>(3, 12));
-    REQUIRE(gone > rounds<std::size_t>(60, 200));
-    REQUIRE(incomplete > rounds<std::size_t>(90, 300));
-    REQUIRE(refined > rounds<std::size_t>(way.scarce ? 3'000 : 6'000, 20'000));
+    if (way.scarce) REQUIRE(spent > rounds<std::size_t>(1, 12));
+    if (way.scarce) REQUIRE(enough > rounds<std::size_t>(1, 12));
+    REQUIRE(gone > rounds<std::size_t>(30, 200));
+    REQUIRE(incomplete > rounds<std::size_t>(50, 300));
+    REQUIRE(refined > rounds<std::size_t>(way.scarce ? 1'500 : 3'000, 20'000));
 }
 
 } // namespace
 
 TEST_CASE("pages that are evicted go without a crack, and at rest the cut is the target of what is left") {
-    live_with(121, {false, false}, rounds(36, 48));
+    live_with(121, {false, false}, rounds(20, 48));
 }
 
 TEST_CASE(
@@ -173,7 +173,7 @@ TEST_CASE("a page that is kept after all while a jump is built is refined as any
 }
 
 TEST_CASE("pages unloaded without warning leave a whole mesh as well") {
-    live_with(122, {true, false}, rounds(16, 48));
+    live_with(122, {true, false}, rounds(10, 48));
 }
 
 TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it is active when it says so") {
@@ -271,8 +271,8 @@ TEST_CASE("a page that is not loaded is released at once, one that does not exis
 
 TEST_CASE(
     "where pages outnumber their states, the mesh is whole, the claim true, and states go to those that need one") {
-    live_with(125, {false, true}, rounds(7, 24));
-    live_with(126, {true, true}, rounds(7, 24));
+    live_with(125, {false, true}, rounds(4, 24));
+    live_with(126, {true, true}, rounds(4, 24));
 }
 
 TEST_CASE("a rebuild finds the states of the pages that it leaves") {

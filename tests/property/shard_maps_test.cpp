@@ -31,13 +31,13 @@ TEST_CASE("horizons and control maps of shards are those of one bake, byte for b
     options.layers_path = rules.path();
     options.control_spacing = 4;
     const Job job(terrain(random, 900, 620, false), options);
-    for (const int shards : {1, 2, 3, 7, 16}) require_same(job, shards, random, shards == 3);
+    for (const int shards : first_of(2, {3, 7, 1, 2, 16})) require_same(job, shards, random, shards == 3);
 }
 
 TEST_CASE("horizons and control maps of any spacing over holes and filled voids are the same in shards") {
     Random random(52);
     const RulesFile rules;
-    for (int round = 0; round < rounds(2, 6); ++round) {
+    for (int round = 0; round < rounds(1, 6); ++round) {
         baker::BakeOptions options;
         options.tile_log2 = pick(random, 6, 8);
         options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 5, 10));
@@ -51,7 +51,7 @@ TEST_CASE("horizons and control maps of any spacing over holes and filled voids 
 
 TEST_CASE("a terrain that is narrow or small has levels for horizons in shards too") {
     Random random(53);
-    for (const auto& [columns, rows] : {std::pair(1500, 20), std::pair(258, 258), std::pair(66, 1100)}) {
+    for (const auto& [columns, rows] : first_of(2, {std::pair(1500, 20), std::pair(66, 1100), std::pair(258, 258)})) {
         INFO(columns << " x " << rows);
         baker::BakeOptions options;
         options.tile_log2 = 6;
@@ -67,7 +67,7 @@ TEST_CASE("whichever level for horizons shards read whole, down to the eighth, t
     options.horizon_spacing = 4;
     Job job(terrain(random, 4200, 130, true), options);
     const baker::HorizonLevels levels(4200, 130, job.source.spacing_m);
-    for (const int last : {6, 8}) {
+    for (const int last : first_of(1, {8, 6})) {
         job.options.whole_level_vertices = levels.extents(last).area();
         CHECK(baker::levels_of_shards(levels, job.options.whole_level_vertices) == last);
         INFO("the level " << last);

@@ -25,9 +25,10 @@ inline std::vector<Sight> panels_and_dialogs() {
 }
 
 // Before what lies over the picture and the overview can be shown: two benchmarks are flown and kept, with CSV files in
-// that folder. Needs a path, and takes frames.
-inline std::vector<std::string> flown_runs(const std::string& folder) {
-    return {"benchmark " + folder + "/a.csv 600", "wait", "benchmark " + folder + "/b.csv 600", "wait"};
+// that folder, of so many frames. Needs a path, and takes frames.
+inline std::vector<std::string> flown_runs(const std::string& folder, int frames = 600) {
+    const std::string many = ".csv " + std::to_string(frames);
+    return {"benchmark " + folder + "/a" + many, "wait", "benchmark " + folder + "/b" + many, "wait"};
 }
 
 // Each is shown with those before it; the last is everything. Needs flown_runs() and, before the camera moves, the

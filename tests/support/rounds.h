@@ -2,9 +2,12 @@
 // FJELL_TEST_ROUNDS=full, as ./dev test --long sets it, all of it.
 #pragma once
 
+#include <cstddef>
 #include <cstdlib>
+#include <initializer_list>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace fjell::test {
 
@@ -17,6 +20,12 @@ namespace fjell::test {
 template <typename Number = int>
 [[nodiscard]] Number rounds(std::type_identity_t<Number> brief, std::type_identity_t<Number> full) {
     return full_rounds() ? full : brief;
+}
+
+// A list of what a test tries: by default the first ones of it.
+template <typename T>
+[[nodiscard]] std::vector<T> first_of(std::size_t brief, std::initializer_list<T> all) {
+    return std::vector<T>(all.begin(), all.begin() + (full_rounds() || brief > all.size() ? all.size() : brief));
 }
 
 } // namespace fjell::test

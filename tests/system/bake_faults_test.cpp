@@ -20,9 +20,13 @@ TEST_CASE("a disk that fails at any call is one line and exit code 3, and leaves
     for (const auto& kind : kinds) {
         const long calls = scene.count(kind.call);
         int noticed = 0;
-        for (const long n : spread(calls, rounds((kind.samples + 2) / 3, kind.samples)))
+        // In brief rounds the last one; of opening and closing, which are not always missed, more.
+        const bool missed = std::string(kind.call) != "open" && std::string(kind.call) != "close";
+        const int samples = rounds(missed ? 1 : std::min(kind.samples, 3), kind.samples);
+        for (const long n : samples == 1 ? std::vector<long>{calls} : spread(calls, samples))
             for (const char* after : {"", "+"}) {
-                if (*after && n != 1 && n != calls) continue; // a disk that stays full
+                // A disk that stays full.
+                if (*after && (full_rounds() ? n != 1 && n != calls : std::string(kind.error) != "ENOSPC")) continue;
                 const Fault fault{kind.call, kind.error, std::to_string(n) + after};
                 const Run r = scene.run(fault);
                 CAPTURE(kind.call, kind.error, n, calls, after, r.err);
@@ -50,7 +54,7 @@ TEST_CASE("a disk that fails at any call is one line and exit code 3, and leaves
 TEST_CASE("short and interrupted calls change no byte") {
     const Scene scene;
     for (const char* what : {"short", "EINTR"})
-        for (const char* when : {"%2", "%3", "%7"}) {
+        for (const char* when : first_of(2, {"%2", "%7", "%3"})) {
             const std::string calls = "pwrite,pread,write,read,";
             const Run r = scene.run({calls + (std::string(what) == "EINTR" ? "ftruncate,fallocate,fsync,open" : ""),
                                      what, when, "/out.fjell"});
@@ -72,7 +76,7 @@ TEST_CASE("a bake that is killed at any moment goes on to the same bytes") {
         const Scene scene(holes);
         const long calls = scene.count("all");
         std::mt19937 random(seed + holes);
-        for (int i = 0; i < rounds(3, 15); ++i) {
+        for (int i = 0; i < rounds(2, 15); ++i) {
             const long n = std::uniform_int_distribution<long>(1, calls)(random);
             const Run r = scene.run({"all", "kill", std::to_string(n)});
             CAPTURE(holes, seed, i, n, calls, r.err);
@@ -118,7 +122,7 @@ TEST_CASE("a bake that is killed again and again gets there") {
 TEST_CASE("what is killed with two threads goes on with one, and the other way round") {
     Scene scene;
     const long calls = scene.count("all");
-    for (const long n : spread(calls, rounds(4, 8))) {
+    for (const long n : spread(calls, rounds(3, 8))) {
         scene.command = Scene::child(n % 2 ? 2 : 1);
         const Run r = scene.run({"all", "kill", std::to_string(n)});
         scene.command = Scene::child(n % 2 ? 1 : 3);
@@ -257,7 +261,7 @@ TEST_CASE("Ctrl-C at any call is exit code 130 and says how to go on") {
 
 TEST_CASE("signals from outside, at any time, are an interruption or come too late") {
     const Scene scene;
-    for (const char* delay : {"0", "0.03", "0.08"})
+    for (const char* delay : first_of(1, {"0.03", "0", "0.08"}))
         for (const char* signal : {"INT", "TERM", "HUP"}) {
             // Shells ignore SIGINT for what they start in the background; env takes it back.
             const Run r = run_in(scene.folder.path, "env --default-signal=INT " + scene.command + " & p=$!; sleep " +

@@ -8,7 +8,7 @@ TEST_CASE("of several bakes of one pack at once one works, and the others say so
     std::string all;
     for (int i = 0; i < 6; ++i)
         all += "(sleep 0.0" + std::to_string(2 * i) + "; " + scene.command + "; echo code $?) & ";
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < rounds(1, 2); ++round) {
         const Run r = run_in(scene.folder.path, all + "wait");
         CAPTURE(round, r.out, r.err);
         const auto times = [](const std::string& text, const std::string& what) {
@@ -47,24 +47,22 @@ TEST_CASE("what a killed bake has left is kept while others are at work in it, a
         CHECK(scene.folder.names() == scene.names);
     }
     SECTION("a damaged checkpoint is none") {
-        const std::string checkpoint = scene.folder / "out.fjell.work/checkpoint";
-        std::string bytes = slurp(checkpoint);
-        SECTION("cut") {
-            bytes.pop_back();
+        const std::string work = scene.folder / "out.fjell.work", checkpoint = work + "/checkpoint";
+        const TemporaryFolder aside;
+        std::filesystem::copy(work, aside / "left", std::filesystem::copy_options::recursive);
+        const std::string bytes = slurp(checkpoint);
+        std::string changed = bytes;
+        changed[bytes.size() / 2] ^= 1;
+        for (const std::string& damaged : {bytes.substr(0, bytes.size() - 1), changed, bytes + "x", std::string()}) {
+            CAPTURE(bytes.size(), damaged.size());
+            std::filesystem::remove_all(work);
+            std::filesystem::copy(aside / "left", work, std::filesystem::copy_options::recursive);
+            spit(checkpoint, damaged);
+            CHECK(scene.run().out == "new\n");
+            CHECK(scene.is_whole());
+            CHECK(scene.folder.names() == scene.names);
+            scene.age();
         }
-        SECTION("changed") {
-            bytes[bytes.size() / 2] ^= 1;
-        }
-        SECTION("longer") {
-            bytes += "x";
-        }
-        SECTION("empty") {
-            bytes.clear();
-        }
-        spit(checkpoint, bytes);
-        CHECK(scene.run().out == "new\n");
-        CHECK(scene.is_whole());
-        CHECK(scene.folder.names() == scene.names);
     }
 }
 
@@ -173,12 +171,13 @@ TEST_CASE("a height field that is made is there as a whole or not at all") {
         CHECK((slurp(folder / "out.tif") == old_pack));
         CHECK(folder.names() == names);
     };
-    for (const char* when : {"1", "1+", "2", "3", "5+", "7"}) fails(with({"fwrite", "ENOSPC", when, "out.tif"}, synth));
+    for (const char* when : first_of(2, {"1", "5+", "1+", "2", "3", "7"}))
+        fails(with({"fwrite", "ENOSPC", when, "out.tif"}, synth));
     fails(with({"fsync", "EIO", "1", "out.tif"}, synth));
     fails(with({"rename", "EACCES", "1", "out.tif"}, synth));
-    for (const char* blocks : {"20", "200"}) fails("ulimit -f " + std::string(blocks) + "; " + synth);
+    for (const char* blocks : first_of(1, {"200", "20"})) fails("ulimit -f " + std::string(blocks) + "; " + synth);
     const long calls = std::strtol(slurp(aside / "count").c_str(), nullptr, 10);
-    for (const long n : spread(calls, rounds(3, 6))) {
+    for (const long n : spread(calls, rounds(2, 6))) {
         const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n), "out.tif"}, synth));
         CAPTURE(n, calls);
         CHECK((r.code == 0 || r.code == 128 + SIGKILL));
@@ -221,7 +220,7 @@ TEST_CASE("the tool holds the same under faults") {
         CHECK((slurp(folder / "out.fjell") == whole));
         spit(folder / "out.fjell", old_pack);
     }
-    for (const int n : {1, 40, 900, 2500}) {
+    for (const int n : first_of(1, {900, 1, 40, 2500})) {
         const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n)}, bake));
         CAPTURE(n, r.err);
         CHECK(r.code == 128 + SIGKILL);
@@ -233,7 +232,7 @@ TEST_CASE("the tool holds the same under faults") {
     }
     SECTION("in memory, too, where only the pack is written") {
         const std::string fast = FJELL_BIN_DIR "/fjell-bake dem.tif -o out.fjell --tile 64 --threads 2 --quiet";
-        for (const char* when : {"1", "2+", "3"}) {
+        for (const char* when : first_of(1, {"2+", "1", "3"})) {
             const Run r = run_in(folder.path, with({"pwrite", "ENOSPC", when}, fast));
             CAPTURE(when, r.err);
             CHECK(r.code == 3);
@@ -241,7 +240,7 @@ TEST_CASE("the tool holds the same under faults") {
             CHECK((slurp(folder / "out.fjell") == old_pack));
             CHECK(folder.names() == names);
         }
-        for (const int n : {1, 2, 4, 6, 8}) {
+        for (const int n : first_of(1, {4, 1, 2, 6, 8})) {
             const Run r = run_in(folder.path, with({"all", "kill", std::to_string(n)}, fast));
             CAPTURE(n, r.err);
             CHECK(r.code == 128 + SIGKILL);

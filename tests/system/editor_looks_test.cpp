@@ -36,7 +36,7 @@ std::string script_of(const std::vector<Sight>& panels, const std::vector<Sight>
     show({"home", "wait", "circle-path", "compare " FJELL_SOURCE_DIR "/profiles/laptop.toml", "freeze on"});
     for (const Sight& sight : panels) dump(sight);
     show({"dialog none", "freeze off", "navigate fly"});
-    show(flown_runs(folder));
+    show(flown_runs(folder, rounds(60, 600)));
     show(compared_picture);
     for (const Sight& sight : overlays) dump(sight);
     return script;

@@ -107,7 +107,7 @@ TEST_CASE("with runs, heat, probe, marks and a compared picture shown, and with 
     const TemporaryFolder folder;
     const std::vector<Sight> sights = overlays_in_turn();
     std::vector<std::string> first = plain_light;
-    const std::vector<std::string> runs = flown_runs(folder.path.string());
+    const std::vector<std::string> runs = flown_runs(folder.path.string(), rounds(60, 600));
     first.insert(first.end(), runs.begin(), runs.end());
     first.insert(first.end(), compared_picture.begin(), compared_picture.end());
     first.push_back("play-path on");

@@ -93,8 +93,14 @@ TEST_CASE("GDAL's hillshade of a height field and of its pack read back agree") 
          "-a_srs EPSG:32630 -a_ullr 0 216090 324090 0", true},
         {"dem/SainteHelens_usgs.dem", "", "", 30, true, -32767},
         {"dem/norway_jotunheimen_117m_512_f32.tif", "", "", 60000.0 / 512, false},
-        {"dem/puget_sound_160m_1025_u16.png", "--spacing 160 --zscale 0.1",
-         "-scale 0 65535 0 6553.5 -a_ullr 0 164000 164000 0", 160, false},
+        {"dem/puget_sound_160m_1025_u16.png",
+         "--spacing 160 --zscale 0.1",
+         "-scale 0 65535 0 6553.5 -a_ullr 0 164000 164000 0",
+         160,
+         false,
+         std::nan(""),
+         {},
+         true},
     };
     for (const Case& c : cases) {
         const std::string dem = c.large ? large_real(c.file) : real(c.file);

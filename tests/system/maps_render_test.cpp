@@ -8,6 +8,7 @@
 #include "picture_scene.h"
 #include "support/control_rules.h"
 #include "support/dem.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
 using namespace pictures;
@@ -131,7 +132,8 @@ View map_from_above(const Scene& scene, double across_m) {
 } // namespace
 
 TEST_CASE("streamed maps that are all resident give the picture of the whole pack", "[picture]") {
-    for (const std::uint32_t ring_bytes : {0u, 1u}) { // 1: the least, so that blocks come in several regions
+    // 1: the least, so that blocks come in several regions.
+    for (const std::uint32_t ring_bytes : test::first_of(1, {1u, 0u})) {
         Streamed streamed(relief_ground(257, mountain_relief), 6, ring_bytes);
         const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
         streamed.load_all();
@@ -235,7 +237,8 @@ TEST_CASE("a mip fades in without a jump", "[picture]") {
     std::string error;
     streamed.scene.target = gl::Target::create({320, 240, 1}, error); // 66 pictures
     REQUIRE(streamed.scene.target);
-    for (const bool all : {true, false}) { // all tiles, or every second one beside others that stay as they are
+    // All tiles, or every second one beside others that stay as they are.
+    for (const bool all : test::first_of(1, {false, true})) {
         const auto at = [&](int i) {
             for (std::vector<TileMap>& kind : streamed.shown)
                 for (std::uint32_t tile = 0; tile < kind.size(); ++tile)

@@ -47,15 +47,15 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         std::string file, read;
         int columns, rows;
         bool holes;
-        bool with_image = false; // the same is baked below with an image, and left to full rounds here
+        bool dear = false; // for full rounds: another one here is like it, or the same is baked below with an image
     };
     const std::vector<Case> cases{
         {"dem/SainteHelens_usgs.dem", "", 327, 468, true},
         {"dem/norway_jotunheimen_117m_512_f32.tif", "", 512, 512, false},
         {"dem/puget_sound_160m_1025_u16.png", " --spacing 160 --zscale 0.1", 1025, 1025, false, true},
         {"dem/craterlake_elev_i16_30m.tif", " --spacing 30 --nodata hole", 429, 279, true, true},
-        {"formats/N37W003.hgt", " --spacing 90", 1201, 1201, false},
-        {"formats/grand_canyon_copdem_512_f32.tif", " --spacing 200", 512, 512, false},
+        {"formats/N37W003.hgt", " --spacing 90", 1201, 1201, false, true},
+        {"formats/grand_canyon_copdem_512_f32.tif", " --spacing 200", 512, 512, false, true},
         // In degrees, reprojected: holes at the corners.
         {"formats/N37W003.hgt", "", 1080, 1352, true},
         {"formats/grand_canyon_copdem_512_f32.tif", "", 470, 577, true},
@@ -68,7 +68,7 @@ TEST_CASE("every real height field is baked whole, verified and flown within its
         {"formats/luxembourg_terra_elev_i16_nodata.tif", " --spacing 900", 95, 90, true},
     };
     for (const Case& c : cases) {
-        if (c.with_image && !full_rounds()) continue;
+        if (c.dear && !full_rounds()) continue;
         const std::string dem = c.columns > 4000 ? large_real(c.file) : real(c.file);
         if (dem.empty()) continue;
         const TemporaryFolder folder;
@@ -96,12 +96,12 @@ TEST_CASE("every real image bakes onto its height field, in its own detail, is v
         {"dem/norway_jotunheimen_117m_512_f32.tif", "", "textures/norway_jotunheimen_texture_4096.jpg", 256, 1024, 512,
          512, false, true},
         {"dem/puget_sound_160m_1025_u16.png", " --spacing 160 --zscale 0.1", "textures/puget_sound_texture_1024.png",
-         512, 512, 1025, 1025, false},
+         512, 512, 1025, 1025, false, true},
         // By its coordinates: reprojected with its terrain, and with the samples where they are.
         {"dem/craterlake_elev_i16_30m.tif", " --nodata hole", "textures/craterlake_imagery_30m.tif", 512, 512, 372, 330,
          true},
         {"dem/craterlake_elev_i16_30m.tif", " --nodata hole --spacing 30", "textures/craterlake_imagery_30m.tif", 512,
-         512, 429, 279, true},
+         512, 429, 279, true, true},
     };
     for (const Case& c : cases) {
         if (c.dear && !full_rounds()) continue;
