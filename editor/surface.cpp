@@ -212,6 +212,7 @@ void Surface::read(gl::Image& image) const {
     size(image.width, image.height);
     const std::size_t row = std::size_t{3} * image.width;
     std::vector<std::uint8_t> pixels(row * image.height);
+    glFinish(); // as Target::read_colour
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer());
     if (framebuffer() == 0) glReadBuffer(GL_BACK);

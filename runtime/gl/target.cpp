@@ -116,6 +116,11 @@ void resolve(unsigned from, unsigned to, const TargetOptions& options, GLbitfiel
     glBlitNamedFramebuffer(from, to, 0, 0, w, h, 0, 0, w, h, what, GL_NEAREST);
 }
 
+// Mesa 22.3 in software reads a framebuffer that its threads are still drawing, where another one was bound meanwhile.
+void finish_before_reading() {
+    glFinish();
+}
+
 } // namespace
 
 void Target::read_colour(Image& image) const {
@@ -124,6 +129,7 @@ void Target::read_colour(Image& image) const {
     image.width = o.options.width;
     image.height = o.options.height;
     image.rgb.resize(std::size_t{3} * image.width * image.height);
+    finish_before_reading();
     glDisable(GL_FRAMEBUFFER_SRGB); // the stored bytes, as they are
     glBindFramebuffer(GL_READ_FRAMEBUFFER, o.options.samples > 1 ? o.resolved.get() : o.draw.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -136,6 +142,7 @@ void Target::read_depth(std::vector<float>& depth) const {
     const Objects& o = *objects_;
     if (o.options.samples > 1) resolve(o.draw.get(), o.resolved.get(), o.options, GL_DEPTH_BUFFER_BIT);
     depth.resize(std::size_t{o.options.width} * o.options.height);
+    finish_before_reading();
     glBindFramebuffer(GL_READ_FRAMEBUFFER, o.options.samples > 1 ? o.resolved.get() : o.draw.get());
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     glReadPixels(0, 0, static_cast<GLsizei>(o.options.width), static_cast<GLsizei>(o.options.height),
