@@ -72,13 +72,13 @@ SquareSums sum_squares(const BakeContext& context, const Store<float>& heights) 
     return all;
 }
 
-Wetness make_wetness(const BakeContext& context, const SquareSums& squares) {
+Wetness make_wetness(const BakeContext& context, const SquareSums& all) {
     const WetnessGrid grid = grid_of(context);
     const int shift = grid.factor_log2 - square_log2(grid);
     std::vector<double> sums(static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows));
-    const double* from = squares.sums.data();
-    for (std::int32_t y = 0; y < squares.at.rows; ++y)
-        for (std::int32_t x = 0; x < squares.at.columns; ++x)
+    const double* from = all.sums.data();
+    for (std::int32_t y = 0; y < all.at.rows; ++y)
+        for (std::int32_t x = 0; x < all.at.columns; ++x)
             sums[static_cast<std::size_t>(y >> shift) * static_cast<std::size_t>(grid.columns) +
                  static_cast<std::size_t>(x >> shift)] += *from++;
     std::vector<float> means(sums.size());

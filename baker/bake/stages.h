@@ -109,7 +109,7 @@ struct SquareSums {
 // Of what is baked here.
 [[nodiscard]] SquareSums sum_squares(const BakeContext& context, const Store<float>& heights);
 // squares: of all of the terrain. Or from Wetness::index().
-[[nodiscard]] Wetness make_wetness(const BakeContext& context, const SquareSums& squares);
+[[nodiscard]] Wetness make_wetness(const BakeContext& context, const SquareSums& all);
 [[nodiscard]] Wetness found_wetness(const BakeContext& context, std::vector<float> index);
 
 struct ControlOutput {
