@@ -407,11 +407,11 @@ TEST_CASE("packs baked apart are one set where floats do not hold their spacing,
         apart.bake(folder / "far.fjell", far_x, far_y, false);
         const auto cells = static_cast<std::uint32_t>(BakedApart::cells);
         const io::PackFile west(folder / "west.fjell");
-        const double(&spacing_m)[2] = west.pack().header.spacing_m;
+        const double(&spacing)[2] = west.pack().header.spacing_m;
         const io::SetFile set{BakedApart::tiles_x * cells + 1,
                               BakedApart::tiles_y * cells + 1,
                               cells,
-                              {spacing_m[0], spacing_m[1]},
+                              {spacing[0], spacing[1]},
                               {{"west.fjell", 0, 0, 2, 1, 0, false},
                                {"east.fjell", 2, 0, 2, 1, 0, false},
                                {"far.fjell", far_x, far_y, 2, 1, 0, false}}};
