@@ -10,7 +10,6 @@
 #include "baker/pack/join.h"
 #include "fjell/io/failure.h"
 #include "support/control_rules.h"
-#include "support/rounds.h"
 #include "support/set_scene.h"
 
 using namespace fjell;
