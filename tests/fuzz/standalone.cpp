@@ -1,6 +1,5 @@
-// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn (a fifth of
-// them where rounds are brief), always the same ones. This is what `./dev test` runs; `./dev test --long` explores with
-// libFuzzer.
+// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn, always the
+// same ones. This is what `./dev test` runs; `./dev test --long` explores with libFuzzer.
 //
 // fuzz TARGET ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it
 // can be given to `fuzz TARGET 0 broken-input`.
@@ -16,8 +15,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "support/rounds.h"
 
 // Each target's LLVMFuzzerTestOneInput, which CMake calls by the target's name.
 #define FUZZ_TARGETS(X)                                                                                                \
@@ -118,8 +115,7 @@ int main(int argc, char** argv) {
         }
     if (seeds.empty()) return std::fprintf(stderr, "%s: no seeds\n", argv[1]), 2;
     std::mt19937 random(1);
-    const long wanted = std::strtol(argv[2], nullptr, 10);
-    const long rounds = fjell::test::full_rounds() ? wanted : wanted / 5;
+    const long rounds = std::strtol(argv[2], nullptr, 10);
     for (long round = 0; round < rounds; ++round) {
         Bytes bytes = seeds[static_cast<std::size_t>(round) % seeds.size()];
         mutate(bytes, random);
