@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-// Each target's LLVMFuzzerTestOneInput, which CMake calls by the target's name.
+// Each target's function; where libFuzzer explores, CMake calls it LLVMFuzzerTestOneInput.
 #define FUZZ_TARGETS(X)                                                                                                \
     X(fuzz_checkpoint)                                                                                                 \
     X(fuzz_materials)                                                                                                  \
@@ -69,8 +69,10 @@ void run(Target target, const Bytes& bytes) {
 }
 
 void mutate(Bytes& bytes, std::mt19937& random) {
-    const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-    for (std::size_t n = 1 + below(6); n > 0 && !bytes.empty(); --n) {
+    const auto below = [&](std::size_t count) {
+        return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+    };
+    for (std::size_t count = 1 + below(6); count > 0 && !bytes.empty(); --count) {
         // The headers and the directory are small beside the rest, and worth more.
         const std::size_t few = std::min<std::size_t>(bytes.size(), 512), where = below(10);
         const std::size_t at = where < 6 ? below(bytes.size()) : where < 9 ? below(few) : bytes.size() - 1 - below(few);
