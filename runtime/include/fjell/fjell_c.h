@@ -11,7 +11,7 @@
 //   does not know is refused: out_of_range, "struct_size". As a descriptor NULL stands for the defaults; a report that
 //   is NULL is not written.
 // - All other structs stay as they are while FJELL_VERSION_MINOR does.
-// - Enumerators are constants, and a field that holds one is as wide as in C++.
+// - Enumerators are constants; the type of the enumeration, FjellMorph for one, is an integer as wide as in C++.
 // No function prints or throws, and none allocates but where its C++ header says that zstd may.
 #ifndef FJELL_FJELL_C_H
 #define FJELL_FJELL_C_H
