@@ -3,6 +3,7 @@
 #include <iterator>
 #include <vector>
 
+#include "flight/methods/method.h"
 #include "flight/profile_fields.h"
 
 namespace fjell::flight {
@@ -11,9 +12,7 @@ namespace {
 
 // One key for both methods' vertex buffers: only one of them is made.
 struct Vertices {
-    static double get(const Profile& p) {
-        return p.method == Method::recursive ? p.budget.vertices : p.cut_budget.vertices;
-    }
+    static double get(const Profile& p) { return facts_of(p).vertices(p); }
     static void set(Profile& p, double value) {
         p.budget.vertices = p.cut_budget.vertices = static_cast<std::uint32_t>(value);
     }

@@ -212,6 +212,7 @@ RecordedFrame recorded(std::span<const View> views, const CutSettings& settings,
     RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
     if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
     f.settings.budget_us = 0;
+    f.settings.jobs = {};
     return f;
 }
 
