@@ -31,9 +31,8 @@ ExportPlan export_plan(HandlerContext context, const std::string& path, bool con
     const flight::Session& session = open_engine(context).session();
     const std::optional<View>& view = session.method->view();
     if (!view) throw io::Failure(2, strings::refusals::no_frame_yet);
-    ExportPlan plan{
-        session.file,           path, {}, state.scene.streamed, state.document.profile(), *view, error_px,
-        context.engine.layers()};
+    ExportPlan plan{session.file,           path, {}, state.scene.streamed, state.document.profile(), *view, error_px,
+                    context.engine.layers()};
     if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
     return plan;
 }

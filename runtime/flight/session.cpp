@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/pages.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -24,18 +24,18 @@ double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
 
-// The one place where it is asked which method it is. Throws before it touches the session. recorded: the budget of what
-// is replayed, instead of the profile's.
+// The one place where it is asked which method it is. Throws before it touches the session. recorded: the budget of
+// what is replayed, instead of the profile's.
 void make_method(const FlightOptions& options, const CutBudget* recorded, Session& session) {
-    session.method = options.profile.method == Method::recursive ? make_recursive(options, session.terrain())
-                                                                 : make_incremental(options, session.terrain(), recorded);
+    session.method = options.profile.method == Method::recursive
+                         ? make_recursive(options, session.terrain())
+                         : make_incremental(options, session.terrain(), recorded);
 }
 
 bool shall_stream(const FlightOptions& options, const PackHeader& h) {
     if (!options.replay.empty() || options.streaming == Streaming::off) return false;
     if (options.streaming == Streaming::on) return true;
-    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
-    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages.pages_per_tile() > options.profile.page_slots;
+    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages_per_tile(h) > options.profile.page_slots;
 }
 
 // A terrain without pages, of slots for so many.
@@ -72,7 +72,7 @@ void open_terrain(const FlightOptions& options, Session& session) {
     }
     if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
         session.reference = std::make_unique<io::LoadedPack>(io::load_pack(file, io::LoadTerrain::yes));
-    if (data_of(session.terrain()).is_sparse())
+    if (session.terrain().header().tiles_held != 0)
         session.start = start_area(session.terrain(), [&](double x_m, double z_m) {
             if (session.file_ground) return session.file_ground->has_ground(x_m, z_m);
             return !ground_height(session.terrain(), x_m, z_m).hole;
@@ -93,7 +93,7 @@ void open_session(const FlightOptions& options, Session& session) {
     make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
     if (!options.record.empty())
         session.recording = Recording{
-            pack_hash, session.method->cut_budget(), session.streamed ? data_of(session.loaded.terrain).slot_count : 0, {}};
+            pack_hash, session.method->cut_budget(), session.streamed ? session.loaded.terrain.page_slots() : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
     if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.method->cut());
@@ -208,7 +208,8 @@ void adopt_recorded(const Session& session, Profile& profile) {
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
     if (session.recording->page_slots != 0)
-        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.method->cut(), f); !s.ok())
+        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.method->cut(), f);
+            !s.ok())
             throw Failure(1, fmt::format("frame {}: a page cannot come or go as recorded ({}); the recording is of "
                                          "another pack, or damaged",
                                          frame, s.field));

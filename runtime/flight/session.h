@@ -35,8 +35,8 @@ struct Session {
     std::unique_ptr<FileGround> file_ground;   // of a streamed pack: for camera paths
     std::optional<Area> start;                 // of a sparse terrain
     std::unique_ptr<RunningMethod> method;
-    std::optional<Recording> recording;  // of --record, frame by frame; or what --replay repeats
-    bool begun = false;                  // a frame was updated, or the first one shall be like any other
+    std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
+    bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
     std::chrono::steady_clock::time_point started; // when opening was done
     std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes

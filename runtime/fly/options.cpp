@@ -12,9 +12,9 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
+#include "flight/methods/method.h"
 #include "flight/path.h"
 #include "flight/pictures.h"
-#include "flight/methods/method.h"
 #include "flight/profile_keys.h"
 #include "io/command_line.h"
 #include "io/file.h"

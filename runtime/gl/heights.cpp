@@ -1,5 +1,4 @@
 #include "gl/heights.h"
-#include "pack/terrain_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,17 +14,17 @@ constexpr float hole_m = -3e38f; // what the shader takes for one: below -1e38
 
 std::string check(const HeightGrid& grid, const Terrain& terrain) {
     if (!terrain.valid()) return "the terrain is destroyed; create it again, and a renderer for it";
-    const auto along = [&](std::int32_t extent) { // the last one at the rim or beyond
-        return ((extent - 1 + (std::int32_t{1} << grid.step_log2) - 1) >> grid.step_log2) + 1;
+    const auto along = [&](std::uint32_t extent) { // the last one at the rim or beyond
+        return static_cast<std::int32_t>(((extent - 1 + (1u << grid.step_log2) - 1) >> grid.step_log2) + 1);
     };
     if (grid.step_log2 > terrain.header().tile_log2)
         return "HeightGrid::step_log2 is more than a tile's: take every 2^step_log2-th sample, a tile's corners at "
                "most";
-    if (grid.columns != along(data_of(terrain).tree.columns()) || grid.rows != along(data_of(terrain).tree.rows()) ||
+    if (grid.columns != along(terrain.columns()) || grid.rows != along(terrain.rows()) ||
         grid.heights_m.size() != static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows))
-        return "the heights are not this terrain's: HeightGrid must have " +
-               std::to_string(along(data_of(terrain).tree.columns())) + " columns and " +
-               std::to_string(along(data_of(terrain).tree.rows())) + " rows for its step_log2, and a height for each";
+        return "the heights are not this terrain's: HeightGrid must have " + std::to_string(along(terrain.columns())) +
+               " columns and " + std::to_string(along(terrain.rows())) +
+               " rows for its step_log2, and a height for each";
     return {};
 }
 

@@ -1,14 +1,15 @@
 #include "gl/residency.h"
-#include "pack/terrain_data.h"
 
 #include <algorithm>
 
 #include <epoxy/gl.h>
 
+#include "fjell/pages.h"
+
 namespace fjell::gl {
 namespace {
 
-constexpr std::uint32_t finest_page_log2 = page_squares_log2 + 1; // of step 1: 32 squares of 2 cells
+constexpr std::uint32_t finest_page_log2 = 6; // samples a side of a page of step 1
 
 } // namespace
 
@@ -19,24 +20,21 @@ std::uint32_t residency_square_log2(const PackHeader& header) {
 std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t square_x,
                                  std::uint32_t square_y) {
     const PackHeader& h = terrain.header();
-    const PageEntry* const pages = data_of(terrain).page_table + std::size_t{tile} * terrain.pages_per_tile();
-    const auto loaded = [&](std::uint32_t page) { return pages[page].slot != no_index; };
     if (h.order == Order::linear) { // its pages are of no step
         for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
-            if (!loaded(page)) return h.tile_log2;
+            if (!page_loaded(terrain, tile, page)) return h.tile_log2;
         return 0;
     }
-    if (!loaded(0)) return h.tile_log2;
-    std::uint32_t z = h.tile_log2 < finest_page_log2 ? 0 : h.tile_log2 - page_squares_log2;
-    while (z > 0 &&
-           loaded(data_of(terrain).pages.page_at(static_cast<int>(z) - 1, square_x >> (z - 1), square_y >> (z - 1))))
-        --z;
+    if (!page_loaded(terrain, tile, 0)) return h.tile_log2;
+    const std::uint32_t x = square_x << finest_page_log2, y = square_y << finest_page_log2;
+    std::uint32_t z = h.tile_log2;
+    while (z > 0 && page_loaded(terrain, tile, page_at(h, z - 1, x, y))) --z;
     return z;
 }
 
 std::string Residency::follow(const Terrain& terrain) {
     if (!terrain.valid()) return "the terrain is destroyed; create it again, and a renderer for it";
-    if (texture_.get() != 0 && changes_ == data_of(terrain).changes) return {};
+    if (texture_.get() != 0 && changes_ == page_changes(terrain)) return {};
     const PackHeader& h = terrain.header();
     const std::uint32_t a_side = 1u << (h.tile_log2 - residency_square_log2(h));
     const std::uint32_t wide = h.tiles_x * a_side, high = h.tiles_y * a_side;
@@ -68,7 +66,7 @@ std::string Residency::follow(const Terrain& terrain) {
     glTextureSubImage2D(texture_.get(), 0, 0, 0, static_cast<GLsizei>(wide), static_cast<GLsizei>(high), GL_RED_INTEGER,
                         GL_UNSIGNED_BYTE, steps_.data());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    changes_ = data_of(terrain).changes;
+    changes_ = page_changes(terrain);
     ++updates_;
     return {};
 }

@@ -12,7 +12,6 @@
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
 #include "gltf/refused.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::gltf {
 
@@ -24,7 +23,7 @@ constexpr std::uint32_t capacity(std::uint64_t wanted) {
 
 // What full resolution takes, and so the most that can ever be used.
 RecursiveBudget largest_budget(const Terrain& terrain) {
-    const std::uint64_t side = static_cast<std::uint64_t>(data_of(terrain).tree.side()), tiles = terrain.tile_count();
+    const std::uint64_t side = std::uint64_t{1} << terrain.header().tile_log2, tiles = terrain.tile_count();
     return {capacity(tiles * (side + 1) * (side + 1)),
             capacity(std::max<std::uint64_t>(tiles * side * side * 6, tiles * 9))};
 }

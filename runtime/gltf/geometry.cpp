@@ -5,23 +5,30 @@
 #include <utility>
 
 #include "fjell/io/failure.h"
-#include "pack/terrain_data.h"
+#include "fjell/pages.h"
 
 namespace fjell::gltf {
 
 namespace {
+
+constexpr std::uint32_t no_slot = 0xffff'ffff;
+
+std::int32_t side_of(const Terrain& terrain) {
+    return std::int32_t{1} << terrain.header().tile_log2;
+}
 
 // Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim and beside
 // missing tiles; where pages are missing, over the smallest power of two for which there are heights.
 double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {
     const auto at = [&](std::int32_t by) { return Coord{sample.x + by * axis.x, sample.y + by * axis.y}; };
     const auto inside = [&](Coord c) {
-        return c.x >= 0 && c.y >= 0 && c.x < data_of(terrain).tree.columns() && c.y < data_of(terrain).tree.rows();
+        return c.x >= 0 && c.y >= 0 && c.x < static_cast<std::int32_t>(terrain.columns()) &&
+               c.y < static_cast<std::int32_t>(terrain.rows());
     };
-    for (std::int32_t step = 1; step <= data_of(terrain).tree.side(); step *= 2)
+    for (std::int32_t step = 1; step <= side_of(terrain); step *= 2)
         for (const auto& [from, to] : {std::pair{-step, step}, {0, step}, {-step, 0}}) {
             if (!inside(at(from)) || !inside(at(to))) continue;
-            const TerrainData::Vertex a = data_of(terrain).vertex(at(from)), b = data_of(terrain).vertex(at(to));
+            const TerrainVertex a = terrain_vertex(terrain, at(from)), b = terrain_vertex(terrain, at(to));
             if (!a.loaded || !b.loaded || !a.in_tile || !b.in_tile) continue;
             return (static_cast<double>(b.height_m) - static_cast<double>(a.height_m)) / ((to - from) * spacing_m);
         }
@@ -59,18 +66,17 @@ Vec3 tile_corner_m(const Pack& pack, std::uint32_t tile) {
 }
 
 TileCollector::TileCollector(const Terrain& the_terrain)
-    : terrain(the_terrain), side(static_cast<std::uint32_t>(data_of(the_terrain).tree.side())),
-      slots(std::size_t{side + 1} * (side + 1), no_index) {}
+    : terrain(the_terrain), side(static_cast<std::uint32_t>(side_of(the_terrain))),
+      slots(std::size_t{side + 1} * (side + 1), no_slot) {}
 
 Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
     const Coord place = terrain.tile_place(tile);
-    return Coord{vertex.column, vertex.row} -
-           Coord{place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
+    return Coord{vertex.column, vertex.row} - Coord{place.x * side_of(terrain), place.y * side_of(terrain)};
 }
 
 bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {
     const Coord c = in_tile_of(tile, vertex);
-    return c.x >= 0 && c.y >= 0 && c.x <= data_of(terrain).tree.side() && c.y <= data_of(terrain).tree.side();
+    return c.x >= 0 && c.y >= 0 && c.x <= side_of(terrain) && c.y <= side_of(terrain);
 }
 
 std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) const {
@@ -98,7 +104,7 @@ SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& 
 
 std::uint32_t TileCollector::slot(TileGeometry& geometry, const MeshVertex& vertex) {
     std::uint32_t& found = slots[place(geometry.tile, vertex)];
-    if (found == no_index) {
+    if (found == no_slot) {
         found = static_cast<std::uint32_t>(geometry.vertices.size());
         geometry.vertices.push_back(make_vertex(geometry.tile, vertex));
         const float* at = geometry.vertices.back().position_m;
@@ -145,7 +151,7 @@ TileGeometry TileCollector::collect(const MeshView& mesh, std::span<const TileRa
     for (const TileRange& range : ranges)
         for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; ++i)
             if (const MeshVertex& v = mesh.vertices[mesh.indices[i]]; in_tile(range.tile, v))
-                slots[place(range.tile, v)] = no_index;
+                slots[place(range.tile, v)] = no_slot;
     return geometry;
 }
 

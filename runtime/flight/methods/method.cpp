@@ -32,10 +32,8 @@ constexpr MethodFacts facts[] = {
      .gpu_vertex_bytes = sizeof(MeshVertex),
      .gpu_triangle_bytes = sizeof(std::uint32_t),
      .vertices = [](const Profile& p) { return p.budget.vertices; },
-     .holds =
-         [](const Profile& p, std::uint64_t x, std::uint64_t y) {
-             return 4 * x * y <= p.budget.vertices && 9 * x * y <= p.budget.indices;
-         }},
+     .holds = [](const Profile& p, std::uint64_t x,
+                 std::uint64_t y) { return 4 * x * y <= p.budget.vertices && 9 * x * y <= p.budget.indices; }},
 };
 
 } // namespace

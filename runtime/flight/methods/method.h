@@ -1,9 +1,9 @@
 // The methods that refine a session's terrain, behind one interface. A session makes one (session.cpp) and a profile
 // names one; beyond this folder nobody asks which it is, but for what it can do.
 //
-// incremental.cpp: fjell/cut.h. recursive.cpp: fjell/recursive.h, the thesis' own, as lists or strips, over packs in any
-// order of vertices. Ownership: a running method owns its memory; the terrain must outlive it. Thread: one. Failure:
-// io::Failure, 1 for unusable budgets or an unusable pack, 3 when memory is short.
+// incremental.cpp: fjell/cut.h. recursive.cpp: fjell/recursive.h, the thesis' own, as lists or strips, over packs in
+// any order of vertices. Ownership: a running method owns its memory; the terrain must outlive it. Thread: one.
+// Failure: io::Failure, 1 for unusable budgets or an unusable pack, 3 when memory is short.
 #pragma once
 
 #include <cstddef>
@@ -40,8 +40,8 @@ struct MethodFacts {
     UsedBy keys;      // which only it reads
     // The mesh is kept from frame to frame: items and time bound the work, triangles have slots, frames are recorded.
     bool keeps_mesh;
-    std::size_t vertex_bytes, gpu_vertex_bytes; // for a slot of the vertex buffer; of cut_page_bytes apart
-    std::size_t gpu_triangle_bytes;             // for a triangle slot, or an index
+    std::size_t vertex_bytes, gpu_vertex_bytes;        // for a slot of the vertex buffer; of cut_page_bytes apart
+    std::size_t gpu_triangle_bytes;                    // for a triangle slot, or an index
     std::uint32_t (*vertices)(const Profile& profile); // slots of its budget
     // The budget holds the coarsest mesh of so many tiles.
     bool (*holds)(const Profile& profile, std::uint64_t tiles_x, std::uint64_t tiles_y);

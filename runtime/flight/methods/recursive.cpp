@@ -17,8 +17,7 @@ class Recursive final : public RunningMethod {
 public:
     Recursive(const FlightOptions& options, const Terrain& terrain)
         : RunningMethod(Method::recursive, terrain, recursive_bytes(terrain, options.profile.budget)) {
-        require_budget(create_recursive(terrain, options.profile.budget, memory(), method_), options,
-                       terrain.header());
+        require_budget(create_recursive(terrain, options.profile.budget, memory(), method_), options, terrain.header());
     }
 
     FrameEntry update(std::span<const View> views, const Profile& profile, double, bool) override {

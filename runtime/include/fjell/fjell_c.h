@@ -104,6 +104,18 @@ uint32_t fjell_terrain_pages_loaded(FjellTerrain terrain);
 uint32_t fjell_terrain_pages_missing(FjellTerrain terrain);
 double fjell_terrain_missing_px(FjellTerrain terrain);
 
+// --- fjell/pages.h ---
+
+uint32_t fjell_pages_per_tile(const FjellPackHeader* header);
+int fjell_page_step_log2(const FjellPackHeader* header, uint32_t page);
+uint32_t fjell_page_at(const FjellPackHeader* header, uint32_t step_log2, uint32_t x, uint32_t y);
+uint32_t fjell_page_of(const FjellPackHeader* header, uint32_t x, uint32_t y);
+bool fjell_page_loaded(FjellTerrain terrain, uint32_t tile, uint32_t page);
+uint64_t fjell_page_changes(FjellTerrain terrain);
+FjellStatus fjell_set_missing_px(FjellTerrain terrain, double missing_px);
+FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellCoord sample);
+double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m);
+
 // --- fjell/view.h ---
 
 // view: {.struct_size = sizeof view} will do.

@@ -208,6 +208,15 @@ typedef struct FjellTerrainBudget {
     uint32_t page_slots;
 } FjellTerrainBudget;
 
+// --- fjell/pages.h ---
+
+typedef struct FjellTerrainVertex {
+    bool loaded;
+    bool hole;
+    bool in_tile;
+    float height_m, error_m, radius_m;
+} FjellTerrainVertex;
+
 // --- fjell/view.h ---
 
 typedef struct FjellVec3 {

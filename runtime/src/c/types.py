@@ -16,7 +16,7 @@ import textwrap
 
 SOURCE = pathlib.Path(__file__).resolve().parent
 INCLUDE = SOURCE.parent.parent / "include" / "fjell"
-HEADERS = ("status asserts handle coord pack pack_set texture terrain view mesh jobs cut compact recursive measure query"
+HEADERS = ("status asserts handle coord pack pack_set texture terrain pages view mesh jobs cut compact recursive measure query"
            " stream").split()
 
 # Descriptors and reports: they may grow, so they begin with struct_size.
