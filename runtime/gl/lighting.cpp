@@ -79,7 +79,7 @@ void Lighting::bind() const {
 
 namespace {
 
-constexpr float pi = 3.14159265f;
+constexpr float pi_f = 3.14159265f;
 constexpr float ground_m = 6'360'000, top_m = 6'460'000; // radii: of the planet, and of its air
 constexpr int depth_columns = 64, depth_rows = 32, scatter_columns = 12, scatter_rows = 8;
 constexpr float ground_albedo = 0.2f;
@@ -207,19 +207,19 @@ void fill_multiple(Sky& sky) {
             Rgb second, again;
             for (int k = 0; k < heights * turns; ++k) {
                 const float mu = 2 * (static_cast<float>(k / turns) + 0.5f) / heights - 1;
-                const float turned = pi * (static_cast<float>(k % turns) + 0.5f) / turns;
+                const float turned = pi_f * (static_cast<float>(k % turns) + 0.5f) / turns;
                 const float cos_sun = mu * sun_mu + std::sqrt(1 - mu * mu) * sun_level * std::cos(turned);
                 const float below = r * r * (mu * mu - 1) + ground_m * ground_m;
                 const bool lands = mu < 0 && below > 0;
                 const float d = lands ? -r * mu - std::sqrt(below) : to_top(r, mu);
                 const Gathered light = march(sky, r, mu, cos_sun, sun_mu, d, 12, false);
-                second = second + (light.rayleigh + light.mie) * (1 / (4 * pi));
+                second = second + (light.rayleigh + light.mie) * (1 / (4 * pi_f));
                 again = again + (Rgb{1, 1, 1} - light.left); // all extinction as scattering: ozone and soot take little
                 if (!lands) continue;
                 const float sun_there = (r * sun_mu + d * cos_sun) / ground_m;
                 second = second + light.left * sun_colour * transmittance(sky, ground_m, sun_there) *
                                       above_horizon(ground_m, sun_there) *
-                                      (std::max(sun_there, 0.0f) * ground_albedo / pi);
+                                      (std::max(sun_there, 0.0f) * ground_albedo / pi_f);
             }
             constexpr float n = 1.0f / (heights * turns);
             const auto series = [](float light, float on) { return light / (1 - std::min(0.95f * on, 0.9f)); };
@@ -230,12 +230,12 @@ void fill_multiple(Sky& sky) {
 }
 
 float rayleigh_phase(float cos_sun) {
-    return 3 / (16 * pi) * (1 + cos_sun * cos_sun);
+    return 3 / (16 * pi_f) * (1 + cos_sun * cos_sun);
 }
 float mie_phase(float cos_sun) { // Cornette and Shanks
     constexpr float g = mie_asymmetry;
     const float base = 1 + g * g - 2 * g * cos_sun;
-    return 3 / (8 * pi) * (1 - g * g) * (1 + cos_sun * cos_sun) / ((2 + g * g) * base * std::sqrt(base));
+    return 3 / (8 * pi_f) * (1 - g * g) * (1 + cos_sun * cos_sun) / ((2 + g * g) * base * std::sqrt(base));
 }
 Rgb radiance_of(const Gathered& light, float cos_sun) {
     return light.rayleigh * rayleigh_phase(cos_sun) + light.mie * mie_phase(cos_sun) + light.multiple;
@@ -277,16 +277,16 @@ void fill_slice(Sky& sky, int slice, float sun_y) {
             *out++ = here.r, *out++ = here.g, *out++ = here.b;
             // Both sides of the sun's azimuth.
             const float angle = 2 * (high * high - low * low) * (column_angle(at + 0.5f) - column_angle(at - 0.5f));
-            light.ambient[0] = light.ambient[0] + here * (angle / (4 * pi));
-            light.ambient[1] = light.ambient[1] + here * (angle * y / (2 * pi));
-            light.ambient[2] = light.ambient[2] + here * (angle * towards / (2 * pi));
+            light.ambient[0] = light.ambient[0] + here * (angle / (4 * pi_f));
+            light.ambient[1] = light.ambient[1] + here * (angle * y / (2 * pi_f));
+            light.ambient[2] = light.ambient[2] + here * (angle * towards / (2 * pi_f));
             falling = falling + here * (angle * y);
             if (row == 1 && column >= sky_columns / 2)
                 light.horizon = light.horizon + here * (2.0f / static_cast<float>(sky_columns));
             if (row == sky_rows - 1 && column == 0) light.zenith = here;
         }
     }
-    const Rgb bounce = (falling + light.sun * std::max(sun_y, 0.0f)) * (ground_albedo / pi);
+    const Rgb bounce = (falling + light.sun * std::max(sun_y, 0.0f)) * (ground_albedo / pi_f);
     light.ambient[0] = light.ambient[0] + bounce * 0.5f;
     light.ambient[1] = light.ambient[1] - bounce * 0.5f;
 }
