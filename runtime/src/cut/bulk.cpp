@@ -14,7 +14,7 @@ namespace fjell {
 BulkPage& visit_page(CutState& s, std::uint32_t slot) {
     BulkPage& page = s.bulk.pages[slot];
     if (page.build == s.bulk.build) return page;
-    const PageState& info = s.page_state[slot];
+    const PageState& info = s.pages.state[slot];
     page.build = s.bulk.build;
     page.wanted = 0;
     page.grades = 0;
@@ -37,7 +37,7 @@ namespace {
 
 // Steps of which a page 0 has several: of it all are decided before its vertices are placed.
 bool is_coarse(const CutState& s, int z) {
-    return s.steps[z].page_log2 < page_squares_log2;
+    return s.pages.grid.steps[z].page_log2 < page_squares_log2;
 }
 
 // Of the pages whose vertices are placed: of coarse steps all that were visited, since those are pages 0.
@@ -47,7 +47,7 @@ std::uint32_t placed_page(const CutState& s, std::uint32_t n) {
 
 // Pages under one with active centres.
 std::uint32_t quarters_of(const CutState& s, int z) {
-    return s.steps[z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
+    return s.pages.grid.steps[z].log2 > page_squares_log2 ? 4 : 1; // a tile has one page otherwise
 }
 
 // The page that squares lie in has a state then. False: it is not loaded, or there is none to be had.
@@ -55,8 +55,8 @@ bool attach_squares(CutState& s, BulkSquares& at) {
     if (at.slot != no_index) return true;
     const std::uint32_t page = place_of(s, {at.z, VertexKind::centre, at.i0, at.j0}).page;
     if (!attach_page(s, page)) s.bulk.no_pages = true;
-    if (s.page_groups[page] == no_index) return false;
-    at.slot = s.page_groups[page] / max_page_groups;
+    if (s.pages.page_groups[page] == no_index) return false;
+    at.slot = s.pages.page_groups[page] / max_page_groups;
     return true;
 }
 
@@ -83,7 +83,7 @@ bool find_ready(CutState& s, BulkSquares& at) {
     std::uint32_t parents[2][page_squares];
     if (!centre_parents(s, at, parents) || !attach_squares(s, at)) return false;
     BulkPage& page = visit_page(s, at.slot);
-    if (!s.bulk.beside && s.page_state[at.slot].status == PageStatus::evicting) return false;
+    if (!s.bulk.beside && s.pages.state[at.slot].status == PageStatus::evicting) return false;
     std::uint32_t* const ready = page.active + at.row(VertexKind::centre, 0);
     std::uint32_t any = 0;
     for (std::int32_t j = 0; j < at.n; ++j) any |= ready[j] = parents[0][j] & parents[1][j];
@@ -131,7 +131,7 @@ bool next_centres(CutState& s, BulkUnit& unit) {
         unit.last = true;
     } else {
         unit = unit_of(s, at.slot, b.z, at.n, units_of(s, at.n == page_squares));
-        const PageState& page = s.page_state[at.slot];
+        const PageState& page = s.pages.state[at.slot];
         // Asked once a page: a view may move between its parts, and what is decided stays.
         unit.waits = b.beside && b.part == 0 &&
                      (page.status == PageStatus::evicting || (page.shape != 0 && !may_be_seen(s, page)));
@@ -154,8 +154,9 @@ bool next_sides(CutState& s, BulkUnit& unit) {
 bool next_vertices(CutState& s, BulkUnit& unit) {
     BulkPass& b = s.bulk;
     if (b.at == b.end) return false;
-    const std::uint32_t slot = placed_page(s, b.at), shape = s.page_state[slot].shape;
-    const std::uint32_t rows = shape == 0 ? s.shapes[0].count : s.shapes[1].count / 2; // rows of two groups
+    const std::uint32_t slot = placed_page(s, b.at), shape = s.pages.state[slot].shape;
+    const std::uint32_t rows =
+        shape == 0 ? s.pages.grid.shapes[0].count : s.pages.grid.shapes[1].count / 2; // rows of two groups
     unit = unit_of(s, slot, 0, static_cast<std::int32_t>(rows), units_of(s, shape != 0));
     advance(b, unit);
     return true;
@@ -180,24 +181,25 @@ void merge(CutState& s, const BulkUnit& unit) {
     if (unit.slot == no_index) return;
     BulkPage& page = b.pages[unit.slot];
     if (b.phase == BulkPhase::vertices) {
-        const PageState& info = s.page_state[unit.slot];
+        const PageState& info = s.pages.state[unit.slot];
         b.tiles[info.tile].planned += unit.own;
         const auto add = [&](std::int32_t x, std::int32_t y, std::uint32_t more) {
             if (x < 0 || y < 0 || more == 0) return;
-            if (const std::uint32_t tile = s.terrain->tile_at(x, y); tile != no_index) b.tiles[tile].planned += more;
+            if (const std::uint32_t tile = s.pages.grid.terrain->tile_at(x, y); tile != no_index)
+                b.tiles[tile].planned += more;
         };
         add(info.tile_x - 1, info.tile_y, unit.west);
         add(info.tile_x, info.tile_y - 1, unit.north);
         if (!b.beside) return; // all slots are written
-        const BulkSlots slots(s);
+        const BulkSlots slots(s.mesh, s.bulk);
         const std::uint32_t first = page.number + page.first[unit.rows.first];
-        for (std::uint32_t n = first; n != first + unit.wanted; ++n) s.dirty_vertices.mark(slots[n]);
+        for (std::uint32_t n = first; n != first + unit.wanted; ++n) s.mesh.dirty_vertices.mark(slots[n]);
         return;
     }
     page.wanted = static_cast<std::uint16_t>(page.wanted + unit.wanted);
     page.grades = static_cast<std::uint8_t>(std::max<std::uint32_t>(page.grades, unit.grades));
     b.taken += unit.wanted;
-    s.report.evaluations += unit.waits ? 0 : unit.groups;
+    s.frame.report.evaluations += unit.waits ? 0 : unit.groups;
     if (b.phase == BulkPhase::centres && unit.last && !unit.waits &&
         has_centres(s, listed_squares(s, unit.slot, unit.z)))
         b.listed[1][b.listed_count[1]++] = unit.slot;
@@ -233,7 +235,7 @@ bool spread_parents(Count half, int i, const std::uint32_t* x, const std::uint32
 } // namespace
 
 bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&parents)[2][page_squares]) {
-    if (at.z == s.terrain->tree.tile_log2 - 1) {
+    if (at.z == s.pages.grid.terrain->tree.tile_log2 - 1) {
         parents[0][0] = parents[1][0] = 1;
         return true;
     }
@@ -265,26 +267,26 @@ std::uint32_t unit_limit(const CutState& s) {
     const std::uint32_t workers = worker_count(s);
     if (workers == 1) return 1;
     if (!s.bulk.beside) return most_units;
-    return std::max(1u, std::min(4 * workers, s.settings.visits - s.report.visits));
+    return std::max(1u, std::min(4 * workers, s.frame.settings.visits - s.frame.report.visits));
 }
 
 void begin_bulk(CutState& s, bool beside) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase == BulkPhase::idle);
     if (++b.build == 0) { // as good as never
-        for (std::uint32_t slot = 0; slot < s.page_count; ++slot) b.pages[slot].build = 0;
+        for (std::uint32_t slot = 0; slot < s.pages.count; ++slot) b.pages[slot].build = 0;
         b.build = 1;
     }
     b.beside = beside;
     b.no_pages = false;
     b.taken = b.numbered = b.visited_count = b.listed_count[0] = b.listed_count[1] = b.at = b.part = 0;
     b.next_centres = b.first_listed = 0;
-    b.free_before = beside ? s.free_vertex_count : 0;
-    b.fresh_before = beside ? s.fresh_vertex : corner_slots(s);
-    b.z = s.terrain->tree.tile_log2 - 1;
+    b.free_before = beside ? s.mesh.free_vertex_count : 0;
+    b.fresh_before = beside ? s.mesh.fresh_vertex : s.mesh.corner_count;
+    b.z = s.pages.grid.terrain->tree.tile_log2 - 1;
     b.phase = BulkPhase::roots;
     std::fill_n(b.travelled_m, grade_count, 0.0);
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) b.tiles[i].planned = 2;
+    for (std::uint32_t i = 0; i <= s.mesh.tile_count; ++i) b.tiles[i].planned = 2;
 }
 
 void drop_bulk(CutState& s) {
@@ -293,7 +295,7 @@ void drop_bulk(CutState& s) {
     for (std::uint32_t i = 0; b.phase != BulkPhase::idle && i < b.visited_count; ++i) note_idle(s, b.visited[i]);
     // Slots that have been written in vain, beyond those that a mesh with fewer vertices will take.
     if (b.phase != BulkPhase::idle && !b.beside)
-        s.dirty_vertices.mark_range(b.fresh_before, b.fresh_before + b.numbered);
+        s.mesh.dirty_vertices.mark_range(b.fresh_before, b.fresh_before + b.numbered);
     b.phase = BulkPhase::idle;
 }
 

@@ -81,8 +81,8 @@ struct BulkSquares {
 
 // Those that a square lies in. Its slot is no_index when its page has no state, or there is no such tile.
 [[nodiscard]] inline BulkSquares squares_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
-    const StepGroups& step = s.steps[z];
-    const bool there = !s.terrain->is_sparse() || has_square(s, z, i, j);
+    const StepGroups& step = s.pages.grid.steps[z];
+    const bool there = !s.pages.grid.terrain->is_sparse() || has_square(s, z, i, j);
     const std::uint32_t vertex = there ? find_vertex(s, {z, VertexKind::centre, i, j}) : no_index;
     const std::int32_t n = 1 << step.page_log2;
     return {&step, vertex == no_index ? no_index : vertex / group_lanes / max_page_groups, z, i & -n, j & -n, n};
@@ -90,8 +90,8 @@ struct BulkSquares {
 
 // The squares of a step in a page that has a state.
 [[nodiscard]] inline BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
-    const PageState& page = s.page_state[slot];
-    const StepGroups& step = s.steps[z];
+    const PageState& page = s.pages.state[slot];
+    const StepGroups& step = s.pages.grid.steps[z];
     return {&step,
             slot,
             z,
@@ -119,7 +119,9 @@ struct BulkSquares {
     return slot != no_index && s.bulk.pages[slot].build == s.bulk.build ? &s.bulk.pages[slot] : nullptr;
 }
 [[nodiscard]] inline const BulkPage* found_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
-    if (i < 0 || j < 0 || i >= s.tiles_x << s.steps[z].log2 || j >= s.tiles_y << s.steps[z].log2) return nullptr;
+    if (i < 0 || j < 0 || i >= s.pages.grid.tiles_x << s.pages.grid.steps[z].log2 ||
+        j >= s.pages.grid.tiles_y << s.pages.grid.steps[z].log2)
+        return nullptr;
     return found_in(s, squares_at(s, z, i, j).slot);
 }
 
@@ -144,8 +146,8 @@ struct BulkSquares {
 // The slots of the vertices that the pass has taken, by their numbers.
 class BulkSlots {
 public:
-    explicit BulkSlots(const CutState& s)
-        : stack_(s.free_vertices), free_(s.bulk.free_before), fresh_(s.bulk.fresh_before - s.bulk.free_before) {}
+    BulkSlots(const Mesh& mesh, const BulkPass& bulk)
+        : stack_(mesh.free_vertices), free_(bulk.free_before), fresh_(bulk.fresh_before - bulk.free_before) {}
     [[nodiscard]] std::uint32_t operator[](std::uint32_t n) const {
         return n < free_ ? stack_[free_ - 1 - n] : fresh_ + n;
     }
@@ -157,7 +159,7 @@ private:
 };
 // How many there are.
 [[nodiscard]] inline std::uint32_t bulk_capacity(const CutState& s) {
-    return s.bulk.free_before + s.budget.vertices - s.bulk.fresh_before;
+    return s.bulk.free_before + s.mesh.capacity - s.bulk.fresh_before;
 }
 
 } // namespace fjell

@@ -39,7 +39,7 @@ struct Picks {
 class Rows {
 public:
     Rows(const CutState& state, std::uint32_t slot)
-        : s(state), slot_(slot), info_(state.page_state[slot]), shape_(state.shapes[info_.shape]),
+        : s(state), slot_(slot), info_(state.pages.state[slot]), shape_(state.pages.grid.shapes[info_.shape]),
           words_log2_(info_.shape == 0 ? 0 : 1), records_(records_of(state, slot)) {}
 
     [[nodiscard]] const GroupShape& group(std::uint32_t row) const { return shape_.groups[row << words_log2_]; }
@@ -48,7 +48,7 @@ public:
     [[nodiscard]] std::uint32_t words_log2() const { return words_log2_; }
     // Its lanes lie side by side, and all 32 exist.
     [[nodiscard]] bool is_whole(std::uint32_t row) const {
-        return words_log2_ != 0 && s.hz_places == nullptr && group(row).stride == 1;
+        return words_log2_ != 0 && s.pages.grid.hz_places == nullptr && group(row).stride == 1;
     }
     // A run of whole rows of one kind; ready has a word for each.
     [[nodiscard]] PageRows rows(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) const {
@@ -61,7 +61,7 @@ public:
                 info_.y0 + (std::int32_t{of.y} << info_.z),
                 info_.z,
                 info_.base,
-                s.level_unit_m[2 * info_.z + (of.kind == VertexKind::centre ? 0 : 1)]};
+                s.pages.grid.level_unit_m[2 * info_.z + (of.kind == VertexKind::centre ? 0 : 1)]};
     }
 
     void pick(std::uint32_t row, std::uint32_t lanes, Picks& to) const {
@@ -75,7 +75,7 @@ public:
         std::uint32_t count = to.count;
         for (; lanes != 0; lanes &= lanes - 1)
             to.picked[count++] = place + static_cast<std::uint32_t>(std::countr_zero(lanes)) * apart;
-        if (s.hz_places != nullptr) place_hz(row, to, count);
+        if (s.pages.grid.hz_places != nullptr) place_hz(row, to, count);
         to.count = count;
     }
     // Those of one step and kind.
@@ -85,7 +85,7 @@ public:
         return {records_,    picks.picked,
                 picks.count, info_.x0,
                 info_.y0,    z(row),
-                info_.base,  s.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
+                info_.base,  s.pages.grid.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
     }
     [[nodiscard]] bool is_void_at(std::uint64_t picked) const { return is_void(records_[picked & 0xffff]); }
 
@@ -105,7 +105,8 @@ private:
     void place_hz(std::uint32_t row, Picks& to, std::uint32_t end) const {
         const std::size_t first = (std::size_t{info_.shape} * max_page_groups + (row << words_log2_)) * group_lanes;
         for (std::uint32_t n = to.count; n < end; ++n)
-            to.picked[n] = (to.picked[n] & ~std::uint64_t{0xffff}) | s.hz_places[first + to.lane(n) % page_squares];
+            to.picked[n] =
+                (to.picked[n] & ~std::uint64_t{0xffff}) | s.pages.grid.hz_places[first + to.lane(n) % page_squares];
     }
 
     const CutState& s;
@@ -121,7 +122,7 @@ class Decider {
 public:
     Decider(const CutState& state, std::uint32_t slot, BulkUnit& unit)
         : s(state), rows_(state, slot), page_(state.bulk.pages[slot]), unit_(unit),
-          ticks_a_metre_(static_cast<float>(1 / tick_m(state.schedule, state.schedule.pages[slot]))) {}
+          ticks_a_metre_(static_cast<float>(1 / tick_m(state.work.schedule, state.work.schedule.pages[slot]))) {}
 
     // The rows are what is wanted of `ready`, from now on; once all has been decided. Rows of one kind, a word each.
     void add(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
@@ -134,8 +135,8 @@ public:
         unit_.groups += (ready & 0xffff) != 0;
         unit_.groups += ready >> group_lanes != 0;
         const std::uint32_t off = rows_.offscreen(row) & ready;
-        if (off != 0) add(row, off, offscreen_, s.offscreen_criterion);
-        if (off != ready) add(row, ready & ~off, seen_, s.criterion);
+        if (off != 0) add(row, off, offscreen_, s.views.offscreen_criterion);
+        if (off != ready) add(row, ready & ~off, seen_, s.views.criterion);
     }
     // All that were added can wait: nobody sees them, and they are due.
     void postpone(std::uint32_t row) {
@@ -145,8 +146,8 @@ public:
         page_.active[row] = 0;
     }
     void finish() {
-        decide(seen_, s.criterion);
-        decide(offscreen_, s.offscreen_criterion);
+        decide(seen_, s.views.criterion);
+        decide(offscreen_, s.views.offscreen_criterion);
     }
 
 private:
@@ -156,7 +157,7 @@ private:
     }
     void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
         std::fill_n(page_.active + first, count, 0);
-        if (!rows_.may_be_offscreen()) return decide_whole(first, count, ready, s.criterion);
+        if (!rows_.may_be_offscreen()) return decide_whole(first, count, ready, s.views.criterion);
         std::uint32_t seen[page_squares + 1], off[page_squares + 1], any_seen = 0, any_off = 0;
         for (std::uint32_t n = 0; n < count; ++n) {
             off[n] = ready[n] != 0 ? ready[n] & rows_.offscreen(first + n) : 0;
@@ -164,8 +165,8 @@ private:
             any_seen |= seen[n];
             any_off |= off[n];
         }
-        if (any_seen != 0) decide_whole(first, count, seen, s.criterion);
-        if (any_off != 0) decide_whole(first, count, off, s.offscreen_criterion);
+        if (any_seen != 0) decide_whole(first, count, seen, s.views.criterion);
+        if (any_off != 0) decide_whole(first, count, off, s.views.offscreen_criterion);
     }
     void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready,
                       const Criterion& criterion) {
@@ -241,9 +242,9 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
 // those of two tiles. What is not its own tile's, of a row.
 void leave_triangles(const CutState& s, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
     if (row.kind == VertexKind::centre) return;
-    const PageState& page = s.page_state[unit.slot];
+    const PageState& page = s.pages.state[unit.slot];
     if (row.kind == VertexKind::side_x) {
-        const bool last = row.j0 == 1u << s.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
+        const bool last = row.j0 == 1u << s.pages.grid.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
         if (!first && !last) return;
         const auto all = static_cast<std::uint32_t>(std::popcount(active));
         unit.own -= all;
@@ -260,7 +261,7 @@ void leave_triangles(const CutState& s, const GroupShape& row, std::uint32_t act
 class Placer {
 public:
     Placer(CutState& state, std::uint32_t slot, std::uint32_t number)
-        : s(state), rows_(state, slot), slots_(state), number_(number) {}
+        : s(state), rows_(state, slot), slots_(state.mesh, state.bulk), number_(number) {}
 
     [[nodiscard]] const Rows& rows() const { return rows_; }
 
@@ -280,15 +281,15 @@ public:
         if (direct != 0) {
             PickedLanes whole = lanes;
             whole.count = direct;
-            place_picked(s.criterion, whole, s.vertices + slots_[number], s.morph + slots_[number]);
+            place_picked(s.views.criterion, whole, s.mesh.vertices + slots_[number], s.mesh.morph + slots_[number]);
         }
         for (std::uint32_t first = direct; first < count; first += group_lanes)
             scatter(lanes, first, std::min(count - first, group_lanes), number + first);
-        if (direct == 0 || s.some_hidden)
+        if (direct == 0 || s.mesh.some_hidden)
             for (std::uint32_t n = 0; n < count; ++n)
-                s.hole[slots_[number + n]] = rows_.is_void_at(picks_.picked[n]) ? hole_bit : 0;
+                s.mesh.hole[slots_[number + n]] = rows_.is_void_at(picks_.picked[n]) ? hole_bit : 0;
         else
-            std::fill_n(s.hole + slots_[number], count, std::uint8_t{0});
+            std::fill_n(s.mesh.hole + slots_[number], count, std::uint8_t{0});
         picks_.count = 0;
     }
 
@@ -298,10 +299,10 @@ private:
         MorphVertex morph[group_lanes];
         lanes.picked += first;
         lanes.count = count;
-        place_picked(s.criterion, lanes, vertices, morph);
+        place_picked(s.views.criterion, lanes, vertices, morph);
         for (std::uint32_t n = 0; n < count; ++n) {
-            s.vertices[slots_[number + n]] = vertices[n];
-            s.morph[slots_[number + n]] = morph[n];
+            s.mesh.vertices[slots_[number + n]] = vertices[n];
+            s.mesh.morph[slots_[number + n]] = morph[n];
         }
     }
 
@@ -338,7 +339,7 @@ namespace {
 std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, std::uint32_t first, std::uint32_t end,
                           std::uint32_t number) {
     constexpr std::uint32_t planes[4] = {0, page_squares, 2 * page_squares + 1, 3 * page_squares + 1};
-    const std::uint32_t slot = BulkSlots(s)[number];
+    const std::uint32_t slot = BulkSlots(s.mesh, s.bulk)[number];
     std::uint32_t placed = 0;
     const auto plane = [&](std::uint32_t n) {
         const std::uint32_t from = std::max(first, planes[n]), to = std::max(std::min(end, planes[n + 1]), from);
@@ -346,10 +347,10 @@ std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, s
     };
     const auto place = [&](const PageRows* of, std::uint32_t count) {
         static_assert(hole_bit == 1);
-        std::uint8_t* const holes = s.hole + slot + placed;
-        const std::uint32_t more = place_rows(s.criterion, of, count, s.vertices + slot + placed,
-                                              s.morph + slot + placed, s.some_hidden ? holes : nullptr);
-        if (!s.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
+        std::uint8_t* const holes = s.mesh.hole + slot + placed;
+        const std::uint32_t more = place_rows(s.views.criterion, of, count, s.mesh.vertices + slot + placed,
+                                              s.mesh.morph + slot + placed, s.mesh.some_hidden ? holes : nullptr);
+        if (!s.mesh.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
         placed += more;
     };
     const PageRows centres = plane(0), sides[2] = {plane(1), plane(2)};
@@ -375,7 +376,7 @@ void place_unit(CutState& s, BulkUnit& unit) {
     const std::uint32_t before = count_bits(page.active, first), column = 3 * page_squares + 1;
     const Rows rows(s, unit.slot);
     // Its rows on the tile's border, and the column at the terrain's rim, may have triangles of other tiles.
-    const PageState& info = s.page_state[unit.slot];
+    const PageState& info = s.pages.state[unit.slot];
     const bool inside = info.shape != 0 && info.i0 != 0 && info.j0 != 0;
     std::uint32_t in_page = before;
     page.first[first] = static_cast<std::uint16_t>(before);
@@ -389,7 +390,7 @@ void place_unit(CutState& s, BulkUnit& unit) {
     unit.own += 2 * unit.wanted;
     const std::uint32_t number = page.number + before;
     std::uint32_t next = first, done = 0;
-    if (rows.is_whole(first) && BulkSlots(s).are_consecutive(number)) {
+    if (rows.is_whole(first) && BulkSlots(s.mesh, s.bulk).are_consecutive(number)) {
         next = std::min(end, column);
         done = place_whole(s, rows, page, first, next, number) - number;
     }

@@ -12,7 +12,7 @@ namespace {
 class StepWriter {
 public:
     StepWriter(CutState& state, const BulkSquares& at, const BulkMasks& masks)
-        : s(state), slot_(at.slot), page_(s.bulk.pages[slot_]), taken_(state), at_(at),
+        : s(state), slot_(at.slot), page_(s.bulk.pages[slot_]), taken_(state.mesh, state.bulk), at_(at),
           n_(static_cast<std::uint32_t>(at.n)), masks_(masks) {}
 
     // Returns how many parents are active.
@@ -30,7 +30,7 @@ private:
     // Rows that are other pages', or have nothing that might be active.
     void put_none(std::uint32_t first, std::uint32_t rows) {
         const std::uint32_t words_log2 = at_.step->words_log2;
-        GroupState* const groups = s.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
+        GroupState* const groups = s.pages.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
         std::fill_n(groups, rows << words_log2, GroupState{});
     }
 
@@ -38,10 +38,10 @@ private:
     void put(std::uint32_t first, std::uint32_t rows, const std::uint32_t* parent0, const std::uint32_t* parent1) {
         const std::uint32_t words_log2 = at_.step->words_log2, *const active = page_.active + first;
         const std::uint32_t group = slot_ * max_page_groups + (first << words_log2);
-        write_groups(s.groups + group, rows, 1u << words_log2,
+        write_groups(s.pages.groups + group, rows, 1u << words_log2,
                      {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
         parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
-        put_slots(taken_, {&page_, first, rows}, s.vertex_slot + std::size_t{group} * group_lanes,
+        put_slots(taken_, {&page_, first, rows}, s.pages.vertex_slot + std::size_t{group} * group_lanes,
                   std::size_t{group_lanes} << words_log2);
     }
 

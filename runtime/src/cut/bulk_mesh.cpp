@@ -19,12 +19,12 @@ namespace {
 class Emitter {
 public:
     explicit Emitter(CutState& state, std::uint32_t worker = 0)
-        : s(state), b(state.bulk), down_(b.descents[worker]), slots_(state),
-          morphs_(state.morph_now.morph != Morph::none) {}
+        : s(state), b(state.bulk), down_(b.descents[worker]), slots_(state.mesh, state.bulk),
+          morphs_(state.morphing.now.morph != Morph::none) {}
 
     // The next page; false: all tiles are done.
     bool step() {
-        while (down_.depth != 0 || b.at != s.terrain->tile_count()) {
+        while (down_.depth != 0 || b.at != s.mesh.tile_count) {
             if (down_.depth != 0 ? next() : begin(b.at++)) return true;
         }
         return false;
@@ -44,7 +44,7 @@ private:
     // What comes after it. False: nothing does here.
     bool next() {
         const BulkPlace& place = down_.places[down_.depth - 1];
-        if (place.rows != 1u << s.steps[z_now()].page_log2) {
+        if (place.rows != 1u << s.pages.grid.steps[z_now()].page_log2) {
             resume();
             return true;
         }
@@ -54,26 +54,28 @@ private:
     }
 
     // z of the place on top: the root's is the coarsest.
-    [[nodiscard]] int z_now() const { return s.terrain->tree.tile_log2 - static_cast<int>(down_.depth); }
+    [[nodiscard]] int z_now() const { return s.pages.grid.terrain->tree.tile_log2 - static_cast<int>(down_.depth); }
     // Pages of the next step under one of this.
     [[nodiscard]] std::uint32_t quarters() const {
         const int z = z_now();
-        return z == 0 ? 0 : s.steps[z - 1].log2 > page_squares_log2 ? 4 : 1;
+        return z == 0 ? 0 : s.pages.grid.steps[z - 1].log2 > page_squares_log2 ? 4 : 1;
     }
 
     // The tile's last segment, written without going through its list.
     void open() {
         const BulkTile& list = b.tiles[down_.tile];
-        out_ = {s.indices, s.triangle_of, 0, 0};
+        out_ = {s.mesh.indices, s.mesh.triangle_of, 0, 0};
         if (list.last_segment == no_index) return;
-        out_.next = (list.last_segment << s.segment_log2) + list.in_last;
-        if (list.reserved != no_index) out_.end = (list.last_segment + 1) << s.segment_log2; // or each one is looked at
+        out_.next = (list.last_segment << s.mesh.segment_log2) + list.in_last;
+        if (list.reserved != no_index)
+            out_.end = (list.last_segment + 1) << s.mesh.segment_log2; // or each one is looked at
     }
     void close() {
         TileStack& list = b.tiles[down_.tile];
         if (list.last_segment == no_index) return;
-        const std::uint32_t in_last = out_.next - (list.last_segment << s.segment_log2);
-        if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, out_.next);
+        const std::uint32_t in_last = out_.next - (list.last_segment << s.mesh.segment_log2);
+        if (b.beside)
+            s.mesh.dirty_triangles.mark_range((list.last_segment << s.mesh.segment_log2) + list.in_last, out_.next);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
@@ -81,9 +83,9 @@ private:
         BulkTile& own = b.tiles[down_.tile];
         const std::uint32_t list = own.reserved != no_index ? down_.tile : list_for(s, down_.tile, t);
         if (own.reserved != no_index && needs_segment(s, own))
-            push_segment(s, own, down_.tile, s.free_segments[--own.reserved]);
+            push_segment(s, own, down_.tile, s.mesh.free_segments[--own.reserved]);
         const std::uint32_t slot = take_triangle(s, b.tiles[list], list);
-        if (b.beside) s.dirty_triangles.mark(slot);
+        if (b.beside) s.mesh.dirty_triangles.mark(slot);
         return slot;
     }
     void triangle(const MeshTriangle& t, std::uint32_t direction) {
@@ -99,11 +101,11 @@ private:
     }
 
     bool begin_tile() {
-        const Coord tile = s.terrain->tile_xy(down_.tile);
-        const int z = s.terrain->tree.tile_log2 - 1;
+        const Coord tile = s.pages.grid.terrain->tile_xy(down_.tile);
+        const int z = s.pages.grid.terrain->tree.tile_log2 - 1;
         SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
-            return s.terrain->corner_at(tile.x + x, tile.y + y);
+            return s.pages.grid.terrain->corner_at(tile.x + x, tile.y + y);
         };
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
@@ -125,10 +127,10 @@ private:
     bool descend() {
         BulkPlace& place = down_.places[down_.depth - 1];
         const int z = z_now();
-        const std::int32_t finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
+        const std::int32_t finer = 1 << s.pages.grid.steps[z - 1].page_log2, half = finer / 2;
         const auto quarter = static_cast<std::int32_t>(place.quarter++);
         const std::int32_t qx = quarter % 2 * half, qy = quarter / 2 * half;
-        FJELL_ASSERT(qx < 1 << s.steps[z].page_log2 && qy < 1 << s.steps[z].page_log2);
+        FJELL_ASSERT(qx < 1 << s.pages.grid.steps[z].page_log2 && qy < 1 << s.pages.grid.steps[z].page_log2);
         const BulkSquares at = squares_at(s, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
         const BulkPage* const found = found_in(s, at.slot);
         if (found == nullptr) return false;
@@ -275,7 +277,7 @@ private:
     }
     // The triangles around a vertex, by direction.
     FJELL_NOINLINE void fan(const MeshTriangle (&triangles)[4], std::uint32_t drawn) {
-        std::fill_n(s.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
+        std::fill_n(s.mesh.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
         for (std::uint32_t d = 0; d < 4; ++d)
             if (drawn >> d & 1) triangle(triangles[d], d);
     }
@@ -336,15 +338,15 @@ private:
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
             const bool beyond = !exists(s, apex);
             if (beyond ? !own : tile_of(apex) != down_.tile) continue;
-            s.triangle_of[std::size_t{v} * 4 + d] = no_index;
+            s.mesh.triangle_of[std::size_t{v} * 4 + d] = no_index;
             if (!beyond && (drawn >> d & 1) != 0) triangle(quadrants[d], d);
         }
         if (morphs_ && own) flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
-        const std::int32_t log2 = s.steps[centre.z].log2;
-        return s.terrain->tile_at(centre.i >> log2, centre.j >> log2);
+        const std::int32_t log2 = s.pages.grid.steps[centre.z].log2;
+        return s.pages.grid.terrain->tile_at(centre.i >> log2, centre.j >> log2);
     }
 
     // Where vertices of some rows start when they morph: in the middle of the edges that they split. Those on the
@@ -354,7 +356,7 @@ private:
         for (; rows != 0; rows &= rows - 1) {
             const std::int32_t j = std::countr_zero(rows);
             // Squares alternate which diagonal a centre splits (parent_bearing).
-            const std::int32_t parity = at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j;
+            const std::int32_t parity = at_.z == s.pages.grid.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j;
             for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
                 const std::int32_t i = std::countr_zero(left), falling = (parity + i) % 2 == 0;
                 flatten(g.centre[j + 1][i + 1], VertexKind::centre, i, j, g.corner[j][i + 1 - falling],
@@ -373,8 +375,8 @@ private:
     }
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
-        s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
-        if (b.beside) s.dirty_vertices.mark(v); // it may have been placed in an earlier frame
+        s.mesh.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
+        if (b.beside) s.mesh.dirty_vertices.mark(v); // it may have been placed in an earlier frame
     }
 
     CutState& s;
@@ -393,21 +395,21 @@ private:
 
 bool has_segments(const CutState& s) {
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
-    const std::uint32_t most = 2 * s.terrain->tile_count() + 2 * s.bulk.taken;
+    const std::uint32_t most = 2 * s.mesh.tile_count + 2 * s.bulk.taken;
     // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
     // more, or the smallest budget that is taken could never be filled.
-    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
-    return segments <= (s.bulk.beside ? s.free_segment_count : s.segment_count);
+    const std::uint32_t segments = (most >> s.mesh.segment_log2) + s.mesh.tile_count + (s.mesh.some_hidden ? 1 : 0) + 2;
+    return segments <= (s.bulk.beside ? s.mesh.free_segment_count : s.mesh.segment_count);
 }
 
 namespace {
 
 // May some of its triangles be hidden? Those are not counted before.
 bool may_hide(const CutState& s, std::uint32_t tile) {
-    const TerrainData& t = *s.terrain;
+    const TerrainData& t = *s.pages.grid.terrain;
     const Coord place = t.tile_xy(tile);
-    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == s.tiles_x) ||
-           (t.tree.cut_y != 0 && place.y + 1 == s.tiles_y);
+    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == s.pages.grid.tiles_x) ||
+           (t.tree.cut_y != 0 && place.y + 1 == s.pages.grid.tiles_y);
 }
 
 } // namespace
@@ -415,19 +417,19 @@ bool may_hide(const CutState& s, std::uint32_t tile) {
 // Each tile gets its segments, so that no order in which tiles are done can change who has which.
 void begin_triangles(CutState& s) {
     if (!s.bulk.beside) free_all_segments(s);
-    const std::uint32_t a_segment = 1u << s.segment_log2;
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) {
+    const std::uint32_t a_segment = 1u << s.mesh.segment_log2;
+    for (std::uint32_t i = 0; i <= s.mesh.tile_count; ++i) {
         BulkTile& tile = s.bulk.tiles[i];
-        const bool hides = i == s.terrain->tile_count() || may_hide(s, i);
-        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.free_segment_count, tile.root};
-        if (!hides) s.free_segment_count -= (tile.planned + a_segment - 1) >> s.segment_log2;
+        const bool hides = i == s.mesh.tile_count || may_hide(s, i);
+        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.mesh.free_segment_count, tile.root};
+        if (!hides) s.mesh.free_segment_count -= (tile.planned + a_segment - 1) >> s.mesh.segment_log2;
     }
     note_segments(s);
     s.bulk.at = s.bulk.descents[0].depth = 0;
 }
 
 void build_tiles(CutState& s) {
-    const std::uint32_t tiles = s.terrain->tile_count();
+    const std::uint32_t tiles = s.mesh.tile_count;
     run_jobs(s, tiles, [&](std::uint32_t tile, std::uint32_t worker) {
         if (s.bulk.tiles[tile].reserved != no_index) Emitter(s, worker).tile(tile);
     });

@@ -114,15 +114,15 @@ struct BulkPass {
     std::uint32_t* visited;   // states of pages that hold something
     std::uint32_t* listed[2]; // of those with active centres of the coarser step, and of the one in work
     std::uint32_t visited_count, listed_count[2];
+    std::uint32_t workers;
     BulkDescent* descents;     // one a worker
-    BulkTile* tiles;           // as many as CutState::tiles
+    BulkTile* tiles;           // as many as Mesh::tiles
     std::uint32_t (*bases)[2]; // a tile's two triangles, where its root is not active; no_index where it is
     std::uint32_t build;
     bool beside;         // only slots that are free are used; otherwise all are, and what was drawn is gone
     bool again;          // the camera has jumped once more
     std::uint32_t taken; // vertices so far: the n-th has BulkSlots[n]
-    std::uint32_t free_before, fresh_before; // of CutState::free_vertices, when the pass began
-    std::uint32_t mapped;                    // entries of that stack that say so while the state follows
+    std::uint32_t free_before, fresh_before; // of Mesh::free_vertices, when the pass began
     BulkPhase phase;
     bool no_pages;                   // there were not enough
     std::int32_t z;                  // step in work

@@ -31,12 +31,12 @@ namespace {
 // there is hardly any room.
 bool may_build_beside(const CutState& s) {
     const std::uint32_t free = free_vertices(s);
-    return s.settings.items == unlimited_items && free >= (s.budget.vertices - free) / 4;
+    return s.frame.settings.items == unlimited_items && free >= (s.mesh.capacity - free) / 4;
 }
 
 // It takes states of pages that it finds, while those of what is drawn stay.
 bool needs_pages(const CutState& s) {
-    return may_lack_pages(s) && free_pages(s) < s.page_count / 2;
+    return may_lack_pages(s) && free_pages(s) < s.pages.count / 2;
 }
 
 } // namespace
@@ -45,9 +45,9 @@ bool run_bulk(CutState& s) {
     BulkPass& b = s.bulk;
     // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
     // items has this frame's.
-    if (b.phase != BulkPhase::idle && (s.settings.items != unlimited_items || has_lost_pages(s))) finish_bulk(s);
-    b.again = b.again || s.leapt;
-    CutReport& r = s.report;
+    if (b.phase != BulkPhase::idle && (s.frame.settings.items != unlimited_items || has_lost_pages(s))) finish_bulk(s);
+    b.again = b.again || s.views.leapt;
+    CutReport& r = s.frame.report;
     do {
         if (b.again && b.phase < BulkPhase::triangles) {
             drop_bulk(s);
@@ -66,7 +66,7 @@ bool run_bulk(CutState& s) {
         }
         if (b.phase == BulkPhase::idle) return false;
         if (b.phase >= BulkPhase::releasing) {
-            s.jumped = step_install(s) && s.jumped;
+            s.views.jumped = step_install(s) && s.views.jumped;
             r.visits += b.units;
             continue;
         }
@@ -75,7 +75,7 @@ bool run_bulk(CutState& s) {
         switch (status) {
         case BulkStatus::unfinished: break;
         case BulkStatus::built:
-            r.deactivations += s.budget.vertices - free_vertices(s) - corner_slots(s);
+            r.deactivations += s.mesh.capacity - free_vertices(s) - s.mesh.corner_count;
             r.activations += b.taken;
             install_mesh(s);
             break;

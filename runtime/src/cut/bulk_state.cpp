@@ -21,7 +21,7 @@ public:
 
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
-        PageState& info = s.page_state[slot_];
+        PageState& info = s.pages.state[slot_];
         if (!page_.has_groups) steps();
         mark_absent_parents(s, slot_);
         info.active = page_.wanted;
@@ -31,9 +31,10 @@ public:
 
 private:
     void steps() {
-        const PageState& info = s.page_state[slot_];
-        const int finest = info.shape == 0 ? std::max(s.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
-                  coarsest = info.shape == 0 ? s.terrain->tree.tile_log2 - 1 : info.z;
+        const PageState& info = s.pages.state[slot_];
+        const int finest =
+                      info.shape == 0 ? std::max(s.pages.grid.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
+                  coarsest = info.shape == 0 ? s.pages.grid.terrain->tree.tile_log2 - 1 : info.z;
         if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
         // Below a step without sides nothing is active, but for what neighbours have beside it.
         for (int z = coarsest; z >= finest; --z)
@@ -65,22 +66,22 @@ private:
 
 // What was active in a page gives its slots back.
 void release(CutState& s, std::uint32_t slot) {
-    PageState& page = s.page_state[slot];
-    for (std::uint32_t n = 0; page.active != 0 && n < s.shapes[page.shape].count; ++n) {
+    PageState& page = s.pages.state[slot];
+    for (std::uint32_t n = 0; page.active != 0 && n < s.pages.grid.shapes[page.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
-        for (std::uint32_t left = s.groups[number].active; left != 0; left &= left - 1, --page.active) {
+        for (std::uint32_t left = s.pages.groups[number].active; left != 0; left &= left - 1, --page.active) {
             const std::uint32_t vertex =
-                s.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(left))];
-            s.free_vertices[s.free_vertex_count++] = vertex;
+                s.pages.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(left))];
+            s.mesh.free_vertices[s.mesh.free_vertex_count++] = vertex;
         }
     }
 }
 
 // The two triangles that a tile's root splits, or that it is.
 void name_bases(CutState& s, std::uint32_t tile) {
-    const Coord place = s.terrain->tile_xy(tile);
-    s.triangle_of[s.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = s.bulk.bases[tile][0];
-    s.triangle_of[s.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = s.bulk.bases[tile][1];
+    const Coord place = s.pages.grid.terrain->tile_xy(tile);
+    s.mesh.triangle_of[s.pages.grid.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = s.bulk.bases[tile][0];
+    s.mesh.triangle_of[s.pages.grid.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = s.bulk.bases[tile][1];
 }
 
 } // namespace
@@ -88,25 +89,25 @@ void name_bases(CutState& s, std::uint32_t tile) {
 void install_mesh(CutState& s) {
     BulkPass& b = s.bulk;
     FJELL_ASSERT(b.phase == BulkPhase::built);
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) {
-        TileList& list = s.tiles[i];
-        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment])
-            s.free_segments[s.free_segment_count++] = segment;
+    for (std::uint32_t i = 0; i <= s.mesh.tile_count; ++i) {
+        TileList& list = s.mesh.tiles[i];
+        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.mesh.segment_below[segment])
+            s.mesh.free_segments[s.mesh.free_segment_count++] = segment;
         static_cast<TileStack&>(list) = b.tiles[i];
-        if (i != s.terrain->tile_count()) name_bases(s, i);
+        if (i != s.mesh.tile_count) name_bases(s, i);
     }
     if (b.beside) {
-        b.mapped = std::min(b.taken, b.free_before);
-        s.fresh_vertex = b.fresh_before + (b.taken - b.mapped);
+        s.mesh.mapped = std::min(b.taken, b.free_before);
+        s.mesh.fresh_vertex = b.fresh_before + (b.taken - s.mesh.mapped);
     } else {
-        s.free_vertex_count = 0;
-        s.fresh_vertex = b.fresh_before + b.taken;
+        s.mesh.free_vertex_count = 0;
+        s.mesh.fresh_vertex = b.fresh_before + b.taken;
     }
-    s.work_ranks = 0;
-    s.late_count = s.morphing_out_count = 0;
+    s.work.queues.work_ranks = 0;
+    s.morphing.late_count = s.morphing.out_count = 0;
     forget_late_pages(s, true);
-    clear_queues(s.queues);
-    forget_due(s.schedule);
+    clear_queues(s.work.queues);
+    forget_due(s.work.schedule);
     b.phase = BulkPhase::releasing;
     b.at = 0;
 }
@@ -120,10 +121,10 @@ void install_pages(CutState& s) {
     b.units = std::min(unit_limit(s), b.visited_count - b.at);
     run_jobs(s, b.units, [&](std::uint32_t n, std::uint32_t) { parents[n] = Installer(s, slots[n]).page(); });
     for (std::uint32_t n = 0; n < b.units; ++n) {
-        clear_page_schedule(s.schedule, slots[n]); // roots, again
+        clear_page_schedule(s.work.schedule, slots[n]); // roots, again
         count_parents(s, slots[n], parents[n]);
         const BulkPage& page = b.pages[slots[n]];
-        if (page.grades != 0) install_ticks(s.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
+        if (page.grades != 0) install_ticks(s.work.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
     }
     b.at += b.units;
 }
@@ -134,14 +135,14 @@ bool step_install(CutState& s) {
     BulkPass& b = s.bulk;
     b.units = 1;
     if (b.phase == BulkPhase::releasing) {
-        while (b.at != s.fresh_page) {
+        while (b.at != s.pages.fresh) {
             const std::uint32_t slot = b.at++;
-            const PageState& page = s.page_state[slot];
-            const bool used = page.parents != 0 || s.schedule.pages[slot].awake != no_index;
+            const PageState& page = s.pages.state[slot];
+            const bool used = page.parents != 0 || s.work.schedule.pages[slot].awake != no_index;
             if (page.page == no_index || !used) continue;
             if (is_clear(page) && found_in(s, slot) == nullptr) continue; // its root comes last
             if (b.beside) release(s, slot);
-            clear_page_schedule(s.schedule, slot);
+            clear_page_schedule(s.work.schedule, slot);
             if (found_in(s, slot) != nullptr) { // its groups are all written, when their lines come anyway
                 forget_active(s, slot);
                 return true;
@@ -161,18 +162,19 @@ bool step_install(CutState& s) {
         b.phase = BulkPhase::installing_roots;
         b.at = 0;
     }
-    if (b.at != s.terrain->tile_count() && step_install_roots(s)) return true;
+    if (b.at != s.mesh.tile_count && step_install_roots(s)) return true;
     // The stack's entries that said which slots were taken go, and those above them come down.
     constexpr std::uint32_t at_once = 1u << 14;
-    if (b.mapped != 0) {
-        const std::uint32_t above = s.free_vertex_count - b.free_before, count = std::min({b.mapped, above, at_once});
-        std::copy_n(s.free_vertices + (s.free_vertex_count - count), count,
-                    s.free_vertices + (b.free_before - b.mapped));
-        b.mapped -= count;
-        s.free_vertex_count -= count;
-        if (count != above && b.mapped != 0) return true;
-        s.free_vertex_count -= b.mapped;
-        b.mapped = 0;
+    if (s.mesh.mapped != 0) {
+        const std::uint32_t above = s.mesh.free_vertex_count - b.free_before,
+                            count = std::min({s.mesh.mapped, above, at_once});
+        std::copy_n(s.mesh.free_vertices + (s.mesh.free_vertex_count - count), count,
+                    s.mesh.free_vertices + (b.free_before - s.mesh.mapped));
+        s.mesh.mapped -= count;
+        s.mesh.free_vertex_count -= count;
+        if (count != above && s.mesh.mapped != 0) return true;
+        s.mesh.free_vertex_count -= s.mesh.mapped;
+        s.mesh.mapped = 0;
     }
     b.phase = BulkPhase::idle;
     return false;

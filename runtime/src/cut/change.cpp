@@ -16,20 +16,20 @@ namespace {
 // A lane has work of this rank: its group goes to that queue, unless it is in one of a higher rank.
 void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
-    const GroupState& b = s.groups[group];
+    const GroupState& b = s.pages.groups[group];
     if (b.queue == being_visited) return; // will be evaluated
     const bool queued = b.queue != unqueued;
-    std::uint32_t& calls = s.queues.nodes[group].calls;
+    std::uint32_t& calls = s.work.queues.nodes[group].calls;
     calls = (queued ? calls : 0) | bit_of(vertex);
     if (queued && b.queue < deactivation_queue && b.queue >= work_queues + rank) return;
-    forget(s.schedule, group);
-    unlink(s.queues, group);
-    push_back(s.queues, work_queues + rank, group);
-    s.work_ranks |= 1u << rank;
+    forget(s.work.schedule, group);
+    unlink(s.work.queues, group);
+    push_back(s.work.queues, work_queues + rank, group);
+    s.work.queues.work_ranks |= 1u << rank;
 }
 
 bool is_evicting(const CutState& s, std::uint32_t vertex) {
-    return s.page_state[vertex / group_lanes / max_page_groups].status == PageStatus::evicting;
+    return s.pages.state[vertex / group_lanes / max_page_groups].status == PageStatus::evicting;
 }
 
 // A vertex has just become ready, or an active one childless: when must it be evaluated?
@@ -39,24 +39,24 @@ void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active
     const std::uint32_t group = vertex / group_lanes;
     if (v.wanted == active) {
         // What waits in a queue is evaluated in any case.
-        if (s.groups[group].queue == unqueued) tighten(s.schedule, group, v.slack_m, grade_of(v.code));
+        if (s.pages.groups[group].queue == unqueued) tighten(s.work.schedule, group, v.slack_m, grade_of(v.code));
     } else if (!active) {
         queue_activation(s, vertex, rank_of(s, v));
-    } else if (s.groups[group].queue == unqueued) {
-        forget(s.schedule, group);
-        push_back(s.queues, deactivation_queue, group);
-        s.queues.nodes[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
+    } else if (s.pages.groups[group].queue == unqueued) {
+        forget(s.work.schedule, group);
+        push_back(s.work.queues, deactivation_queue, group);
+        s.work.queues.nodes[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
 
 [[maybe_unused]] bool is_ready(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
+    return (s.pages.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
 }
 [[maybe_unused]] bool is_active(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
+    return (s.pages.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
 }
 [[maybe_unused]] bool has_active_child(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
+    return (s.pages.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
 }
 
 // The triangle of a parent that a vertex splits.
@@ -69,14 +69,14 @@ struct Split {
 
 // One or two of them: at the terrain's rim a side has one parent.
 int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (&out)[2]) {
-    const bool root = site.z == s.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
+    const bool root = site.z == s.pages.grid.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
     int count = 0;
     for (int n = 0; n < 2; ++n) {
         Split split{};
         if (root) {
             // A tile's root splits its two base triangles, whose right angles are its north-east and south-west corner.
             const Bearing bearing = n == 0 ? Bearing::north_east : Bearing::south_west;
-            const std::uint32_t corner = s.terrain->corner_at(site.i + 1 - n, site.j + n);
+            const std::uint32_t corner = s.pages.grid.terrain->corner_at(site.i + 1 - n, site.j + n);
             split = {no_index, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
         } else {
             const Site parent = parent_site(site, n);
@@ -84,12 +84,12 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
             const Bearing bearing = parent_bearing(site, n);
             split.parent = find_vertex(s, parent);
             FJELL_ASSERT(split.parent != no_index && is_active(s, split.parent));
-            split.key = s.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
+            split.key = s.pages.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
             split.halves = halves(bearing);
         }
         // The centre of the two lies inside its tile.
         const std::uint32_t inside = site.kind == VertexKind::centre ? vertex : split.parent;
-        split.tile = s.page_state[inside / group_lanes / max_page_groups].tile;
+        split.tile = s.pages.state[inside / group_lanes / max_page_groups].tile;
         out[count++] = split;
     }
     return count;
@@ -97,9 +97,9 @@ int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (
 
 bool room_for(const CutState& s, const Split* splits, int count) {
     // Two tiles at most, and what is not drawn; one segment each will do. Two more stay back for deactivations.
-    std::uint32_t segments = s.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
+    std::uint32_t segments = s.mesh.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
     for (int i = 0; i < count; ++i) segments += room_in(s, splits[i].tile) < 4 ? 1 : 0;
-    return segments == 0 || s.free_segment_count >= segments + 2;
+    return segments == 0 || s.mesh.free_segment_count >= segments + 2;
 }
 
 // The vertices that are children of a vertex; no_index where there is none, or its page is not loaded.
@@ -120,7 +120,7 @@ bool find_children(CutState& s, const Site& site, ChildVertices& out) {
                 if (out.vertex[d] != no_index) note_idle(s, out.vertex[d] / group_lanes / max_page_groups);
             return false;
         }
-        const std::uint32_t first = s.page_groups[at.page];
+        const std::uint32_t first = s.pages.page_groups[at.page];
         if (first != no_index) out.vertex[d] = first * group_lanes + at.vertex;
     }
     return true;
@@ -135,56 +135,57 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const int count = splits_of(s, site, vertex, splits);
     if (free_vertices(s) == 0) return Outcome::no_vertices;
     if (!room_for(s, splits, count)) return Outcome::no_triangles;
-    for (int n = 0; n < count; ++n) FJELL_ASSERT(s.triangle_of[splits[n].key] != no_index);
-    const std::uint32_t first = s.triangle_of[splits[0].key];
-    const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
-    const bool morphing = s.morph_now.morph != Morph::none;
+    for (int n = 0; n < count; ++n) FJELL_ASSERT(s.mesh.triangle_of[splits[n].key] != no_index);
+    const std::uint32_t first = s.mesh.triangle_of[splits[0].key];
+    const std::uint32_t ends[2] = {s.mesh.indices[std::size_t{first} * 3 + 1],
+                                   s.mesh.indices[std::size_t{first} * 3 + 2]};
+    const bool morphing = s.morphing.now.morph != Morph::none;
     if (morphing && (is_morphing(s, ends[0]) || is_morphing(s, ends[1]))) return Outcome::gated;
     // What is about to morph out must not get children again, or its page could never be evicted.
     for (int n = 0; morphing && n < count; ++n)
         if (splits[n].parent != no_index &&
-            (is_evicting(s, splits[n].parent) || morphs_out(s, s.vertex_slot[splits[n].parent])))
+            (is_evicting(s, splits[n].parent) || morphs_out(s, s.pages.vertex_slot[splits[n].parent])))
             return Outcome::gated;
     ChildVertices children;
     if (!find_children(s, site, children)) return Outcome::no_pages;
     const Evaluation v = evaluate_vertex(s, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s);
-    const Coord at = s.terrain->tree.sample(site_coord(site));
-    s.vertices[slot] = {at.x, at.y, v.y};
-    s.hole[slot] = is_void(record_of(s, vertex));
-    s.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
+    const Coord at = s.pages.grid.terrain->tree.sample(site_coord(site));
+    s.mesh.vertices[slot] = {at.x, at.y, v.y};
+    s.mesh.hole[slot] = is_void(record_of(s, vertex));
+    s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
     if (morphing) {
-        s.morph[slot].flat_m =
+        s.mesh.morph[slot].flat_m =
             flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
         // What comes into sight is refined before it is seen: at once, or it would still morph when it is.
-        if (s.sights.count == 0 || seen(s, v))
-            s.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
-        if (s.morph[slot].activated_s != long_active_s) note_late(s, vertex / group_lanes / max_page_groups);
+        if (s.visibility.now.count == 0 || seen(s, v))
+            s.mesh.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
+        if (s.mesh.morph[slot].activated_s != long_active_s) note_late(s, vertex / group_lanes / max_page_groups);
     }
-    s.dirty_vertices.mark(slot);
-    s.vertex_slot[vertex] = slot;
-    GroupState& group = s.groups[vertex / group_lanes];
+    s.mesh.dirty_vertices.mark(slot);
+    s.pages.vertex_slot[vertex] = slot;
+    GroupState& group = s.pages.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
-    PageState& page = s.page_state[vertex / group_lanes / max_page_groups];
+    PageState& page = s.pages.state[vertex / group_lanes / max_page_groups];
     ++page.active;
     page.used = true;
 
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        const std::uint32_t old = s.triangle_of[split.key];
-        const std::uint32_t* const t = s.indices + std::size_t{old} * 3;
+        const std::uint32_t old = s.mesh.triangle_of[split.key];
+        const std::uint32_t* const t = s.mesh.indices + std::size_t{old} * 3;
         const std::uint32_t p = t[0], a = t[1], b = t[2];
         replace_triangle(s, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
         const MeshTriangle second{slot, b, p};
         append_triangle(s, list_for(s, split.tile, second), second, slot * 4 + split.halves.second);
         if (split.parent == no_index) continue;
-        s.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
+        s.pages.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
     }
     for (int d = 0; d < 4; ++d) {
         const std::uint32_t found = children.vertex[d];
         if (found == no_index) continue;
-        GroupState& of_child = s.groups[found / group_lanes];
+        GroupState& of_child = s.pages.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
         count_parents(s, found / group_lanes / max_page_groups, 1);
         if (of_child.ready() & bit_of(found)) reevaluate(s, found, child_site(site, d), false);
@@ -197,45 +198,46 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
     const Site site = site_of(s, vertex);
     Split splits[2];
     const int count = splits_of(s, site, vertex, splits);
-    const std::uint32_t slot = s.vertex_slot[vertex];
-    if (s.some_hidden && s.free_segment_count < 2) {
+    const std::uint32_t slot = s.pages.vertex_slot[vertex];
+    if (s.mesh.some_hidden && s.mesh.free_segment_count < 2) {
         for (int n = 0; n < count; ++n)
             if (room_in(s, splits[n].tile) < 2 || room_in(s, hidden_tile(s)) < 2) return Outcome::no_triangles;
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        const std::uint32_t first = s.triangle_of[slot * 4 + split.halves.first];
+        const std::uint32_t first = s.mesh.triangle_of[slot * 4 + split.halves.first];
         // (v, parent, a) and (v, b, parent) become (parent, a, b) again.
-        const std::uint32_t p = s.indices[std::size_t{first} * 3 + 1], a = s.indices[std::size_t{first} * 3 + 2];
-        const std::uint32_t b = s.indices[std::size_t{s.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
+        const std::uint32_t p = s.mesh.indices[std::size_t{first} * 3 + 1],
+                            a = s.mesh.indices[std::size_t{first} * 3 + 2];
+        const std::uint32_t b = s.mesh.indices[std::size_t{s.mesh.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
         const std::uint32_t second_key = slot * 4 + split.halves.second;
         replace_triangle(s, slot * 4 + split.halves.first, split.tile, {p, a, b}, split.key);
-        remove_triangle(s, s.triangle_of[second_key], second_key);
+        remove_triangle(s, s.mesh.triangle_of[second_key], second_key);
     }
     give_vertex(s, slot);
-    GroupState& group = s.groups[vertex / group_lanes];
+    GroupState& group = s.pages.groups[vertex / group_lanes];
     group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
-    FJELL_ASSERT(s.page_state[vertex / group_lanes / max_page_groups].active != 0);
-    --s.page_state[vertex / group_lanes / max_page_groups].active;
+    FJELL_ASSERT(s.pages.state[vertex / group_lanes / max_page_groups].active != 0);
+    --s.pages.state[vertex / group_lanes / max_page_groups].active;
     if (site.kind == VertexKind::centre || site.z != 0) {
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
             if (!exists(s, child)) continue;
             const std::uint32_t found = find_vertex(s, child);
             if (found == no_index) continue;
-            s.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
+            s.pages.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
                 static_cast<std::uint16_t>(~bit_of(found));
             const std::uint32_t page = found / group_lanes / max_page_groups;
-            FJELL_ASSERT(s.page_state[page].parents != 0);
-            if (--s.page_state[page].parents != 0) continue;
-            --s.busy_pages;
+            FJELL_ASSERT(s.pages.state[page].parents != 0);
+            if (--s.pages.state[page].parents != 0) continue;
+            --s.pages.busy;
             note_idle(s, page);
         }
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
         if (split.parent == no_index) continue;
-        GroupState& of_parent = s.groups[split.parent / group_lanes];
+        GroupState& of_parent = s.pages.groups[split.parent / group_lanes];
         of_parent.child[split.key % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
         if (!(of_parent.parental() & bit_of(split.parent))) reevaluate(s, split.parent, site_of(s, split.parent), true);
     }
@@ -245,23 +247,24 @@ Outcome deactivate(CutState& s, std::uint32_t vertex) {
 namespace {
 
 std::uint32_t slot_at(const CutState& s, Coord c) {
-    if (!s.terrain->tree.is_corner(c)) return s.vertex_slot[find_vertex(s, site_at(c))];
-    return s.terrain->corner_at(c.x >> s.terrain->tree.tile_log2, c.y >> s.terrain->tree.tile_log2);
+    if (!s.pages.grid.terrain->tree.is_corner(c)) return s.pages.vertex_slot[find_vertex(s, site_at(c))];
+    return s.pages.grid.terrain->corner_at(c.x >> s.pages.grid.terrain->tree.tile_log2,
+                                           c.y >> s.pages.grid.terrain->tree.tile_log2);
 }
 
 } // namespace
 
 void flatten_all(CutState& s) {
-    for (std::uint32_t number = 0; number < s.fresh_page * max_page_groups; ++number)
-        for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
+    for (std::uint32_t number = 0; number < s.pages.fresh * max_page_groups; ++number)
+        for (std::uint32_t lanes = s.pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
             const Site site = site_of(s, vertex);
             const Coord at = site_coord(site);
-            const Diamond split = diamond(s.terrain->tree, at);
-            const std::uint32_t slot = s.vertex_slot[vertex];
-            s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == VertexKind::centre,
-                                               slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
-            s.dirty_vertices.mark(slot);
+            const Diamond split = diamond(s.pages.grid.terrain->tree, at);
+            const std::uint32_t slot = s.pages.vertex_slot[vertex];
+            s.mesh.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == VertexKind::centre,
+                                                    slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
+            s.mesh.dirty_vertices.mark(slot);
         }
 }
 

@@ -120,11 +120,11 @@ Status check_budget(const TerrainData& t, const CutBudget& b) {
 
 // Place of each group's lanes in hierarchical Z-order, for a page of each shape.
 void make_hz_places(CutState& s) {
-    const PageLayout& hz = s.terrain->pages;
+    const PageLayout& hz = s.pages.grid.terrain->pages;
     const PageLayout planar{hz.tile_log2, Order::planar};
     for (std::uint32_t shape = 0; shape < (hz.pages_per_tile() > 1 ? 2u : 1u); ++shape)
-        for (std::uint32_t n = 0; n < s.shapes[shape].count; ++n) {
-            const GroupShape& group = s.shapes[shape].groups[n];
+        for (std::uint32_t n = 0; n < s.pages.grid.shapes[shape].count; ++n) {
+            const GroupShape& group = s.pages.grid.shapes[shape].groups[n];
             for (std::uint32_t lane = 0; lane < group.lanes; ++lane) {
                 // The first page of either kind has the same place in its tile in both orders.
                 const Coord c = planar.coord({shape, group.first + group.stride * lane});
@@ -136,59 +136,62 @@ void make_hz_places(CutState& s) {
                     place = page_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
                                                               static_cast<std::uint32_t>(at.j));
                 }
-                s.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
+                s.pages.grid.hz_places[(shape * max_page_groups + n) * group_lanes + lane] =
+                    static_cast<std::uint16_t>(place);
             }
         }
 }
 
 void make_corners(CutState& s) {
-    const TerrainData& t = *s.terrain;
+    const TerrainData& t = *s.pages.grid.terrain;
     const auto make = [&](std::int32_t x, std::int32_t y) {
         const std::uint32_t slot = t.corner_at(x, y);
         const Coord at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
-        s.vertices[slot] = {at.x, at.y, height_m};
-        s.morph[slot] = {height_m, 0, 0, long_active_s};
-        s.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
-        s.dirty_vertices.mark(slot);
+        s.mesh.vertices[slot] = {at.x, at.y, height_m};
+        s.mesh.morph[slot] = {height_m, 0, 0, long_active_s};
+        s.mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
+        s.mesh.dirty_vertices.mark(slot);
     };
     // Of a sparse terrain some more than once: places without a tile have none.
     for (std::uint32_t tile = 0; t.is_sparse() && tile < t.tile_count(); ++tile)
         for (std::int32_t k = 0; k < 4; ++k) make(t.tile_xy(tile).x + k % 2, t.tile_xy(tile).y + k / 2);
-    for (std::int32_t y = 0; !t.is_sparse() && y <= s.tiles_y; ++y)
-        for (std::int32_t x = 0; x <= s.tiles_x; ++x) make(x, y);
+    for (std::int32_t y = 0; !t.is_sparse() && y <= s.pages.grid.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= s.pages.grid.tiles_x; ++x) make(x, y);
 }
 
 } // namespace
 
 void reset(CutState& s) {
-    const TerrainData& t = *s.terrain;
+    const TerrainData& t = *s.pages.grid.terrain;
     s.bulk.phase = BulkPhase::idle; // all pages become idle anyway
-    s.bulk.mapped = 0;
-    s.work_ranks = 0;
-    s.late_count = s.morphing_out_count = 0;
-    for (std::uint32_t i = 0; i < corner_count(t) * 4; ++i) s.triangle_of[i] = no_index;
-    s.free_vertex_count = 0;
-    s.fresh_vertex = corner_count(t);
+    s.mesh.mapped = 0;
+    s.work.queues.work_ranks = 0;
+    s.morphing.late_count = s.morphing.out_count = 0;
+    for (std::uint32_t i = 0; i < corner_count(t) * 4; ++i) s.mesh.triangle_of[i] = no_index;
+    s.mesh.free_vertex_count = 0;
+    s.mesh.fresh_vertex = corner_count(t);
     free_all_segments(s);
     forget_late_pages(s, true);
     make_corners(s);
-    for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
-        if (s.page_state[slot].page == no_index) continue;
+    for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
+        if (s.pages.state[slot].page == no_index) continue;
         clear_page(s, slot);
         note_idle(s, slot);
     }
-    clear_queues(s.queues);
-    clear_schedule(s.schedule);
+    clear_queues(s.work.queues);
+    clear_schedule(s.work.schedule);
     sync_pages(s);
-    clear_schedule(s.schedule); // of the roots of pages that have just come
+    clear_schedule(s.work.schedule); // of the roots of pages that have just come
 }
 
 void begin_at_roots(CutState& s) {
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        const Coord at = s.terrain->tile_xy(tile);
-        const auto slot = [&](std::int32_t x, std::int32_t y) { return s.terrain->corner_at(at.x + x, at.y + y); };
+    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) {
+        const Coord at = s.pages.grid.terrain->tile_xy(tile);
+        const auto slot = [&](std::int32_t x, std::int32_t y) {
+            return s.pages.grid.terrain->corner_at(at.x + x, at.y + y);
+        };
         const std::uint32_t nw = slot(0, 0), ne = slot(1, 0), sw = slot(0, 1), se = slot(1, 1);
         for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
             const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
@@ -196,8 +199,8 @@ void begin_at_roots(CutState& s) {
                             base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
         }
         // The root's group is the first of page 0.
-        if (const std::uint32_t root = s.page_groups[tile * s.pages_per_tile]; root != no_index)
-            make_due(s.schedule, root);
+        if (const std::uint32_t root = s.pages.page_groups[tile * s.pages.grid.pages_per_tile]; root != no_index)
+            make_due(s.work.schedule, root);
     }
 }
 
@@ -219,68 +222,72 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
 
     auto& s = *new (at) CutState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
-    s.terrain_handle = handle;
-    s.terrain = &terrain;
+    s.pages.grid.handle = handle;
+    s.pages.grid.terrain = &terrain;
     s.budget = budget;
-    s.pages_per_tile = terrain.pages_per_tile;
-    s.page_count = pages_of(terrain, budget);
-    s.group_count = s.page_count * max_page_groups;
-    s.tiles_waiting = terrain.tile_count();
-    s.tiles_x = terrain.tree.tiles_x;
-    s.tiles_y = terrain.tree.tiles_y;
-    s.shapes[0] = make_page_shape(terrain.pages, true);
-    s.shapes[1] = make_page_shape(terrain.pages, false);
+    s.bulk.workers = budget.workers;
+    s.mesh.capacity = s.morphing.ring_size = budget.vertices;
+    s.mesh.corner_count = terrain.corner_count;
+    s.mesh.tile_count = terrain.tile_count();
+    s.pages.grid.pages_per_tile = terrain.pages_per_tile;
+    s.pages.count = pages_of(terrain, budget);
+    s.pages.group_count = s.pages.count * max_page_groups;
+    s.pages.tiles_waiting = terrain.tile_count();
+    s.pages.grid.tiles_x = terrain.tree.tiles_x;
+    s.pages.grid.tiles_y = terrain.tree.tiles_y;
+    s.pages.grid.shapes[0] = make_page_shape(terrain.pages, true);
+    s.pages.grid.shapes[1] = make_page_shape(terrain.pages, false);
     for (int z = 0; z < terrain.tree.tile_log2; ++z) {
-        s.steps[z] = make_step_groups(terrain.pages, z);
+        s.pages.grid.steps[z] = make_step_groups(terrain.pages, z);
         const int level = 2 * (terrain.tree.tile_log2 - 1 - z);
-        s.level_unit_m[2 * z] = terrain.header.level_radius_m[level];
-        s.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
+        s.pages.grid.level_unit_m[2 * z] = terrain.header.level_radius_m[level];
+        s.pages.grid.level_unit_m[2 * z + 1] = terrain.header.level_radius_m[level + 1];
     }
-    s.evaluate = evaluate;
-    s.worst_px = worst_px;
-    s.clock.timed_ticks = -clock_ticks; // never
-    part(s.page_groups, l.page_groups);
-    part(s.loaded, l.loaded);
-    part(s.groups, l.groups);
-    part(s.vertex_slot, l.vertex_slot);
-    part(s.page_state, l.page_state);
-    part(s.free_pages, l.free_pages);
-    part(s.idle_pages, l.idle_pages);
-    part(s.evicting, l.evicting);
-    s.queues.groups = s.groups;
-    part(s.queues.nodes, l.nodes);
-    s.queues.group_count = s.group_count;
-    s.queues.schedule = &s.schedule;
-    clear_queues(s.queues);
-    part(s.schedule.ticks, l.ticks);
-    part(s.schedule.pages, l.schedules);
-    part(s.schedule.awake, l.awake);
-    part(s.schedule.bounds, l.bounds);
-    part(s.schedule.next_due, l.next_due);
-    s.schedule.slot_count = s.page_count;
-    begin_schedule(s.schedule, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
-    part(s.vertices, l.vertices);
-    part(s.morph, l.morph);
-    part(s.triangle_of, l.triangle_of);
-    part(s.hole, l.hole);
-    part(s.free_vertices, l.free_vertices);
-    part(s.indices, l.indices);
-    part(s.tiles, l.tiles);
-    part(s.segment_tile, l.segment_tile);
-    part(s.segment_below, l.segment_below);
-    part(s.free_segments, l.free_segments);
-    s.segment_count = segments_of(budget);
-    s.segment_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.segment_triangles));
-    s.some_hidden = hides_some(terrain);
+    s.views.evaluate = evaluate;
+    s.views.worst_px = worst_px;
+    s.morphing.clock.timed_ticks = -clock_ticks; // never
+    part(s.pages.page_groups, l.page_groups);
+    part(s.pages.loaded, l.loaded);
+    part(s.pages.groups, l.groups);
+    part(s.pages.vertex_slot, l.vertex_slot);
+    part(s.pages.state, l.page_state);
+    part(s.pages.free, l.free_pages);
+    part(s.pages.idle, l.idle_pages);
+    part(s.pages.evicting, l.evicting);
+    s.work.queues.groups = s.pages.groups;
+    part(s.work.queues.nodes, l.nodes);
+    s.work.queues.group_count = s.pages.group_count;
+    s.work.queues.schedule = &s.work.schedule;
+    clear_queues(s.work.queues);
+    part(s.work.schedule.ticks, l.ticks);
+    part(s.work.schedule.pages, l.schedules);
+    part(s.work.schedule.awake, l.awake);
+    part(s.work.schedule.bounds, l.bounds);
+    part(s.work.schedule.next_due, l.next_due);
+    s.work.schedule.slot_count = s.pages.count;
+    begin_schedule(s.work.schedule, static_cast<double>(std::min(terrain.spacing_x_m, terrain.spacing_z_m)) / 32);
+    part(s.mesh.vertices, l.vertices);
+    part(s.mesh.morph, l.morph);
+    part(s.mesh.triangle_of, l.triangle_of);
+    part(s.mesh.hole, l.hole);
+    part(s.mesh.free_vertices, l.free_vertices);
+    part(s.mesh.indices, l.indices);
+    part(s.mesh.tiles, l.tiles);
+    part(s.mesh.segment_tile, l.segment_tile);
+    part(s.mesh.segment_below, l.segment_below);
+    part(s.mesh.free_segments, l.free_segments);
+    s.mesh.segment_count = segments_of(budget);
+    s.mesh.segment_log2 = static_cast<std::uint32_t>(std::countr_zero(budget.segment_triangles));
+    s.mesh.some_hidden = hides_some(terrain);
     const auto bits_part = [&](DirtyBits& dirty, std::size_t bits, std::size_t words) {
         part(dirty.bits, bits);
         part(dirty.words, words);
     };
-    bits_part(s.dirty_vertices, l.vertex_bits[0], l.vertex_words[0]);
-    bits_part(s.dirty_triangles, l.triangle_bits[0], l.triangle_words[0]);
-    bits_part(s.untaken_vertices, l.vertex_bits[1], l.vertex_words[1]);
-    bits_part(s.untaken_triangles, l.triangle_bits[1], l.triangle_words[1]);
-    part(s.ranges, l.ranges);
+    bits_part(s.mesh.dirty_vertices, l.vertex_bits[0], l.vertex_words[0]);
+    bits_part(s.mesh.dirty_triangles, l.triangle_bits[0], l.triangle_words[0]);
+    bits_part(s.mesh.untaken_vertices, l.vertex_bits[1], l.vertex_words[1]);
+    bits_part(s.mesh.untaken_triangles, l.triangle_bits[1], l.triangle_words[1]);
+    part(s.mesh.ranges, l.ranges);
     part(s.bulk.descents, l.descents);
     for (std::uint32_t worker = 0; worker < budget.workers; ++worker)
         part(s.bulk.descents[worker].grids,
@@ -291,26 +298,26 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (int i = 0; i < 2; ++i) part(s.bulk.listed[i], l.bulk_slots[i + 1]);
     part(s.bulk.tiles, l.bulk_tiles);
     part(s.bulk.bases, l.bulk_bases);
-    part(s.late_s, l.late_s);
-    part(s.morphing_out, l.morphing_out);
-    part(s.late_pages, l.late_pages);
+    part(s.morphing.late_s, l.late_s);
+    part(s.morphing.out, l.morphing_out);
+    part(s.morphing.late_pages, l.late_pages);
     if (terrain.pages.order == Order::hierarchical_z) {
-        part(s.hz_places, l.hz_places);
+        part(s.pages.grid.hz_places, l.hz_places);
         make_hz_places(s);
     }
-    s.criterion.error_m = terrain.errors.metres;
-    s.criterion.radius_factor = terrain.radii.factor;
-    s.criterion.base_m = terrain.height_scale.base_m;
-    s.criterion.quantum_m = terrain.height_scale.quantum_m;
-    s.criterion.spacing_x_m = terrain.spacing_x_m;
-    s.criterion.spacing_z_m = terrain.spacing_z_m;
-    s.criterion.last_x = terrain.tree.columns() - 1;
-    s.criterion.last_y = terrain.tree.rows() - 1;
-    s.offscreen_criterion = s.criterion;
-    for (std::uint32_t i = 0; i < s.group_count; ++i) s.groups[i].queue = unqueued;
-    for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.page_groups[i] = no_index;
-    for (std::uint32_t i = 0; i < s.page_count; ++i) s.page_state[i].page = no_index;
-    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.loaded[i].page = no_index;
+    s.views.criterion.error_m = terrain.errors.metres;
+    s.views.criterion.radius_factor = terrain.radii.factor;
+    s.views.criterion.base_m = terrain.height_scale.base_m;
+    s.views.criterion.quantum_m = terrain.height_scale.quantum_m;
+    s.views.criterion.spacing_x_m = terrain.spacing_x_m;
+    s.views.criterion.spacing_z_m = terrain.spacing_z_m;
+    s.views.criterion.last_x = terrain.tree.columns() - 1;
+    s.views.criterion.last_y = terrain.tree.rows() - 1;
+    s.views.offscreen_criterion = s.views.criterion;
+    for (std::uint32_t i = 0; i < s.pages.group_count; ++i) s.pages.groups[i].queue = unqueued;
+    for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.pages.page_groups[i] = no_index;
+    for (std::uint32_t i = 0; i < s.pages.count; ++i) s.pages.state[i].page = no_index;
+    for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.pages.loaded[i].page = no_index;
     rescan_pages(s);
     reset(s);
     begin_at_roots(s);
@@ -327,12 +334,15 @@ CutMesh cut_mesh(LiveCut cut) {
     if (found == nullptr) return {};
     const CutState& s = *found;
     CutMesh out;
-    const std::size_t triangles = std::size_t{s.segment_count} << s.segment_log2;
-    out.mesh = {
-        Topology::triangles, {s.vertices, s.budget.vertices}, {s.indices, triangles * 3}, {s.ranges, s.range_count}, 0,
-        s.budget.vertices};
-    out.morph = {s.morph, s.budget.vertices};
-    out.frame = s.morph_now;
+    const std::size_t triangles = std::size_t{s.mesh.segment_count} << s.mesh.segment_log2;
+    out.mesh = {Topology::triangles,
+                {s.mesh.vertices, s.mesh.capacity},
+                {s.mesh.indices, triangles * 3},
+                {s.mesh.ranges, s.mesh.range_count},
+                0,
+                s.mesh.capacity};
+    out.morph = {s.mesh.morph, s.mesh.capacity};
+    out.frame = s.morphing.now;
     return out;
 }
 
@@ -340,18 +350,19 @@ CutChanges cut_take_changes(LiveCut cut) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return {};
     CutState& s = *found;
-    if (s.dirty_taken) return {};
-    const bool earlier = !s.untaken_taken && s.untaken_vertices.word_count + s.untaken_triangles.word_count != 0;
+    if (s.mesh.dirty_taken) return {};
+    const bool earlier =
+        !s.mesh.untaken_taken && s.mesh.untaken_vertices.word_count + s.mesh.untaken_triangles.word_count != 0;
     if (earlier) {
-        s.dirty_vertices.move_to(s.untaken_vertices);
-        s.dirty_triangles.move_to(s.untaken_triangles);
-        s.untaken_taken = true;
+        s.mesh.dirty_vertices.move_to(s.mesh.untaken_vertices);
+        s.mesh.dirty_triangles.move_to(s.mesh.untaken_triangles);
+        s.mesh.untaken_taken = true;
     }
-    s.dirty_taken = true;
-    const DirtyBits& v = earlier ? s.untaken_vertices : s.dirty_vertices;
-    const DirtyBits& t = earlier ? s.untaken_triangles : s.dirty_triangles;
-    const std::size_t triangles = std::size_t{s.segment_count} << s.segment_log2;
-    return {{v.bits, s.budget.vertices / 64 + 1},
+    s.mesh.dirty_taken = true;
+    const DirtyBits& v = earlier ? s.mesh.untaken_vertices : s.mesh.dirty_vertices;
+    const DirtyBits& t = earlier ? s.mesh.untaken_triangles : s.mesh.dirty_triangles;
+    const std::size_t triangles = std::size_t{s.mesh.segment_count} << s.mesh.segment_log2;
+    return {{v.bits, s.mesh.capacity / 64 + 1},
             {t.bits, triangles / 64 + 1},
             {v.words, v.word_count},
             {t.words, t.word_count}};

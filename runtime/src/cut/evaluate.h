@@ -105,14 +105,14 @@ struct Evaluation {
     const Criterion& c = criterion_of(s, vertex / group_lanes);
     const VertexRecord record = record_of(s, vertex);
     const Coord at = site_coord(site);
-    const std::int32_t base = s.page_state[vertex / group_lanes / max_page_groups].base;
+    const std::int32_t base = s.pages.state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
     v.error_m = c.error_m[record.error];
     v.code = record.error;
-    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
+    v.radius_m = s.pages.grid.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
                  c.radius_factor[record.radius & (radius_codes - 1)];
     float margin = -3.4e38f, span = 0;
     for (std::uint32_t i = 0; i < c.views; ++i) {
@@ -132,8 +132,8 @@ struct Evaluation {
 [[nodiscard]] inline LaneGroup lanes_of(const CutState& s, std::uint32_t number,
                                         VertexRecord (&gathered)[group_lanes]) {
     const std::uint32_t slot = number / max_page_groups;
-    const PageState& info = s.page_state[slot];
-    const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
+    const PageState& info = s.pages.state[slot];
+    const GroupShape& shape = s.pages.grid.shapes[info.shape].groups[number - slot * max_page_groups];
     const int z = info.z + shape.z;
     const std::int32_t apart = 2 << z;
     LaneGroup lanes{records_of(s, slot) + shape.first,
@@ -142,10 +142,10 @@ struct Evaluation {
                     shape.along_y ? 0 : apart,
                     shape.along_y ? apart : 0,
                     info.base,
-                    s.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
+                    s.pages.grid.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
                     0,
                     0};
-    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
+    if (shape.lanes != group_lanes || shape.stride != 1 || s.pages.grid.hz_places) {
         for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
             gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
         lanes.records = gathered;
@@ -154,12 +154,12 @@ struct Evaluation {
 }
 
 [[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views.view[i].eye_m;
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane)
-            inside =
-                dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
+            inside = dot(s.views.frustum[i].normal[plane], p) >=
+                     s.views.frustum[i].offset[plane] - static_cast<double>(v.radius_m);
         if (inside) return true;
     }
     return false;
@@ -168,8 +168,8 @@ struct Evaluation {
 // Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
 [[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Evaluation& v) {
     float worst = 0;
-    for (std::uint32_t i = 0; i < s.criterion.views; ++i) {
-        const Reach& r = s.criterion.reach[i];
+    for (std::uint32_t i = 0; i < s.views.criterion.views; ++i) {
+        const Reach& r = s.views.criterion.reach[i];
         const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
         const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
         worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));

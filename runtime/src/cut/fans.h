@@ -14,7 +14,7 @@ namespace fjell {
 
 // Where triangles go: slots from `next` on. Around a vertex there may be four, so the last before `end` stay empty.
 struct FanOut {
-    std::uint32_t *indices, *triangle_of; // CutState's
+    std::uint32_t *indices, *triangle_of; // Mesh's
     std::uint32_t next, end;
 };
 

@@ -13,8 +13,8 @@ constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
 // Beyond this effective threshold only vertices whose spheres hold an eye are wanted: that of no view is below 1e7.
 double governor_most_px(const CutState& s) {
     double least_ratio = 1;
-    for (std::uint32_t i = 0; i < s.view_count; ++i)
-        least_ratio = std::min(least_ratio, threshold_ratio(s.views[i], s.settings));
+    for (std::uint32_t i = 0; i < s.views.count; ++i)
+        least_ratio = std::min(least_ratio, threshold_ratio(s.views.view[i], s.frame.settings));
     return 1e7 / least_ratio;
 }
 
@@ -23,9 +23,10 @@ double governor_most_px(const CutState& s) {
 // hurry, when one rise after another was not enough, twice as far each time.
 constexpr int glide_frames = 16;
 double glide_factor(const CutState& s) {
-    if (s.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
+    if (s.frame.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
     // Vertices of a narrower band pop, nearly; it would only hold the rise up.
-    const double band = std::max(2 * std::log1p(static_cast<double>(s.terrain->header.nesting)), std::log(governor_up));
+    const double band =
+        std::max(2 * std::log1p(static_cast<double>(s.pages.grid.terrain->header.nesting)), std::log(governor_up));
     return std::exp(std::ldexp(band / glide_frames, static_cast<int>(s.governor.haste)));
 }
 
@@ -67,13 +68,13 @@ void begin_governing(CutState& s, double requested_px) {
 
 void govern(CutState& s, double use) {
     Governor& g = s.governor;
-    const double requested_px = s.report.error_px_requested;
+    const double requested_px = s.frame.report.error_px_requested;
     g.effective_px = std::max(g.effective_px, requested_px);
     g.aim_px = std::max(g.aim_px, requested_px);
-    if (s.lagging) return;
-    const bool blocked = s.full_capacities != 0;
+    if (s.frame.lagging) return;
+    const bool blocked = s.frame.full_capacities != 0;
     if (g.effective_px == g.aim_px || (blocked && g.aim_px < g.effective_px))
-        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(s), use, blocked, s.still);
+        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(s), use, blocked, s.views.still);
     const double factor = glide_factor(s);
     g.effective_px = std::clamp(g.aim_px, g.effective_px / factor, g.effective_px * factor);
 }

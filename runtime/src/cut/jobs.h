@@ -9,7 +9,7 @@
 namespace fjell {
 
 [[nodiscard]] inline std::uint32_t worker_count(const CutState& s) {
-    return s.settings.jobs.run == nullptr ? 1 : s.budget.workers;
+    return s.frame.settings.jobs.run == nullptr ? 1 : s.bulk.workers;
 }
 
 // work(n, worker) for n from 0 to count - 1, each once. Those of one worker run one after the other.
@@ -29,7 +29,7 @@ void run_jobs(const CutState& s, std::uint32_t count, const Work& work) {
         Shared& of = *static_cast<Shared*>(data);
         for (std::uint32_t n; (n = of.next.fetch_add(1, std::memory_order_relaxed)) < of.count;) of.work(n, worker);
     };
-    s.settings.jobs.run(s.settings.jobs.user, workers, job, &shared);
+    s.frame.settings.jobs.run(s.frame.settings.jobs.user, workers, job, &shared);
 }
 
 } // namespace fjell

@@ -20,104 +20,104 @@ struct MeshTriangle {
 };
 
 [[nodiscard]] inline std::uint32_t hidden_tile(const CutState& s) {
-    return s.terrain->tile_count();
+    return s.mesh.tile_count;
 }
 
 [[nodiscard]] inline bool is_hidden(const CutState& s, const MeshTriangle& t) {
-    if ((s.hole[t.right] | s.hole[t.a] | s.hole[t.b]) & hole_bit) return true;
-    const MeshVertex &p = s.vertices[t.right], &a = s.vertices[t.a], &b = s.vertices[t.b];
+    if ((s.mesh.hole[t.right] | s.mesh.hole[t.a] | s.mesh.hole[t.b]) & hole_bit) return true;
+    const MeshVertex &p = s.mesh.vertices[t.right], &a = s.mesh.vertices[t.a], &b = s.mesh.vertices[t.b];
     return std::int64_t{a.column - p.column} * (b.row - p.row) == std::int64_t{a.row - p.row} * (b.column - p.column);
 }
 [[nodiscard]] inline std::uint32_t list_for(const CutState& s, std::uint32_t tile, const MeshTriangle& t) {
-    return s.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
+    return s.mesh.some_hidden && is_hidden(s, t) ? hidden_tile(s) : tile;
 }
 
 inline void put_corners(CutState& s, std::uint32_t slot, const MeshTriangle& t) {
-    std::uint32_t* const out = s.indices + std::size_t{slot} * 3;
+    std::uint32_t* const out = s.mesh.indices + std::size_t{slot} * 3;
     out[0] = t.right, out[1] = t.a, out[2] = t.b;
 }
 inline void put_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
     put_corners(s, slot, t);
-    s.triangle_of[key] = slot;
+    s.mesh.triangle_of[key] = slot;
 }
 // The key of the triangle in a slot: it is the one of its right angle's that leads there.
 [[nodiscard]] inline std::uint32_t key_of(const CutState& s, std::uint32_t slot) {
-    std::uint32_t key = s.indices[std::size_t{slot} * 3] * 4;
-    while (s.triangle_of[key] != slot) ++key;
+    std::uint32_t key = s.mesh.indices[std::size_t{slot} * 3] * 4;
+    while (s.mesh.triangle_of[key] != slot) ++key;
     return key;
 }
 inline void write_triangle(CutState& s, std::uint32_t slot, const MeshTriangle& t, std::uint32_t key) {
     put_triangle(s, slot, t, key);
-    s.dirty_triangles.mark(slot);
+    s.mesh.dirty_triangles.mark(slot);
 }
 
 // No triangle stays: the first segments are the next that are taken.
 inline void free_all_segments(CutState& s) {
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i)
-        static_cast<TileStack&>(s.tiles[i]) = {no_index, 0, 0, 0};
-    s.free_segment_count = s.segment_count;
-    for (std::uint32_t i = 0; i < s.segment_count; ++i) s.free_segments[i] = s.segment_count - 1 - i;
+    for (std::uint32_t i = 0; i <= s.mesh.tile_count; ++i)
+        static_cast<TileStack&>(s.mesh.tiles[i]) = {no_index, 0, 0, 0};
+    s.mesh.free_segment_count = s.mesh.segment_count;
+    for (std::uint32_t i = 0; i < s.mesh.segment_count; ++i) s.mesh.free_segments[i] = s.mesh.segment_count - 1 - i;
 }
 
 // Slots that a tile can still take without a new segment.
 [[nodiscard]] inline std::uint32_t room_in(const CutState& s, std::uint32_t tile) {
-    const TileList& list = s.tiles[tile];
-    return list.last_segment == no_index ? 0 : (1u << s.segment_log2) - list.in_last;
+    const TileList& list = s.mesh.tiles[tile];
+    return list.last_segment == no_index ? 0 : (1u << s.mesh.segment_log2) - list.in_last;
 }
 
 [[nodiscard]] inline bool needs_segment(const CutState& s, const TileStack& list) {
-    return list.last_segment == no_index || list.in_last == 1u << s.segment_log2;
+    return list.last_segment == no_index || list.in_last == 1u << s.mesh.segment_log2;
 }
 inline void push_segment(CutState& s, TileStack& list, std::uint32_t tile, std::uint32_t segment) {
-    s.segment_below[segment] = list.last_segment;
-    s.segment_tile[segment] = tile;
+    s.mesh.segment_below[segment] = list.last_segment;
+    s.mesh.segment_tile[segment] = tile;
     list.last_segment = segment;
     list.in_last = 0;
     ++list.segments;
 }
 inline void note_segments(CutState& s) {
-    s.segment_peak = std::max(s.segment_peak, s.segment_count - s.free_segment_count);
+    s.mesh.segment_peak = std::max(s.mesh.segment_peak, s.mesh.segment_count - s.mesh.free_segment_count);
 }
 // The next slot of a tile's list. There must be room: in its last segment or a free one.
 inline std::uint32_t take_triangle(CutState& s, TileStack& list, std::uint32_t tile) {
     if (needs_segment(s, list)) {
-        FJELL_ASSERT(s.free_segment_count != 0);
-        push_segment(s, list, tile, s.free_segments[--s.free_segment_count]);
+        FJELL_ASSERT(s.mesh.free_segment_count != 0);
+        push_segment(s, list, tile, s.mesh.free_segments[--s.mesh.free_segment_count]);
         note_segments(s);
     }
     ++list.total;
-    return (list.last_segment << s.segment_log2) + list.in_last++;
+    return (list.last_segment << s.mesh.segment_log2) + list.in_last++;
 }
 inline void append_triangle(CutState& s, std::uint32_t tile, const MeshTriangle& t, std::uint32_t key) {
-    FJELL_ASSERT(s.triangle_of[key] == no_index); // or the one of that key would stay in the mesh, over this one
-    write_triangle(s, take_triangle(s, s.tiles[tile], tile), t, key);
+    FJELL_ASSERT(s.mesh.triangle_of[key] == no_index); // or the one of that key would stay in the mesh, over this one
+    write_triangle(s, take_triangle(s, s.mesh.tiles[tile], tile), t, key);
 }
 
 inline void remove_triangle(CutState& s, std::uint32_t slot, std::uint32_t key) {
-    TileList& list = s.tiles[s.segment_tile[slot >> s.segment_log2]];
-    FJELL_ASSERT(list.in_last != 0 && s.triangle_of[key] == slot);
-    const std::uint32_t last = (list.last_segment << s.segment_log2) + --list.in_last;
+    TileList& list = s.mesh.tiles[s.mesh.segment_tile[slot >> s.mesh.segment_log2]];
+    FJELL_ASSERT(list.in_last != 0 && s.mesh.triangle_of[key] == slot);
+    const std::uint32_t last = (list.last_segment << s.mesh.segment_log2) + --list.in_last;
     --list.total;
-    s.triangle_of[key] = no_index;
+    s.mesh.triangle_of[key] = no_index;
     if (last != slot) {
-        const std::uint32_t* const from = s.indices + std::size_t{last} * 3;
+        const std::uint32_t* const from = s.mesh.indices + std::size_t{last} * 3;
         write_triangle(s, slot, {from[0], from[1], from[2]}, key_of(s, last));
     }
     if (list.in_last != 0) return;
     const std::uint32_t segment = list.last_segment;
-    s.free_segments[s.free_segment_count++] = segment;
-    list.last_segment = s.segment_below[segment];
-    list.in_last = list.last_segment == no_index ? 0 : 1u << s.segment_log2;
+    s.mesh.free_segments[s.mesh.free_segment_count++] = segment;
+    list.last_segment = s.mesh.segment_below[segment];
+    list.in_last = list.last_segment == no_index ? 0 : 1u << s.mesh.segment_log2;
     --list.segments;
 }
 
 // The triangle of this key becomes another one of the same tile, drawn or not.
 inline void replace_triangle(CutState& s, std::uint32_t key, std::uint32_t tile, const MeshTriangle& t,
                              std::uint32_t new_key) {
-    const std::uint32_t slot = s.triangle_of[key];
-    if (s.segment_tile[slot >> s.segment_log2] == list_for(s, tile, t)) {
-        s.triangle_of[key] = no_index;
-        FJELL_ASSERT(s.triangle_of[new_key] == no_index);
+    const std::uint32_t slot = s.mesh.triangle_of[key];
+    if (s.mesh.segment_tile[slot >> s.mesh.segment_log2] == list_for(s, tile, t)) {
+        s.mesh.triangle_of[key] = no_index;
+        FJELL_ASSERT(s.mesh.triangle_of[new_key] == no_index);
         write_triangle(s, slot, t, new_key);
         return;
     }

@@ -26,7 +26,7 @@ void keep_pages_at_hand(CutState& s);
 [[nodiscard]] std::uint32_t free_pages(const CutState& s);
 // Can there be more pages with states than there are states?
 [[nodiscard]] inline bool may_lack_pages(const CutState& s) {
-    return s.page_count < s.terrain->slot_count;
+    return s.pages.count < s.pages.grid.terrain->slot_count;
 }
 
 // Parents that do not exist count as active, in a page's groups. Writes nothing else.

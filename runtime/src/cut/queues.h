@@ -37,7 +37,13 @@ struct Queues {
     std::uint32_t group_count;
     Link ends[queue_count]; // first and last group
     std::uint32_t sizes[queue_count];
-    Schedule* schedule; // which counts what waits in a page
+    Schedule* schedule;       // which counts what waits in a page
+    std::uint32_t work_ranks; // which work_queues may hold groups, as bits
+    std::uint32_t turn;       // which of blocked_queues takes what is put back
+    std::uint32_t gated_turn; // and of gated_queues
+    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
+    // pass may take several frames; groups that were filed before the event may lie in either list.
+    std::uint8_t gate_passes;
 };
 
 void clear_queues(Queues& queues); // the groups' own states aside

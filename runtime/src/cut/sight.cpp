@@ -30,14 +30,14 @@ struct Box {
 // Of a page from one of its squares' corners to another's, in squares; all that stands there, and its spheres.
 Box box_of(const CutState& s, const PageState& page, std::uint32_t i0, std::uint32_t j0, std::uint32_t i1,
            std::uint32_t j1) {
-    const TerrainData& t = *s.terrain;
+    const TerrainData& t = *s.pages.grid.terrain;
     const auto place = [&](std::int32_t from, std::uint32_t square) {
         return from + (static_cast<std::int32_t>(2 * square) << page.z);
     };
     // What lies beyond the terrain's rim stands on it.
     const Coord first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
                 last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
-    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
+    const PageExtent& extent = s.pages.loaded[page.terrain_slot].extent;
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
     return {{static_cast<double>(t.x_m(first.x)) - out, static_cast<double>(extent.low_m) - out,
              static_cast<double>(t.z_m(first.y)) - out},
@@ -45,7 +45,7 @@ Box box_of(const CutState& s, const PageState& page, std::uint32_t i0, std::uint
              static_cast<double>(t.z_m(last.y)) + out}};
 }
 Box box_of(const CutState& s, const PageState& page) {
-    const auto tile_squares = static_cast<std::uint32_t>(s.terrain->tree.side()) / 2;
+    const auto tile_squares = static_cast<std::uint32_t>(s.pages.grid.terrain->tree.side()) / 2;
     const std::uint32_t squares = page.shape == 0 ? tile_squares : page_squares;
     return box_of(s, page, 0, 0, squares, squares);
 }
@@ -87,7 +87,7 @@ Frustum wider(View view, double by) {
 }
 
 double cells_m(const CutState& s, double cells) {
-    return cells * static_cast<double>(std::min(s.terrain->spacing_x_m, s.terrain->spacing_z_m));
+    return cells * static_cast<double>(std::min(s.pages.grid.terrain->spacing_x_m, s.pages.grid.terrain->spacing_z_m));
 }
 
 // Does all that the view sees lie within a share of the margin of what another one saw?
@@ -105,7 +105,7 @@ bool within(const View& view, const Sight& sight, const Frustum& frustum, double
 
 bool all_within(const CutState& s, const Sights& sights, Frustum Sight::*frustum, double share) {
     const double move_m = cells_m(s, margin_cells * share);
-    return std::all_of(s.views, s.views + s.view_count, [&](const View& view) {
+    return std::all_of(s.views.view, s.views.view + s.views.count, [&](const View& view) {
         return std::any_of(sights.of, sights.of + sights.count,
                            [&](const Sight& sight) { return within(view, sight, sight.*frustum, move_m); });
     });
@@ -114,10 +114,10 @@ bool all_within(const CutState& s, const Sights& sights, Frustum Sight::*frustum
 // How much of the way from half of the margin to most of it the views have gone, of what they turned apart.
 double gone(const CutState& s, const Sights& from) {
     double worst_m = 0;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        double least_m = length(s.views[i].eye_m - from.of[0].eye_m);
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        double least_m = length(s.views.view[i].eye_m - from.of[0].eye_m);
         for (std::uint32_t n = 1; n < from.count; ++n)
-            least_m = std::min(least_m, length(s.views[i].eye_m - from.of[n].eye_m));
+            least_m = std::min(least_m, length(s.views.view[i].eye_m - from.of[n].eye_m));
         worst_m = std::max(worst_m, least_m);
     }
     return std::clamp((worst_m / cells_m(s, margin_cells) - half_share) / (most_share - half_share), 0.0, 1.0);
@@ -125,9 +125,10 @@ double gone(const CutState& s, const Sights& from) {
 
 // Has no view moved or turned since the look began?
 bool rests(const CutState& s) {
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Sight& sight = s.sights.of[std::min(i, s.sights.count - 1)];
-        if (length(s.views[i].eye_m - sight.eye_m) > 0 || length(s.views[i].forward - sight.forward) > 0) return false;
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        const Sight& sight = s.visibility.now.of[std::min(i, s.visibility.now.count - 1)];
+        if (length(s.views.view[i].eye_m - sight.eye_m) > 0 || length(s.views.view[i].forward - sight.forward) > 0)
+            return false;
     }
     return true;
 }
@@ -145,15 +146,16 @@ std::uint8_t parts_not_met(const CutState& s, const PageState& page, const Meet&
 }
 
 void set_offscreen(CutState& s, std::uint32_t slot, std::uint8_t offscreen) {
-    PageState& page = s.page_state[slot];
+    PageState& page = s.pages.state[slot];
     if (page.offscreen == offscreen) return;
     const std::uint8_t before = std::exchange(page.offscreen, offscreen);
-    for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
+    for (std::uint32_t n = 0; n < s.pages.grid.shapes[page.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
-        const std::uint8_t parts = s.shapes[page.shape].groups[n].parts;
+        const std::uint8_t parts = s.pages.grid.shapes[page.shape].groups[n].parts;
         if (((before & parts) == parts) == ((offscreen & parts) == parts)) continue;
         // What waits in a queue is evaluated anyway.
-        if (s.groups[number].queue == unqueued && s.groups[number].ready() != 0) make_due(s.schedule, number);
+        if (s.pages.groups[number].queue == unqueued && s.pages.groups[number].ready() != 0)
+            make_due(s.work.schedule, number);
     }
 }
 
@@ -161,40 +163,40 @@ void set_offscreen(CutState& s, std::uint32_t slot, std::uint8_t offscreen) {
 
 double offscreen_factor(const CutState& s, const View& view, double threshold_px) {
     const double highest = quarter_tangent * lambda_px(view) / threshold_px;
-    return std::clamp(highest, 1.0, s.settings.offscreen_factor);
+    return std::clamp(highest, 1.0, s.frame.settings.offscreen_factor);
 }
 
 namespace {
 
 bool is_looking(const CutState& s) {
-    return s.next_look < s.fresh_page;
+    return s.visibility.next < s.pages.fresh;
 }
 
 void begin_look(CutState& s) {
-    s.sights_mixed = s.sights.count != 0 && is_looking(s);
-    s.sights_before = s.sights;
-    s.sights.count = s.view_count;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const View& view = s.views[i];
-        s.sights.of[i] = {view.eye_m,
-                          view.forward,
-                          wider(view, half_tangent),
-                          wider(view, most_tangent),
-                          wider(view, margin_tangent),
-                          wider(view, leave_tangent)};
+    s.visibility.mixed = s.visibility.now.count != 0 && is_looking(s);
+    s.visibility.before = s.visibility.now;
+    s.visibility.now.count = s.views.count;
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        const View& view = s.views.view[i];
+        s.visibility.now.of[i] = {view.eye_m,
+                                  view.forward,
+                                  wider(view, half_tangent),
+                                  wider(view, most_tangent),
+                                  wider(view, margin_tangent),
+                                  wider(view, leave_tangent)};
     }
-    s.next_look = 0;
+    s.visibility.next = 0;
 }
 
 void look_at(CutState& s, std::uint32_t slot) {
-    const PageState& page = s.page_state[slot];
+    const PageState& page = s.pages.state[slot];
     if (page.page == no_index) return;
     const double margin_m = cells_m(s, margin_cells), leave_m = cells_m(s, leave_cells);
     const auto met = [&](const Box& box, std::uint32_t part) {
         const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
         Met meeting = Met::nothing;
-        for (std::uint32_t i = 0; i < s.sights.count && meeting != Met::all; ++i) {
-            const Sight& sight = s.sights.of[i];
+        for (std::uint32_t i = 0; i < s.visibility.now.count && meeting != Met::all; ++i) {
+            const Sight& sight = s.visibility.now.of[i];
             meeting = std::max(meeting, out ? meets(sight.outer, sight.eye_m, box, sides, margin_m)
                                             : meets(sight.last, sight.eye_m, box, sides, leave_m));
         }
@@ -208,16 +210,16 @@ constexpr std::uint32_t pages_a_visit = 16;
 // More of the pages: all of them before a view can see what the others were not looked at for, or as many as there is
 // time for. all: at once.
 void go_on_looking(CutState& s, bool all) {
-    const Sights& before = s.sights_before;
-    std::uint32_t end = s.fresh_page;
-    if (!all && !s.sights_mixed && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
-        const auto gone_to = static_cast<std::uint32_t>(gone(s, before) * static_cast<double>(s.fresh_page));
-        end = std::min(end, std::max(s.next_look + s.fresh_page / look_frames + 1, gone_to));
+    const Sights& before = s.visibility.before;
+    std::uint32_t end = s.pages.fresh;
+    if (!all && !s.visibility.mixed && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
+        const auto gone_to = static_cast<std::uint32_t>(gone(s, before) * static_cast<double>(s.pages.fresh));
+        end = std::min(end, std::max(s.visibility.next + s.pages.fresh / look_frames + 1, gone_to));
     }
-    while (s.next_look < end && !out_of_time(s, has_done_something(s))) {
-        const std::uint32_t visit_end = std::min(s.next_look + pages_a_visit, end);
-        while (s.next_look < visit_end) look_at(s, s.next_look++);
-        ++s.report.visits;
+    while (s.visibility.next < end && !out_of_time(s, has_done_something(s))) {
+        const std::uint32_t visit_end = std::min(s.visibility.next + pages_a_visit, end);
+        while (s.visibility.next < visit_end) look_at(s, s.visibility.next++);
+        ++s.frame.report.visits;
     }
 }
 
@@ -225,57 +227,58 @@ void go_on_looking(CutState& s, bool all) {
 
 void watch_pages(CutState& s) {
     FJELL_ASSERT(s.bulk.phase == BulkPhase::idle);
-    if (s.settings.offscreen_factor <= 1) {
-        if (s.sights.count == 0) return;
-        s.sights.count = 0;
-        s.next_look = no_index;
-        for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot)
-            if (s.page_state[slot].page != no_index) set_offscreen(s, slot, 0);
+    if (s.frame.settings.offscreen_factor <= 1) {
+        if (s.visibility.now.count == 0) return;
+        s.visibility.now.count = 0;
+        s.visibility.next = no_index;
+        for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot)
+            if (s.pages.state[slot].page != no_index) set_offscreen(s, slot, 0);
         return;
     }
-    if (s.sights.count != 0 && is_looking(s)) {
+    if (s.visibility.now.count != 0 && is_looking(s)) {
         go_on_looking(s, rests(s));
         if (is_looking(s)) return;
     }
-    if (s.sights.count != 0 && all_within(s, s.sights, &Sight::half, half_share)) return;
+    if (s.visibility.now.count != 0 && all_within(s, s.visibility.now, &Sight::half, half_share)) return;
     begin_look(s);
     go_on_looking(s, false);
 }
 
 void watch_visited_pages(CutState& s) {
-    if (s.settings.offscreen_factor <= 1) return watch_pages(s);
+    if (s.frame.settings.offscreen_factor <= 1) return watch_pages(s);
     begin_look(s);
-    s.sights_mixed = true; // of the pages that the pass has not visited nobody keeps a list
+    s.visibility.mixed = true; // of the pages that the pass has not visited nobody keeps a list
 }
 
 void watch_visited_page(CutState& s, std::uint32_t slot) {
-    if (s.sights.count != 0) look_at(s, slot);
+    if (s.visibility.now.count != 0) look_at(s, slot);
 }
 
 bool is_overlooking(const CutState& s) {
-    if (s.sights.count == 0 || !is_looking(s)) return false;
-    return s.sights_mixed ||
-           (s.sights_before.count != 0 && !all_within(s, s.sights_before, &Sight::most, most_share)) ||
-           !all_within(s, s.sights, &Sight::outer, 1);
+    if (s.visibility.now.count == 0 || !is_looking(s)) return false;
+    return s.visibility.mixed ||
+           (s.visibility.before.count != 0 && !all_within(s, s.visibility.before, &Sight::most, most_share)) ||
+           !all_within(s, s.visibility.now, &Sight::outer, 1);
 }
 
 void watch_page(CutState& s, std::uint32_t slot) {
-    PageState& page = s.page_state[slot];
-    if (s.sights.count == 0) return;
-    if (s.next_look == slot) ++s.next_look; // the last one of a look that was over, and is
+    PageState& page = s.pages.state[slot];
+    if (s.visibility.now.count == 0) return;
+    if (s.visibility.next == slot) ++s.visibility.next; // the last one of a look that was over, and is
     const double margin_m = cells_m(s, margin_cells);
     page.offscreen = parts_not_met(s, page, [&](const Box& box, std::uint32_t) {
         Met meeting = Met::nothing;
-        for (std::uint32_t i = 0; i < s.sights.count && meeting != Met::all; ++i)
-            meeting = std::max(meeting, meets(s.sights.of[i].outer, s.sights.of[i].eye_m, box, sides, margin_m));
+        for (std::uint32_t i = 0; i < s.visibility.now.count && meeting != Met::all; ++i)
+            meeting = std::max(meeting,
+                               meets(s.visibility.now.of[i].outer, s.visibility.now.of[i].eye_m, box, sides, margin_m));
         return meeting;
     });
 }
 
 bool may_be_seen(const CutState& s, const PageState& page) {
     const Box box = box_of(s, page);
-    for (std::uint32_t i = 0; i < s.view_count; ++i)
-        if (meets(s.frustums[i], s.views[i].eye_m, box, 0, 0) != Met::nothing) return true;
+    for (std::uint32_t i = 0; i < s.views.count; ++i)
+        if (meets(s.views.frustum[i], s.views.view[i].eye_m, box, 0, 0) != Met::nothing) return true;
     return false;
 }
 

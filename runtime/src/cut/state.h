@@ -135,7 +135,7 @@ struct DirtyBits {
     }
 };
 
-// Of CutState::hole.
+// Of Mesh::hole.
 inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
 
 // What the governor remembers (governor.h).
@@ -177,144 +177,173 @@ struct MorphClock {
     }
 };
 
-struct CutState {
-    BlockHead head;
-    Terrain terrain_handle;
+// The geometry of groups, the same for as long as the cut lives.
+struct Grid {
+    Terrain handle;
     const TerrainData* terrain; // its data
-    CutBudget budget;
-    // Geometry of groups.
     std::uint32_t pages_per_tile;
     std::int32_t tiles_x, tiles_y;
     StepGroups steps[max_tile_log2];
-    PageShape shapes[2];        // [0] of page 0, [1] of all others
-    std::uint16_t* hz_places;   // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
-    std::uint32_t* page_groups; // first group of each page, or no_index: no state
+    PageShape shapes[2];      // [0] of page 0, [1] of all others
+    std::uint16_t* hz_places; // hierarchical Z-order: place of each group's lanes, for both shapes; else nullptr
     float level_unit_m[2 * max_tile_log2]; // of radii: centres at 2 z, sides at 2 z + 1
-    void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
-    float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
-    // Vertices.
+};
+
+// The pool of page states, and the masks of their groups.
+struct Pages {
+    Grid grid;
     GroupState* groups;
     std::uint32_t* vertex_slot; // vertex slot of each active vertex
+    std::uint32_t* page_groups; // first group of each page, or no_index: no state
     LoadedPage* loaded;         // one a page slot of the terrain
     std::uint64_t seen_changes;
-    // The pool of page states.
-    PageState* page_state;
-    std::uint32_t page_count, group_count; // its size
-    std::uint32_t* free_pages;             // a stack of given-back states; those from fresh_page on were never taken
-    std::uint32_t free_page_count, fresh_page;
-    std::uint32_t* idle_pages; // a ring: those that became idle first; some of them are no longer
+    PageState* state;
+    std::uint32_t count, group_count; // the pool's size
+    std::uint32_t* free;              // a stack of given-back states; those from fresh on were never taken
+    std::uint32_t free_count, fresh;
+    std::uint32_t* idle; // a ring: those that became idle first; some of them are no longer
     std::uint32_t first_idle, idle_count;
     std::uint32_t tiles_waiting; // for their pages 0, which shall have one
-    bool pages_wait;             // a page was loaded, and had none to be had
-    std::uint32_t busy_pages;    // that are not idle
+    bool some_wait;              // a page was loaded, and had none to be had
+    std::uint32_t busy;          // that are not idle
     std::uint32_t* evicting;     // states of pages that are being evicted
     std::uint32_t evicting_count;
-    // What is to be done, and when.
+};
+
+// What is to be done, and when.
+struct Work {
     Schedule schedule;
     Queues queues;
-    BulkPass bulk;
-    // The mesh.
+};
+
+struct Mesh {
+    // Vertex slots. The corners of all tiles have the first.
+    std::uint32_t capacity, corner_count;
     MeshVertex* vertices;
     MorphVertex* morph;
     std::uint32_t* triangle_of;   // by key: its slot, or no_index
     std::uint8_t* hole;           // 1 a vertex slot: hole_bit, morphs_out_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
     std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
+    std::uint32_t mapped; // entries of that stack that say what the bulk pass took, while the state follows
+    // Triangle slots, in segments.
     std::uint32_t* indices; // 3 a triangle slot: right angle first
-    TileList* tiles;        // and one more: triangles that are not drawn
+    TileList* tiles;        // tile_count, and one more: triangles that are not drawn
+    std::uint32_t tile_count;
     std::uint32_t* segment_tile;
     std::uint32_t* segment_below; // the tile's segment before it
     std::uint32_t* free_segments;
     std::uint32_t free_segment_count, segment_count, segment_peak;
     std::uint32_t segment_log2;
-    bool some_hidden;                              // the terrain has holes or ends inside tiles
+    bool some_hidden; // the terrain has holes or ends inside tiles
+    TileRange* ranges;
+    std::uint32_t range_count;
+    // What has changed.
     DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
     DirtyBits untaken_vertices, untaken_triangles; // and by those before, when the host had not taken them
     bool dirty_taken, untaken_taken;               // by cut_take_changes()
-    TileRange* ranges;
-    std::uint32_t range_count;
-    // The views of the last update, and what follows from them.
+};
+
+// The views of the last update, and what follows from them.
+struct Views {
+    View view[max_cut_views];
+    Frustum frustum[max_cut_views];
+    std::uint32_t count;                      // 0: no update yet
     Criterion criterion, offscreen_criterion; // of groups that are not off-screen, and of those that are
-    View views[max_cut_views];
-    Frustum frustums[max_cut_views];
-    Sights sights, sights_before; // of the look that pages are given, and of the one that the others had
-    std::uint32_t next_look;      // state of a page that comes next; from fresh_page on all have had it
-    bool sights_mixed;            // the others had several: looks that did not come to their end
-    std::uint32_t view_count;     // 0: no update yet
-    double largest_unit_px;       // screen_unit_px() (lag.h)
-    double largest_ratio;         // of a view's threshold to that of the settings
-    Governor governor;
-    // The frame in work.
+    double largest_unit_px;                   // screen_unit_px() (lag.h)
+    double largest_ratio;                     // of a view's threshold to that of the settings
+    bool jumped;                              // an eye has, so far that much is due
+    bool leapt;                               // and it is not only a threshold that has
+    bool still;                               // no eye has moved, come or gone since the frame before
+    void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
+    float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
+};
+
+// With what pages are looked at.
+struct Visibility {
+    Sights now, before; // of the look that pages are given, and of the one that the others had
+    std::uint32_t next; // state of a page that comes next; from Pages::fresh on all have had it
+    bool mixed;         // the others had several: looks that did not come to their end
+};
+
+struct Morphing {
+    MorphClock clock;
+    MorphFrame now, before;
+    std::uint32_t ring_size; // Mesh::capacity
+    float* late_s;           // activated_s of vertices activated late, a ring: oldest first
+    std::uint32_t first_late, late_count;
+    std::uint32_t* late_pages; // states of pages with such vertices
+    std::uint32_t late_page_count;
+    std::uint32_t* out; // vertices that morph out, a ring: those that began first
+    std::uint32_t first_out, out_count;
+};
+
+// The frame in work.
+struct Frame {
     CutSettings settings;
     CutReport report;
-    std::uint64_t frame;
+    std::uint64_t number;
     std::uint32_t item_limit;
     bool lagging;                          // the frame before left work undone
     std::uint32_t full_capacities;         // CutBudgetBits of capacities at which a change has just failed
     std::uint32_t deactivations_when_full; // deactivations before it did
     std::uint32_t batches;                 // of groups, changed in this frame
     std::uint32_t examined;                // groups since the last batch, also of the frame before
-    bool jumped;                           // an eye has, so far that much is due
-    bool leapt;                            // and it is not only a threshold that has
-    bool still;                            // no eye has moved, come or gone since the frame before
     std::chrono::steady_clock::time_point started;
-    double output_us;         // what the report of the last frame that lagged took
-    double reserved_us;       // of this frame's time, for its own
-    std::uint32_t work_ranks; // which work_queues may hold groups, as bits
-    std::uint32_t turn;       // which of blocked_queues takes what is put back
-    std::uint32_t gated_turn; // and of gated_queues
-    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
-    // pass may take several frames; groups that were filed before the event may lie in either list.
-    std::uint8_t gate_passes;
-    // Morphing.
-    MorphClock clock;
-    MorphFrame morph_now, morph_before;
-    float* late_s; // activated_s of vertices activated late, a ring of budget.vertices: oldest first
-    std::uint32_t first_late, late_count;
-    std::uint32_t* late_pages; // states of pages with such vertices
-    std::uint32_t late_page_count;
-    std::uint32_t* morphing_out; // vertices that morph out, a ring of budget.vertices: those that began first
-    std::uint32_t first_morphing_out, morphing_out_count;
+    double output_us;   // what the report of the last frame that lagged took
+    double reserved_us; // of this frame's time, for its own
+};
+
+struct CutState {
+    BlockHead head;
+    CutBudget budget;
+    Pages pages;
+    Work work;
+    BulkPass bulk;
+    Mesh mesh;
+    Views views;
+    Visibility visibility;
+    Governor governor;
+    Morphing morphing;
+    Frame frame;
 };
 
 [[nodiscard]] inline bool is_offscreen(const CutState& s, std::uint32_t group) {
-    const PageState& page = s.page_state[group / max_page_groups];
+    const PageState& page = s.pages.state[group / max_page_groups];
     if (page.offscreen == 0) return false;
-    const std::uint8_t parts = s.shapes[page.shape].groups[group % max_page_groups].parts;
+    const std::uint8_t parts = s.pages.grid.shapes[page.shape].groups[group % max_page_groups].parts;
     return (page.offscreen & parts) == parts;
 }
 [[nodiscard]] inline const Criterion& criterion_of(const CutState& s, std::uint32_t group) {
-    return is_offscreen(s, group) ? s.offscreen_criterion : s.criterion;
+    return is_offscreen(s, group) ? s.views.offscreen_criterion : s.views.criterion;
 }
 inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
-    PageState& page = s.page_state[slot];
-    s.busy_pages += page.parents == 0 && more != 0;
+    PageState& page = s.pages.state[slot];
+    s.pages.busy += page.parents == 0 && more != 0;
     page.parents += more;
 }
 [[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
-    return s.free_vertex_count - s.bulk.mapped + s.budget.vertices - s.fresh_vertex;
-}
-// The corners of all tiles have the first vertex slots.
-[[nodiscard]] inline std::uint32_t corner_slots(const CutState& s) {
-    return s.terrain->corner_count;
+    return s.mesh.free_vertex_count - s.mesh.mapped + s.mesh.capacity - s.mesh.fresh_vertex;
 }
 [[nodiscard]] inline std::uint32_t take_vertex(CutState& s) {
     FJELL_ASSERT(free_vertices(s) != 0);
-    const std::uint32_t slot = s.free_vertex_count != 0 ? s.free_vertices[--s.free_vertex_count] : s.fresh_vertex++;
-    FJELL_ASSERT(slot >= corner_slots(s) && slot < s.fresh_vertex);
-    for (std::uint32_t d = 0; d < 4; ++d) s.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
+    const std::uint32_t slot =
+        s.mesh.free_vertex_count != 0 ? s.mesh.free_vertices[--s.mesh.free_vertex_count] : s.mesh.fresh_vertex++;
+    FJELL_ASSERT(slot >= s.mesh.corner_count && slot < s.mesh.fresh_vertex);
+    for (std::uint32_t d = 0; d < 4; ++d)
+        s.mesh.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
     return slot;
 }
 inline void give_vertex(CutState& s, std::uint32_t slot) {
-    FJELL_ASSERT(slot >= corner_slots(s) && slot < s.fresh_vertex);
-    FJELL_ASSERT(s.free_vertex_count < s.fresh_vertex - corner_slots(s)); // or one was given back twice
-    s.free_vertices[s.free_vertex_count++] = slot;
+    FJELL_ASSERT(slot >= s.mesh.corner_count && slot < s.mesh.fresh_vertex);
+    FJELL_ASSERT(s.mesh.free_vertex_count < s.mesh.fresh_vertex - s.mesh.corner_count); // or one was given back twice
+    s.mesh.free_vertices[s.mesh.free_vertex_count++] = slot;
 }
 
 // The cut behind a handle, or nullptr: also when its terrain is gone.
 [[nodiscard]] inline CutState* find_cut(const LiveCut& cut) {
     CutState* const s = find(cut);
-    return s != nullptr && find(s->terrain_handle) != nullptr ? s : nullptr;
+    return s != nullptr && find(s->pages.grid.handle) != nullptr ? s : nullptr;
 }
 inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 

@@ -35,8 +35,8 @@ Status check(const CutState& s, std::span<const View> views, const CutSettings& 
 // Largest error of a grade in this terrain.
 double grade_error_m(const CutState& s, std::uint32_t grade) {
     const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
-    return std::min(static_cast<double>(s.terrain->errors.metres[code]),
-                    static_cast<double>(s.terrain->header.max_error_m));
+    return std::min(static_cast<double>(s.pages.grid.terrain->errors.metres[code]),
+                    static_cast<double>(s.pages.grid.terrain->header.max_error_m));
 }
 
 // By how much a view's margin of a vertex (evaluate.h) may exceed another's, for the vertex' error.
@@ -95,166 +95,168 @@ double view_threshold_px(const View& view, const CutSettings& settings, double e
 
 // Sets the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
-    const Criterion before = s.criterion, offscreen_before = s.offscreen_criterion;
-    Criterion &c = s.criterion, &offscreen = s.offscreen_criterion;
+    const Criterion before = s.views.criterion, offscreen_before = s.views.offscreen_criterion;
+    Criterion &c = s.views.criterion, &offscreen = s.views.offscreen_criterion;
     // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
-    const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
-    if (s.settings.morph != Morph::none && s.morph_now.morph == Morph::none) {
+    const double nested = 1 + static_cast<double>(s.pages.grid.terrain->header.nesting);
+    if (s.frame.settings.morph != Morph::none && s.morphing.now.morph == Morph::none) {
         finish_bulk(s); // its triangles could not be flattened one by one
         flatten_all(s);
     }
-    const double early = s.settings.morph == Morph::none ? 1 : nested * nested;
-    s.morph_before = s.morph_now;
-    s.morph_now.morph = s.settings.morph;
-    s.morph_now.views = static_cast<std::uint32_t>(views.size());
-    s.morph_now.now_s = s.clock.now_s();
-    s.morph_now.morph_s = static_cast<float>(s.settings.morph_s);
-    s.largest_ratio = 0;
+    const double early = s.frame.settings.morph == Morph::none ? 1 : nested * nested;
+    s.morphing.before = s.morphing.now;
+    s.morphing.now.morph = s.frame.settings.morph;
+    s.morphing.now.views = static_cast<std::uint32_t>(views.size());
+    s.morphing.now.now_s = s.morphing.clock.now_s();
+    s.morphing.now.morph_s = static_cast<float>(s.frame.settings.morph_s);
+    s.views.largest_ratio = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const double full_px = view_threshold_px(views[i], s.settings, threshold_px) /
-                               (s.settings.corner_safe ? corner_factor(views[i]) : 1);
+        const double full_px = view_threshold_px(views[i], s.frame.settings, threshold_px) /
+                               (s.frame.settings.corner_safe ? corner_factor(views[i]) : 1);
         const double px = full_px / early;
         c.reach[i] = make_reach(views[i], px);
-        c.keep[i] = make_reach(views[i], px / (1 + s.settings.hysteresis));
+        c.keep[i] = make_reach(views[i], px / (1 + s.frame.settings.hysteresis));
         const double offscreen_px = px * offscreen_factor(s, views[i], px);
         offscreen.reach[i] = make_reach(views[i], offscreen_px);
-        offscreen.keep[i] = make_reach(views[i], offscreen_px / (1 + s.settings.hysteresis));
-        s.morph_now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
-                               static_cast<float>(lambda_px(views[i]) / full_px)};
-        s.views[i] = views[i];
-        s.frustums[i] = make_frustum(views[i]);
-        s.largest_ratio = std::max(s.largest_ratio, threshold_ratio(views[i], s.settings));
+        offscreen.keep[i] = make_reach(views[i], offscreen_px / (1 + s.frame.settings.hysteresis));
+        s.morphing.now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
+                                  static_cast<float>(lambda_px(views[i]) / full_px)};
+        s.views.view[i] = views[i];
+        s.views.frustum[i] = make_frustum(views[i]);
+        s.views.largest_ratio = std::max(s.views.largest_ratio, threshold_ratio(views[i], s.frame.settings));
     }
-    c.views = offscreen.views = s.view_count = static_cast<std::uint32_t>(views.size());
-    c.hysteresis = offscreen.hysteresis = s.settings.hysteresis > 0;
-    s.largest_unit_px = screen_unit_px(s);
+    c.views = offscreen.views = s.views.count = static_cast<std::uint32_t>(views.size());
+    c.hysteresis = offscreen.hysteresis = s.frame.settings.hysteresis > 0;
+    s.views.largest_unit_px = screen_unit_px(s);
     const ViewChange change(before, c), offscreen_change(offscreen_before, offscreen);
-    s.still = before.views != 0 && change.at(0) == 0;
+    s.views.still = before.views != 0 && change.at(0) == 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
     double metres[grade_count];
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         metres[grade] =
             std::max(change.at(grade_error_m(s, grade)), offscreen_change.at(grade_error_m(s, grade))) * rounding;
-    advance(s.schedule, metres);
+    advance(s.work.schedule, metres);
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         s.bulk.travelled_m[grade] = (s.bulk.travelled_m[grade] + metres[grade]) * (1 + 0x1p-50);
     // By 32 cells, or by a threshold as far: most of what is awake is due.
-    s.jumped = metres[grade_count / 2] > 1024 * s.schedule.tick_m;
-    s.leapt = change.at(0) > 1024 * s.schedule.tick_m;
+    s.views.jumped = metres[grade_count / 2] > 1024 * s.work.schedule.tick_m;
+    s.views.leapt = change.at(0) > 1024 * s.work.schedule.tick_m;
 }
 
 bool may_be_seen(const CutState& s, const TileList& tile) {
     if (!tile.bounded) return true;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - s.views[i].eye_m;
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - s.views.view[i].eye_m;
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - tile.radius_m;
+            inside = dot(s.views.frustum[i].normal[plane], p) >= s.views.frustum[i].offset[plane] - tile.radius_m;
         if (inside) return true;
     }
     return false;
 }
 
 void list_ranges(CutState& s) {
-    s.range_count = 0;
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        const TileList& list = s.tiles[tile];
+    s.mesh.range_count = 0;
+    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) {
+        const TileList& list = s.mesh.tiles[tile];
         if (list.total == 0 || !may_be_seen(s, list)) continue;
-        ++s.report.tiles_drawn;
-        s.report.triangles_drawn += list.total;
+        ++s.frame.report.tiles_drawn;
+        s.frame.report.triangles_drawn += list.total;
         std::uint32_t count = list.in_last;
-        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.segment_below[segment]) {
-            s.ranges[s.range_count++] = {tile, (segment << s.segment_log2) * 3, count * 3, count};
-            count = 1u << s.segment_log2;
+        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.mesh.segment_below[segment]) {
+            s.mesh.ranges[s.mesh.range_count++] = {tile, (segment << s.mesh.segment_log2) * 3, count * 3, count};
+            count = 1u << s.mesh.segment_log2;
         }
     }
 }
 
 // What the mesh lacks of its threshold; 0: nothing.
 double waiting_px(CutState& s, bool overlooking) {
-    const CutReport& r = s.report;
+    const CutReport& r = s.frame.report;
     forget_late_pages(s, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
-    if (s.bulk.phase != BulkPhase::idle || s.pages_wait) return any_mesh_px(s);
+    if (s.bulk.phase != BulkPhase::idle || s.pages.some_wait) return any_mesh_px(s);
     // What is called off-screen, and may be seen, is refined to the factor at least, but for what waits there.
-    const double coarsest_px = overlooking ? r.threshold_px * s.settings.offscreen_factor : 0;
+    const double coarsest_px = overlooking ? r.threshold_px * s.frame.settings.offscreen_factor : 0;
     const double lag = std::max(lag_px(s, overlooking), coarsest_px);
-    if (r.morphing == 0 && s.morph_now.morph == Morph::none) return lag;
+    if (r.morphing == 0 && s.morphing.now.morph == Morph::none) return lag;
     // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
     // is less than the threshold where they should not be active any more.
     return std::min(std::max(lag, r.threshold_px) + r.threshold_px, unbounded_px);
 }
 
 void finish(CutState& s) {
-    CutReport& r = s.report;
+    CutReport& r = s.frame.report;
     list_ranges(s);
-    r.vertex_slots = {s.budget.vertices - free_vertices(s), 0, s.budget.vertices};
-    s.vertex_peak = std::max(s.vertex_peak, r.vertex_slots.used);
-    r.vertex_slots.peak = s.vertex_peak;
-    const auto slots = [&](std::uint32_t segments) { return segments << s.segment_log2; };
-    r.triangle_slots = {slots(s.segment_count - s.free_segment_count), slots(s.segment_peak), slots(s.segment_count)};
+    r.vertex_slots = {s.mesh.capacity - free_vertices(s), 0, s.mesh.capacity};
+    s.mesh.vertex_peak = std::max(s.mesh.vertex_peak, r.vertex_slots.used);
+    r.vertex_slots.peak = s.mesh.vertex_peak;
+    const auto slots = [&](std::uint32_t segments) { return segments << s.mesh.segment_log2; };
+    r.triangle_slots = {slots(s.mesh.segment_count - s.mesh.free_segment_count), slots(s.mesh.segment_peak),
+                        slots(s.mesh.segment_count)};
     r.vertices = r.vertex_slots.used;
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) r.triangles += s.tiles[tile].total;
+    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) r.triangles += s.mesh.tiles[tile].total;
     r.blocked = blocked_groups(s);
-    if (s.pages_wait) s.full_capacities |= cut_budget_vertices;
-    if (s.full_capacities != 0) s.governor.cause = s.full_capacities;
-    if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.full_capacities;
+    if (s.pages.some_wait) s.frame.full_capacities |= cut_budget_vertices;
+    if (s.frame.full_capacities != 0) s.governor.cause = s.frame.full_capacities;
+    if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.frame.full_capacities;
     r.exhausted |= s.governor.cause;
-    r.morphing = s.late_count + s.morphing_out_count;
+    r.morphing = s.morphing.late_count + s.morphing.out_count;
     r.waiting = waiting_groups(s);
     const bool building = s.bulk.phase != BulkPhase::idle;
     const bool overlooking = !building && is_overlooking(s);
-    r.waiting += building + s.pages_wait + overlooking;
-    if (s.bulk.phase >= BulkPhase::releasing) r.vertices = corner_slots(s) + s.bulk.taken;
-    for (std::uint32_t i = 0; i < s.evicting_count; ++i) r.waiting += s.page_state[s.evicting[i]].active != 0;
-    r.vertices_changed = s.dirty_vertices.slots;
-    r.triangles_changed = s.dirty_triangles.slots;
-    const std::uint32_t gated = s.queues.sizes[gated_queues] + s.queues.sizes[gated_queues + 1];
-    s.lagging = r.waiting != r.blocked + gated + s.pages_wait;
+    r.waiting += building + s.pages.some_wait + overlooking;
+    if (s.bulk.phase >= BulkPhase::releasing) r.vertices = s.mesh.corner_count + s.bulk.taken;
+    for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
+        r.waiting += s.pages.state[s.pages.evicting[i]].active != 0;
+    r.vertices_changed = s.mesh.dirty_vertices.slots;
+    r.triangles_changed = s.mesh.dirty_triangles.slots;
+    const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
+    s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
     const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                  static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
-                                 may_lack_pages(s) ? static_cast<double>(s.busy_pages) / s.page_count : 0.0});
+                                 may_lack_pages(s) ? static_cast<double>(s.pages.busy) / s.pages.count : 0.0});
     govern(s, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
-    r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.terrain->missing_px});
-    r.converged = r.converged && s.terrain->missing_px <= r.error_px_requested;
+    r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
+    r.converged = r.converged && s.pages.grid.terrain->missing_px <= r.error_px_requested;
 }
 
 // What the host has not taken is kept for it.
 void begin_changes(CutState& s) {
-    if (std::exchange(s.untaken_taken, false)) {
-        s.untaken_vertices.clear();
-        s.untaken_triangles.clear();
+    if (std::exchange(s.mesh.untaken_taken, false)) {
+        s.mesh.untaken_vertices.clear();
+        s.mesh.untaken_triangles.clear();
     }
-    if (std::exchange(s.dirty_taken, false)) {
-        s.dirty_vertices.clear();
-        s.dirty_triangles.clear();
-    } else if (s.frame != 0) { // what create_cut() has written belongs to the first frame
-        s.dirty_vertices.move_to(s.untaken_vertices);
-        s.dirty_triangles.move_to(s.untaken_triangles);
+    if (std::exchange(s.mesh.dirty_taken, false)) {
+        s.mesh.dirty_vertices.clear();
+        s.mesh.dirty_triangles.clear();
+    } else if (s.frame.number != 0) { // what create_cut() has written belongs to the first frame
+        s.mesh.dirty_vertices.move_to(s.mesh.untaken_vertices);
+        s.mesh.dirty_triangles.move_to(s.mesh.untaken_triangles);
     }
 }
 
 void begin_frame(CutState& s, const CutSettings& settings) {
-    s.started = Clock::now();
-    s.settings = settings;
+    s.frame.started = Clock::now();
+    s.frame.settings = settings;
     begin_changes(s);
-    s.report = {};
-    s.report.frame = ++s.frame;
-    s.report.error_px_requested = settings.error_px;
+    s.frame.report = {};
+    s.frame.report.frame = ++s.frame.number;
+    s.frame.report.error_px_requested = settings.error_px;
     // As much as the last one that lagged has taken: it looks at what waits, and nobody knows which will.
-    s.reserved_us = std::min(s.output_us, settings.budget_us / 2);
-    s.full_capacities = s.batches = s.deactivations_when_full = 0;
-    advance_clock(s, s.frame == 1);
+    s.frame.reserved_us = std::min(s.frame.output_us, settings.budget_us / 2);
+    s.frame.full_capacities = s.frame.batches = s.frame.deactivations_when_full = 0;
+    advance_clock(s, s.frame.number == 1);
 }
 
 // Every slot that is in use: after a rebuild they are the first ones. Others stay marked: a jump's build that a rebuild
 // cut short has written there.
 void mark_all(CutState& s) {
-    s.dirty_vertices.mark_range(0, s.fresh_vertex);
-    s.dirty_triangles.mark_range(0, (s.segment_count - s.free_segment_count) << s.segment_log2);
+    s.mesh.dirty_vertices.mark_range(0, s.mesh.fresh_vertex);
+    s.mesh.dirty_triangles.mark_range(0, (s.mesh.segment_count - s.mesh.free_segment_count) << s.mesh.segment_log2);
 }
 
 } // namespace
@@ -276,11 +278,11 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (Status v = check(s, views, settings); !v.ok()) return v;
-    const std::int64_t ticks_before = s.clock.ticks;
+    const std::int64_t ticks_before = s.morphing.clock.ticks;
     begin_frame(s, settings);
     retire_times(s, ticks_before);
-    s.item_limit = settings.items;
-    CutReport& r = s.report;
+    s.frame.item_limit = settings.items;
+    CutReport& r = s.frame.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
     if (s.governor.cause == 0) s.governor.effective_px = s.governor.aim_px = settings.error_px;
     r.threshold_px = s.governor.effective_px;
@@ -289,7 +291,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
         const auto built = Clock::now();
         finish(s);
         r.items = r.evaluations + r.activations + r.deactivations;
-        r.refine_us = microseconds(s.started, built);
+        r.refine_us = microseconds(s.frame.started, built);
         r.output_us = microseconds(built, Clock::now());
         report = r;
         return {};
@@ -298,10 +300,10 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     sync_pages(s);
     watch_pages(s);
     // What was blocked takes its turn again; what still is goes to the other list.
-    if (s.queues.sizes[blocked_queues + (s.turn ^ 1)] == 0) s.turn ^= 1;
-    if (s.queues.sizes[gated_queues + (s.gated_turn ^ 1)] == 0) {
-        s.gated_turn ^= 1;
-        if (s.gate_passes != 0) --s.gate_passes;
+    if (s.work.queues.sizes[blocked_queues + (s.work.queues.turn ^ 1)] == 0) s.work.queues.turn ^= 1;
+    if (s.work.queues.sizes[gated_queues + (s.work.queues.gated_turn ^ 1)] == 0) {
+        s.work.queues.gated_turn ^= 1;
+        if (s.work.queues.gate_passes != 0) --s.work.queues.gate_passes;
     }
     end_morphing_in(s);
     const auto prepared = Clock::now();
@@ -310,12 +312,12 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     refine(s);
     const auto refined = Clock::now();
     finish(s);
-    r.prepare_us = microseconds(s.started, prepared);
+    r.prepare_us = microseconds(s.frame.started, prepared);
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
-    if (s.lagging && !s.jumped) s.output_us = r.output_us;
+    if (s.frame.lagging && !s.views.jumped) s.frame.output_us = r.output_us;
     report = r;
-    FJELL_WALK(s.frame, validate_cut(s));
+    FJELL_WALK(s.frame.number, validate_cut(s));
     return {};
 }
 
@@ -325,16 +327,16 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState& s = *found;
     if (Status v = check(s, views, settings); !v.ok()) return v;
     begin_frame(s, settings);
-    s.item_limit = s.settings.visits = unlimited_items;
-    s.settings.budget_us = 0;
-    s.report.rebuilt = true;
-    CutReport& r = s.report;
+    s.frame.item_limit = s.frame.settings.visits = unlimited_items;
+    s.frame.settings.budget_us = 0;
+    s.frame.report.rebuilt = true;
+    CutReport& r = s.frame.report;
     // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
     // allow.
     begin_governing(s, settings.error_px);
     bool complete = true;
     finish_bulk(s);
-    if (s.terrain->changes != s.seen_changes) reset(s);
+    if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
     bool cleared = !may_lack_pages(s);
     for (;;) {
         set_views(s, views, s.governor.effective_px);
@@ -359,14 +361,14 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     }
     r.threshold_px = s.governor.effective_px;
     if (complete) mark_all(s); // otherwise refine() has marked what it wrote
-    r.activations = s.budget.vertices - free_vertices(s) - corner_slots(s);
+    r.activations = s.mesh.capacity - free_vertices(s) - s.mesh.corner_count;
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
     finish(s);
-    r.refine_us = microseconds(s.started, built);
+    r.refine_us = microseconds(s.frame.started, built);
     r.output_us = microseconds(built, Clock::now());
     report = r;
-    FJELL_WALK(s.frame, validate_cut(s));
+    FJELL_WALK(s.frame.number, validate_cut(s));
     return {};
 }
 
@@ -374,8 +376,8 @@ namespace {
 
 // nullptr: the cut does not hold it.
 LoadedPage* loaded_page(CutState& s, std::uint32_t page) {
-    const std::uint32_t slot = s.terrain->page_table[page].slot;
-    return slot != no_index && s.loaded[slot].page == page ? &s.loaded[slot] : nullptr;
+    const std::uint32_t slot = s.pages.grid.terrain->page_table[page].slot;
+    return slot != no_index && s.pages.loaded[slot].page == page ? &s.pages.loaded[slot] : nullptr;
 }
 
 } // namespace
@@ -384,21 +386,21 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    LoadedPage* const loaded = loaded_page(s, tile * s.pages_per_tile + page);
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
+    LoadedPage* const loaded = loaded_page(s, tile * s.pages.grid.pages_per_tile + page);
     released = loaded == nullptr;
     if (released) return {};
-    const std::uint32_t first = s.page_groups[loaded->page], slot = first / max_page_groups;
+    const std::uint32_t first = s.pages.page_groups[loaded->page], slot = first / max_page_groups;
     const bool attached = first != no_index;
     if (attached && !loaded->evicting) {
-        FJELL_ASSERT(s.page_state[slot].status == PageStatus::live && s.evicting_count < s.page_count);
-        s.page_state[slot].status = PageStatus::evicting;
-        s.evicting[s.evicting_count++] = slot;
+        FJELL_ASSERT(s.pages.state[slot].status == PageStatus::live && s.pages.evicting_count < s.pages.count);
+        s.pages.state[slot].status = PageStatus::evicting;
+        s.pages.evicting[s.pages.evicting_count++] = slot;
     }
     loaded->evicting = true;
     // What the bulk pass has found there may be about to be drawn.
     released = !attached ||
-               (s.page_state[slot].active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr));
+               (s.pages.state[slot].active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr));
     return {};
 }
 
@@ -406,11 +408,11 @@ Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.terrain->tile_count() || page >= s.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    LoadedPage* const loaded = loaded_page(s, tile * s.pages_per_tile + page);
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
+    LoadedPage* const loaded = loaded_page(s, tile * s.pages.grid.pages_per_tile + page);
     if (loaded == nullptr) return {};
     loaded->evicting = false;
-    if (const std::uint32_t first = s.page_groups[loaded->page]; first != no_index)
+    if (const std::uint32_t first = s.pages.page_groups[loaded->page]; first != no_index)
         cancel_eviction(s, first / max_page_groups);
     return {};
 }
@@ -427,7 +429,7 @@ const char* budget_field(CutBudgetBit bit) {
 
 MorphFrame cut_morph(LiveCut cut) {
     const CutState* const s = find_cut(cut);
-    return s != nullptr ? s->morph_now : MorphFrame{};
+    return s != nullptr ? s->morphing.now : MorphFrame{};
 }
 
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
