@@ -75,7 +75,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     // Vertices that morph out are on their way to the edge: for the rest of this they stand where their samples do.
     std::vector<MeshVertex> standing(drawn.vertices.begin(), drawn.vertices.end());
     for (std::uint32_t slot = 0; slot < standing.size(); ++slot)
-        if (morphs_out(cut.state(), slot))
+        if (morphs_out(cut.state().mesh, slot))
             standing[slot].height_m = data_of(full).height_m({standing[slot].column, standing[slot].row});
     drawn.vertices = standing;
     const auto holes = [&](const Triangle& t) {
@@ -87,7 +87,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     // What is hidden, one range a triangle, in the tile that its middle lies in; less what is shrunk to nothing.
     const CutState& s = cut.state();
     std::vector<TileRange> ranges = cut.ranges;
-    const TileList& hidden = s.mesh.tiles[hidden_tile(s)];
+    const TileList& hidden = s.mesh.tiles[hidden_tile(s.mesh)];
     std::uint32_t count = hidden.in_last;
     for (std::uint32_t segment = hidden.last_segment; segment != no_index; segment = s.mesh.segment_below[segment]) {
         for (std::uint32_t i = 0; i < count; ++i) {
@@ -146,7 +146,7 @@ VertexSet active_set(Cut& cut) {
         for (std::uint32_t n = 0; n < s.pages.grid.shapes[s.pages.state[slot].shape].count * group_lanes; ++n) {
             const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
             if (s.pages.groups[vertex / group_lanes].active & bit_of(vertex))
-                set[place(s.pages.grid.handle, site_coord(site_of(s, vertex)))] = true;
+                set[place(s.pages.grid.handle, site_coord(site_of(s.pages, vertex)))] = true;
         }
     }
     return set;

@@ -62,7 +62,7 @@ struct Scene {
                 const std::uint32_t n = v / group_lanes % max_page_groups;
                 const PageShape& shape = s.pages.grid.shapes[s.pages.state[v / group_lanes / max_page_groups].shape];
                 if (n >= shape.count || v % group_lanes >= shape.groups[n].lanes) return false;
-                return exists(s, site_of(s, v)) && find_vertex(s, site_of(s, v)) == v &&
+                return exists(s.pages.grid, site_of(s.pages, v)) && find_vertex(s.pages, site_of(s.pages, v)) == v &&
                        holds(s.pages.groups[v / group_lanes], bit_of(v));
             });
         };
@@ -184,7 +184,7 @@ TEST_CASE("a walk over a cut names every triangle, segment and written slot that
     CutState& s = scene.s;
     const Walk& walk = scene.walk;
     TileList& tile = s.mesh.tiles[0];
-    const std::uint32_t slot = tile.last_segment << s.mesh.segment_log2, key = key_of(s, slot);
+    const std::uint32_t slot = tile.last_segment << s.mesh.segment_log2, key = key_of(s.mesh, slot);
     plant(walk, s.mesh.triangle_of[key], slot ^ 1, "a triangle");
     plant(walk, s.mesh.indices[std::size_t{slot} * 3], 0u, "a triangle's right angle does not know it");
     plant(walk, s.mesh.indices[std::size_t{slot} * 3 + 1], s.mesh.capacity, "a triangle's corner was never taken");
@@ -264,7 +264,7 @@ TEST_CASE("a walk over a stream names every page, request and layer that was tam
     const std::uint32_t kind = s.maps[0].sizes.top_log2 > 3 ? 0 : 1;
     MapState& m = s.maps[kind];
     const std::uint32_t tile =
-        first(s.mesh.tiles, [&](std::uint32_t i) { return m.tiles[i].size_log2 > m.sizes.tail_log2; });
+        first(s.tiles, [&](std::uint32_t i) { return m.tiles[i].size_log2 > m.sizes.tail_log2; });
     MapArray& array = m.arrays[m.tiles[tile].size_log2];
     plant(walk, m.tiles[tile].layer, m.tiles[tile].layer + 1, "a tile shows another map than it has");
     plant(walk, m.tiles[tile].in_flight, !m.tiles[tile].in_flight,

@@ -16,10 +16,10 @@ namespace fjell {
 
 // Begins, with the decision as it is set. beside: only in slots that are free, so that what is drawn stays as it is;
 // otherwise in all of them.
-void begin_bulk(CutState& s, bool beside);
+void begin_bulk(const Pages& pages, BulkPass& bulk, const Mesh& mesh, bool beside);
 
 // What was under way is forgotten, and the pass idle. Not when it has been installed.
-void drop_bulk(CutState& s);
+void drop_bulk(Pages& pages, BulkPass& bulk, Mesh& mesh);
 
 enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triangles, no_pages };
 // The next unit of deciding, placing and building, or the next ones, where the host has threads for them;
@@ -31,15 +31,15 @@ enum class BulkStatus : std::uint8_t { unfinished, built, no_vertices, no_triang
 [[nodiscard]] bool step_roots(CutState& s);
 
 // What has been found in a page, from now on: nothing so far, but for when a root has to be looked at again.
-BulkPage& visit_page(CutState& s, std::uint32_t slot);
+BulkPage& visit_page(Pages& pages, Work& work, BulkPass& bulk, const Visibility& visibility, std::uint32_t slot);
 
 // Of it the triangles, once all vertices are placed (bulk_mesh.cpp). has_segments: there are enough for those that were
 // decided, whatever their order. step: the triangles of one more quarter of a page; false when there is none. build:
 // all of them, several tiles side by side.
-[[nodiscard]] bool has_segments(const CutState& s);
-void begin_triangles(CutState& s);
-[[nodiscard]] bool step_triangles(CutState& s);
-void build_tiles(CutState& s);
+[[nodiscard]] bool has_segments(const BulkPass& bulk, const Mesh& mesh);
+void begin_triangles(const Grid& grid, BulkPass& bulk, Mesh& mesh);
+[[nodiscard]] bool step_triangles(Pages& pages, BulkPass& bulk, Mesh& mesh, bool morphs);
+void build_tiles(Pages& pages, BulkPass& bulk, Mesh& mesh, bool morphs, const Frame& frame);
 
 // What was built is the cut's mesh from now on. Its state follows, and must be whole before anything is changed.
 // O(tiles and segments).
@@ -48,7 +48,7 @@ void install_mesh(CutState& s);
 [[nodiscard]] bool step_install(CutState& s);
 
 // Of that the last: the roots of tiles of which nothing else was found. False: all are done.
-[[nodiscard]] bool step_install_roots(CutState& s);
+[[nodiscard]] bool step_install_roots(Pages& pages, Work& work, BulkPass& bulk, const Mesh& mesh);
 
 // What it has begun to build comes to its end; what it has only decided is forgotten.
 void finish_bulk(CutState& s);
@@ -60,7 +60,7 @@ void finish_bulk(CutState& s);
 [[nodiscard]] bool run_bulk(CutState& s);
 
 // Units that may be done side by side: a few for each thread, where time counts, and no more than are left to a replay.
-[[nodiscard]] std::uint32_t unit_limit(const CutState& s);
+[[nodiscard]] std::uint32_t unit_limit(const BulkPass& bulk, const Frame& frame);
 
 // The squares of one step in one page or, of coarse steps, in one tile; and of what the pass has found there.
 struct BulkSquares {
@@ -80,18 +80,18 @@ struct BulkSquares {
 };
 
 // Those that a square lies in. Its slot is no_index when its page has no state, or there is no such tile.
-[[nodiscard]] inline BulkSquares squares_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
-    const StepGroups& step = s.pages.grid.steps[z];
-    const bool there = !s.pages.grid.terrain->is_sparse() || has_square(s, z, i, j);
-    const std::uint32_t vertex = there ? find_vertex(s, {z, VertexKind::centre, i, j}) : no_index;
+[[nodiscard]] inline BulkSquares squares_at(const Pages& pages, int z, std::int32_t i, std::int32_t j) {
+    const StepGroups& step = pages.grid.steps[z];
+    const bool there = !pages.grid.terrain->is_sparse() || has_square(pages.grid, z, i, j);
+    const std::uint32_t vertex = there ? find_vertex(pages, {z, VertexKind::centre, i, j}) : no_index;
     const std::int32_t n = 1 << step.page_log2;
     return {&step, vertex == no_index ? no_index : vertex / group_lanes / max_page_groups, z, i & -n, j & -n, n};
 }
 
 // The squares of a step in a page that has a state.
-[[nodiscard]] inline BulkSquares listed_squares(const CutState& s, std::uint32_t slot, int z) {
-    const PageState& page = s.pages.state[slot];
-    const StepGroups& step = s.pages.grid.steps[z];
+[[nodiscard]] inline BulkSquares listed_squares(const Pages& pages, std::uint32_t slot, int z) {
+    const PageState& page = pages.state[slot];
+    const StepGroups& step = pages.grid.steps[z];
     return {&step,
             slot,
             z,
@@ -101,28 +101,29 @@ struct BulkSquares {
 }
 
 // Whether the terrain ends there: a page owns the sides of a rim, as no neighbour does.
-[[nodiscard]] inline bool ends_north(const CutState& s, const BulkSquares& at) {
-    return !has_square(s, at.z, at.i0, at.j0 - 1);
+[[nodiscard]] inline bool ends_north(const Grid& grid, const BulkSquares& at) {
+    return !has_square(grid, at.z, at.i0, at.j0 - 1);
 }
-[[nodiscard]] inline bool ends_west(const CutState& s, const BulkSquares& at) {
-    return !has_square(s, at.z, at.i0 - 1, at.j0);
+[[nodiscard]] inline bool ends_west(const Grid& grid, const BulkSquares& at) {
+    return !has_square(grid, at.z, at.i0 - 1, at.j0);
 }
-[[nodiscard]] inline bool ends_south(const CutState& s, const BulkSquares& at) {
-    return !has_square(s, at.z, at.i0, at.j0 + at.n);
+[[nodiscard]] inline bool ends_south(const Grid& grid, const BulkSquares& at) {
+    return !has_square(grid, at.z, at.i0, at.j0 + at.n);
 }
-[[nodiscard]] inline bool ends_east(const CutState& s, const BulkSquares& at) {
-    return !has_square(s, at.z, at.i0 + at.n, at.j0);
+[[nodiscard]] inline bool ends_east(const Grid& grid, const BulkSquares& at) {
+    return !has_square(grid, at.z, at.i0 + at.n, at.j0);
 }
 
 // What the pass has found in a page; nullptr: nothing.
-[[nodiscard]] inline const BulkPage* found_in(const CutState& s, std::uint32_t slot) {
-    return slot != no_index && s.bulk.pages[slot].build == s.bulk.build ? &s.bulk.pages[slot] : nullptr;
+[[nodiscard]] inline const BulkPage* found_in(const BulkPass& bulk, std::uint32_t slot) {
+    return slot != no_index && bulk.pages[slot].build == bulk.build ? &bulk.pages[slot] : nullptr;
 }
-[[nodiscard]] inline const BulkPage* found_at(const CutState& s, int z, std::int32_t i, std::int32_t j) {
-    if (i < 0 || j < 0 || i >= s.pages.grid.tiles_x << s.pages.grid.steps[z].log2 ||
-        j >= s.pages.grid.tiles_y << s.pages.grid.steps[z].log2)
+[[nodiscard]] inline const BulkPage* found_at(const Pages& pages, const BulkPass& bulk, int z, std::int32_t i,
+                                              std::int32_t j) {
+    if (i < 0 || j < 0 || i >= pages.grid.tiles_x << pages.grid.steps[z].log2 ||
+        j >= pages.grid.tiles_y << pages.grid.steps[z].log2)
         return nullptr;
-    return found_in(s, squares_at(s, z, i, j).slot);
+    return found_in(bulk, squares_at(pages, z, i, j).slot);
 }
 
 // Nothing but its root can be ready, or scheduled, or wait.
@@ -135,7 +136,8 @@ struct BulkSquares {
 }
 
 // Which parents of a page's centres are active, a word a row. False: none at all.
-[[nodiscard]] bool centre_parents(const CutState& s, const BulkSquares& at, std::uint32_t (&parents)[2][page_squares]);
+[[nodiscard]] bool centre_parents(const Pages& pages, const BulkPass& bulk, const BulkSquares& at,
+                                  std::uint32_t (&parents)[2][page_squares]);
 
 // Bit i to bits 2i and 2i + 1.
 [[nodiscard]] inline std::uint32_t doubled(std::uint32_t v) {
@@ -158,8 +160,8 @@ private:
     std::uint32_t free_, fresh_;
 };
 // How many there are.
-[[nodiscard]] inline std::uint32_t bulk_capacity(const CutState& s) {
-    return s.bulk.free_before + s.mesh.capacity - s.bulk.fresh_before;
+[[nodiscard]] inline std::uint32_t bulk_capacity(const BulkPass& bulk, const Mesh& mesh) {
+    return bulk.free_before + mesh.capacity - bulk.fresh_before;
 }
 
 } // namespace fjell

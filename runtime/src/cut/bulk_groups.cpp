@@ -11,8 +11,8 @@ namespace {
 
 class StepWriter {
 public:
-    StepWriter(CutState& state, const BulkSquares& at, const BulkMasks& masks)
-        : s(state), slot_(at.slot), page_(s.bulk.pages[slot_]), taken_(state.mesh, state.bulk), at_(at),
+    StepWriter(Pages& pages, const BulkPass& bulk, const Mesh& mesh, const BulkSquares& at, const BulkMasks& masks)
+        : pages_(pages), bulk_(bulk), slot_(at.slot), page_(bulk.pages[slot_]), taken_(mesh, bulk), at_(at),
           n_(static_cast<std::uint32_t>(at.n)), masks_(masks) {}
 
     // Returns how many parents are active.
@@ -30,7 +30,7 @@ private:
     // Rows that are other pages', or have nothing that might be active.
     void put_none(std::uint32_t first, std::uint32_t rows) {
         const std::uint32_t words_log2 = at_.step->words_log2;
-        GroupState* const groups = s.pages.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
+        GroupState* const groups = pages_.groups + slot_ * max_page_groups + (std::size_t{first} << words_log2);
         std::fill_n(groups, rows << words_log2, GroupState{});
     }
 
@@ -38,17 +38,17 @@ private:
     void put(std::uint32_t first, std::uint32_t rows, const std::uint32_t* parent0, const std::uint32_t* parent1) {
         const std::uint32_t words_log2 = at_.step->words_log2, *const active = page_.active + first;
         const std::uint32_t group = slot_ * max_page_groups + (first << words_log2);
-        write_groups(s.pages.groups + group, rows, 1u << words_log2,
+        write_groups(pages_.groups + group, rows, 1u << words_log2,
                      {active, {parent0, parent1}, {child_[0], child_[1], child_[2], child_[3]}});
         parents_ += count_bits(parent0, rows) + count_bits(parent1, rows);
-        put_slots(taken_, {&page_, first, rows}, s.pages.vertex_slot + std::size_t{group} * group_lanes,
+        put_slots(taken_, {&page_, first, rows}, pages_.vertex_slot + std::size_t{group} * group_lanes,
                   std::size_t{group_lanes} << words_log2);
     }
 
     void centres() {
         std::uint32_t parents[2][page_squares];
         const std::uint32_t first = at_.row(VertexKind::centre, 0);
-        if (!centre_parents(s, at_, parents)) return put_none(first, n_);
+        if (!centre_parents(pages_, bulk_, at_, parents)) return put_none(first, n_);
         for (std::uint32_t j = 0; j < n_; ++j) {
             const std::uint32_t active = page_.active[first + j];
             child_[0][j] = active & static_cast<std::uint32_t>(masks_.side_y[j]);
@@ -100,7 +100,8 @@ private:
         put(at_.column(), 1, &west, &none);
     }
 
-    CutState& s;
+    Pages& pages_;
+    const BulkPass& bulk_;
     const std::uint32_t slot_;
     const BulkPage& page_;
     const BulkSlots taken_;
@@ -114,9 +115,9 @@ private:
 
 } // namespace
 
-void write_step(CutState& s, const BulkSquares& at, const BulkMasks& masks) {
-    BulkPage& page = s.bulk.pages[at.slot];
-    page.parents += StepWriter(s, at, masks).step();
+void write_step(Pages& pages, BulkPass& bulk, const Mesh& mesh, const BulkSquares& at, const BulkMasks& masks) {
+    BulkPage& page = bulk.pages[at.slot];
+    page.parents += StepWriter(pages, bulk, mesh, at, masks).step();
     page.has_groups = true;
 }
 

@@ -8,6 +8,6 @@ namespace fjell {
 
 // Writes all groups of one step of a page, and the slots of their vertices; adds to BulkPage::parents. masks: gathered
 // there, finer ones too. A page that is not page 0 has one step, and then all of its groups.
-void write_step(CutState& s, const BulkSquares& at, const BulkMasks& masks);
+void write_step(Pages& pages, BulkPass& bulk, const Mesh& mesh, const BulkSquares& at, const BulkMasks& masks);
 
 } // namespace fjell

@@ -17,13 +17,14 @@ namespace {
 // A page's groups, a plane of a step at a time: all of them, so that nobody has to clear them before.
 class Installer {
 public:
-    Installer(CutState& state, std::uint32_t slot) : s(state), slot_(slot), page_(s.bulk.pages[slot]) {}
+    Installer(Pages& pages, BulkPass& bulk, const Mesh& mesh, std::uint32_t slot)
+        : pages_(pages), bulk_(bulk), mesh_(mesh), slot_(slot), page_(bulk.pages[slot]) {}
 
     // Writes nothing but them, their vertices' slots, and how many there are. Returns how many parents are active.
     std::uint32_t page() {
-        PageState& info = s.pages.state[slot_];
+        PageState& info = pages_.state[slot_];
         if (!page_.has_groups) steps();
-        mark_absent_parents(s, slot_);
+        mark_absent_parents(pages_, slot_);
         info.active = page_.wanted;
         info.used = page_.wanted != 0;
         return page_.parents - (info.shape == 0 ? 2 : 0); // a root's do not exist
@@ -31,57 +32,59 @@ public:
 
 private:
     void steps() {
-        const PageState& info = s.pages.state[slot_];
+        const PageState& info = pages_.state[slot_];
         const int finest =
-                      info.shape == 0 ? std::max(s.pages.grid.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
-                  coarsest = info.shape == 0 ? s.pages.grid.terrain->tree.tile_log2 - 1 : info.z;
-        if (info.shape == 0) zero_groups(s, slot_); // it has lanes of no vertex
+                      info.shape == 0 ? std::max(pages_.grid.terrain->tree.tile_log2 - page_squares_log2, 0) : info.z,
+                  coarsest = info.shape == 0 ? pages_.grid.terrain->tree.tile_log2 - 1 : info.z;
+        if (info.shape == 0) zero_groups(pages_, slot_); // it has lanes of no vertex
         // Below a step without sides nothing is active, but for what neighbours have beside it.
         for (int z = coarsest; z >= finest; --z)
             if (z == coarsest || masks_.any_side || has_neighbours(z)) step(z);
     }
     // Are centres active along the page's west or north border?
     [[nodiscard]] bool has_neighbours(int z) const {
-        const BulkSquares at = listed_squares(s, slot_, z);
-        const BulkPage* const north = found_at(s, z, at.i0, at.j0 - 1);
+        const BulkSquares at = listed_squares(pages_, slot_, z);
+        const BulkPage* const north = found_at(pages_, bulk_, z, at.i0, at.j0 - 1);
         if (row_bits(north, at.row(VertexKind::centre, at.n - 1)) != 0) return true;
-        const BulkPage* const west = found_at(s, z, at.i0 - 1, at.j0);
+        const BulkPage* const west = found_at(pages_, bulk_, z, at.i0 - 1, at.j0);
         std::uint32_t any = 0;
         for (std::int32_t j = 0; west != nullptr && j < at.n; ++j) any |= west->active[at.row(VertexKind::centre, j)];
         return (any >> (at.n - 1) & 1) != 0;
     }
 
     void step(int z) {
-        const BulkSquares at = listed_squares(s, slot_, z);
-        masks_.gather(s, at);
-        masks_.gather_finer(s, at);
-        write_step(s, at, masks_);
+        const BulkSquares at = listed_squares(pages_, slot_, z);
+        masks_.gather(pages_, bulk_, at);
+        masks_.gather_finer(pages_, bulk_, at);
+        write_step(pages_, bulk_, mesh_, at, masks_);
     }
 
-    CutState& s;
+    Pages& pages_;
+    BulkPass& bulk_;
+    const Mesh& mesh_;
     const std::uint32_t slot_;
     BulkPage& page_;
     BulkMasks masks_;
 };
 
 // What was active in a page gives its slots back.
-void release(CutState& s, std::uint32_t slot) {
-    PageState& page = s.pages.state[slot];
-    for (std::uint32_t n = 0; page.active != 0 && n < s.pages.grid.shapes[page.shape].count; ++n) {
+void release(Pages& pages, Mesh& mesh, std::uint32_t slot) {
+    PageState& page = pages.state[slot];
+    for (std::uint32_t n = 0; page.active != 0 && n < pages.grid.shapes[page.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
-        for (std::uint32_t left = s.pages.groups[number].active; left != 0; left &= left - 1, --page.active) {
+        for (std::uint32_t left = pages.groups[number].active; left != 0; left &= left - 1, --page.active) {
             const std::uint32_t vertex =
-                s.pages.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(left))];
-            s.mesh.free_vertices[s.mesh.free_vertex_count++] = vertex;
+                pages.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(left))];
+            mesh.free_vertices[mesh.free_vertex_count++] = vertex;
         }
     }
 }
 
 // The two triangles that a tile's root splits, or that it is.
-void name_bases(CutState& s, std::uint32_t tile) {
-    const Coord place = s.pages.grid.terrain->tile_xy(tile);
-    s.mesh.triangle_of[s.pages.grid.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = s.bulk.bases[tile][0];
-    s.mesh.triangle_of[s.pages.grid.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = s.bulk.bases[tile][1];
+void name_bases(const Grid& grid, const BulkPass& bulk, const Mesh& mesh, std::uint32_t tile) {
+    const Coord place = grid.terrain->tile_xy(tile);
+    mesh.triangle_of[grid.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = bulk.bases[tile][0];
+    mesh.triangle_of[grid.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = bulk.bases[tile][1];
 }
 
 } // namespace
@@ -94,7 +97,7 @@ void install_mesh(CutState& s) {
         for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.mesh.segment_below[segment])
             s.mesh.free_segments[s.mesh.free_segment_count++] = segment;
         static_cast<TileStack&>(list) = b.tiles[i];
-        if (i != s.mesh.tile_count) name_bases(s, i);
+        if (i != s.mesh.tile_count) name_bases(s.pages.grid, s.bulk, s.mesh, i);
     }
     if (b.beside) {
         s.mesh.mapped = std::min(b.taken, b.free_before);
@@ -105,7 +108,7 @@ void install_mesh(CutState& s) {
     }
     s.work.queues.work_ranks = 0;
     s.morphing.late_count = s.morphing.out_count = 0;
-    forget_late_pages(s, true);
+    forget_late_pages(s.pages, s.morphing, s.frame, true);
     clear_queues(s.work.queues);
     forget_due(s.work.schedule);
     b.phase = BulkPhase::releasing;
@@ -114,17 +117,17 @@ void install_mesh(CutState& s) {
 
 namespace {
 
-void install_pages(CutState& s) {
-    BulkPass& b = s.bulk;
+void install_pages(Pages& pages, Work& work, BulkPass& b, const Mesh& mesh, const Frame& frame) {
     std::uint32_t parents[most_units];
     const std::uint32_t* const slots = b.visited + b.at;
-    b.units = std::min(unit_limit(s), b.visited_count - b.at);
-    run_jobs(s, b.units, [&](std::uint32_t n, std::uint32_t) { parents[n] = Installer(s, slots[n]).page(); });
+    b.units = std::min(unit_limit(b, frame), b.visited_count - b.at);
+    run_jobs(b, frame, b.units,
+             [&](std::uint32_t n, std::uint32_t) { parents[n] = Installer(pages, b, mesh, slots[n]).page(); });
     for (std::uint32_t n = 0; n < b.units; ++n) {
-        clear_page_schedule(s.work.schedule, slots[n]); // roots, again
-        count_parents(s, slots[n], parents[n]);
+        clear_page_schedule(work.schedule, slots[n]); // roots, again
+        count_parents(pages, slots[n], parents[n]);
         const BulkPage& page = b.pages[slots[n]];
-        if (page.grades != 0) install_ticks(s.work.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
+        if (page.grades != 0) install_ticks(work.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
     }
     b.at += b.units;
 }
@@ -140,15 +143,15 @@ bool step_install(CutState& s) {
             const PageState& page = s.pages.state[slot];
             const bool used = page.parents != 0 || s.work.schedule.pages[slot].awake != no_index;
             if (page.page == no_index || !used) continue;
-            if (is_clear(page) && found_in(s, slot) == nullptr) continue; // its root comes last
-            if (b.beside) release(s, slot);
+            if (is_clear(page) && found_in(s.bulk, slot) == nullptr) continue; // its root comes last
+            if (b.beside) release(s.pages, s.mesh, slot);
             clear_page_schedule(s.work.schedule, slot);
-            if (found_in(s, slot) != nullptr) { // its groups are all written, when their lines come anyway
-                forget_active(s, slot);
+            if (found_in(s.bulk, slot) != nullptr) { // its groups are all written, when their lines come anyway
+                forget_active(s.pages, slot);
                 return true;
             }
-            clear_page(s, slot);
-            note_idle(s, slot);
+            clear_page(s.pages, slot);
+            note_idle(s.pages, slot);
             return true;
         }
         b.phase = BulkPhase::installing;
@@ -156,13 +159,13 @@ bool step_install(CutState& s) {
     }
     if (b.phase == BulkPhase::installing) {
         if (b.at != b.visited_count) {
-            install_pages(s);
+            install_pages(s.pages, s.work, s.bulk, s.mesh, s.frame);
             return true;
         }
         b.phase = BulkPhase::installing_roots;
         b.at = 0;
     }
-    if (b.at != s.mesh.tile_count && step_install_roots(s)) return true;
+    if (b.at != s.mesh.tile_count && step_install_roots(s.pages, s.work, s.bulk, s.mesh)) return true;
     // The stack's entries that said which slots were taken go, and those above them come down.
     constexpr std::uint32_t at_once = 1u << 14;
     if (s.mesh.mapped != 0) {

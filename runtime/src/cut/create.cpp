@@ -119,12 +119,12 @@ Status check_budget(const TerrainData& t, const CutBudget& b) {
 }
 
 // Place of each group's lanes in hierarchical Z-order, for a page of each shape.
-void make_hz_places(CutState& s) {
-    const PageLayout& hz = s.pages.grid.terrain->pages;
+void make_hz_places(const Grid& grid) {
+    const PageLayout& hz = grid.terrain->pages;
     const PageLayout planar{hz.tile_log2, Order::planar};
     for (std::uint32_t shape = 0; shape < (hz.pages_per_tile() > 1 ? 2u : 1u); ++shape)
-        for (std::uint32_t n = 0; n < s.pages.grid.shapes[shape].count; ++n) {
-            const GroupShape& group = s.pages.grid.shapes[shape].groups[n];
+        for (std::uint32_t n = 0; n < grid.shapes[shape].count; ++n) {
+            const GroupShape& group = grid.shapes[shape].groups[n];
             for (std::uint32_t lane = 0; lane < group.lanes; ++lane) {
                 // The first page of either kind has the same place in its tile in both orders.
                 const Coord c = planar.coord({shape, group.first + group.stride * lane});
@@ -136,29 +136,28 @@ void make_hz_places(CutState& s) {
                     place = page_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
                                                               static_cast<std::uint32_t>(at.j));
                 }
-                s.pages.grid.hz_places[(shape * max_page_groups + n) * group_lanes + lane] =
-                    static_cast<std::uint16_t>(place);
+                grid.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
             }
         }
 }
 
-void make_corners(CutState& s) {
-    const TerrainData& t = *s.pages.grid.terrain;
+void make_corners(const Grid& grid, Mesh& mesh) {
+    const TerrainData& t = *grid.terrain;
     const auto make = [&](std::int32_t x, std::int32_t y) {
         const std::uint32_t slot = t.corner_at(x, y);
         const Coord at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
-        s.mesh.vertices[slot] = {at.x, at.y, height_m};
-        s.mesh.morph[slot] = {height_m, 0, 0, long_active_s};
-        s.mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
-        s.mesh.dirty_vertices.mark(slot);
+        mesh.vertices[slot] = {at.x, at.y, height_m};
+        mesh.morph[slot] = {height_m, 0, 0, long_active_s};
+        mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
+        mesh.dirty_vertices.mark(slot);
     };
     // Of a sparse terrain some more than once: places without a tile have none.
     for (std::uint32_t tile = 0; t.is_sparse() && tile < t.tile_count(); ++tile)
         for (std::int32_t k = 0; k < 4; ++k) make(t.tile_xy(tile).x + k % 2, t.tile_xy(tile).y + k / 2);
-    for (std::int32_t y = 0; !t.is_sparse() && y <= s.pages.grid.tiles_y; ++y)
-        for (std::int32_t x = 0; x <= s.pages.grid.tiles_x; ++x) make(x, y);
+    for (std::int32_t y = 0; !t.is_sparse() && y <= grid.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= grid.tiles_x; ++x) make(x, y);
 }
 
 } // namespace
@@ -172,13 +171,13 @@ void reset(CutState& s) {
     for (std::uint32_t i = 0; i < corner_count(t) * 4; ++i) s.mesh.triangle_of[i] = no_index;
     s.mesh.free_vertex_count = 0;
     s.mesh.fresh_vertex = corner_count(t);
-    free_all_segments(s);
-    forget_late_pages(s, true);
-    make_corners(s);
+    free_all_segments(s.mesh);
+    forget_late_pages(s.pages, s.morphing, s.frame, true);
+    make_corners(s.pages.grid, s.mesh);
     for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
         if (s.pages.state[slot].page == no_index) continue;
-        clear_page(s, slot);
-        note_idle(s, slot);
+        clear_page(s.pages, slot);
+        note_idle(s.pages, slot);
     }
     clear_queues(s.work.queues);
     clear_schedule(s.work.schedule);
@@ -186,21 +185,21 @@ void reset(CutState& s) {
     clear_schedule(s.work.schedule); // of the roots of pages that have just come
 }
 
-void begin_at_roots(CutState& s) {
-    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) {
-        const Coord at = s.pages.grid.terrain->tile_xy(tile);
+void begin_at_roots(const Pages& pages, Work& work, Mesh& mesh) {
+    for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) {
+        const Coord at = pages.grid.terrain->tile_xy(tile);
         const auto slot = [&](std::int32_t x, std::int32_t y) {
-            return s.pages.grid.terrain->corner_at(at.x + x, at.y + y);
+            return pages.grid.terrain->corner_at(at.x + x, at.y + y);
         };
         const std::uint32_t nw = slot(0, 0), ne = slot(1, 0), sw = slot(0, 1), se = slot(1, 1);
         for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
             const Bearing corner = base.right == ne ? Bearing::north_east : Bearing::south_west;
-            append_triangle(s, list_for(s, tile, base), base,
+            append_triangle(mesh, list_for(mesh, tile, base), base,
                             base.right * 4 + static_cast<std::uint32_t>(child_number(corner)));
         }
         // The root's group is the first of page 0.
-        if (const std::uint32_t root = s.pages.page_groups[tile * s.pages.grid.pages_per_tile]; root != no_index)
-            make_due(s.work.schedule, root);
+        if (const std::uint32_t root = pages.page_groups[tile * pages.grid.pages_per_tile]; root != no_index)
+            make_due(work.schedule, root);
     }
 }
 
@@ -303,7 +302,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     part(s.morphing.late_pages, l.late_pages);
     if (terrain.pages.order == Order::hierarchical_z) {
         part(s.pages.grid.hz_places, l.hz_places);
-        make_hz_places(s);
+        make_hz_places(s.pages.grid);
     }
     s.views.criterion.error_m = terrain.errors.metres;
     s.views.criterion.radius_factor = terrain.radii.factor;
@@ -318,9 +317,9 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.pages.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < s.pages.count; ++i) s.pages.state[i].page = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.pages.loaded[i].page = no_index;
-    rescan_pages(s);
+    rescan_pages(s.pages);
     reset(s);
-    begin_at_roots(s);
+    begin_at_roots(s.pages, s.work, s.mesh);
     HandleAccess::begin(s, cut);
     return {};
 }

@@ -100,19 +100,19 @@ struct Evaluation {
     float x, y, z;
 };
 
-[[nodiscard]] inline Evaluation evaluate_vertex(const CutState& s, std::uint32_t vertex, const Site& site,
-                                                bool active) {
-    const Criterion& c = criterion_of(s, vertex / group_lanes);
-    const VertexRecord record = record_of(s, vertex);
+[[nodiscard]] inline Evaluation evaluate_vertex(const Pages& pages, const Views& views, std::uint32_t vertex,
+                                                const Site& site, bool active) {
+    const Criterion& c = criterion_of(pages, views, vertex / group_lanes);
+    const VertexRecord record = record_of(pages, vertex);
     const Coord at = site_coord(site);
-    const std::int32_t base = s.pages.state[vertex / group_lanes / max_page_groups].base;
+    const std::int32_t base = pages.state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
     v.error_m = c.error_m[record.error];
     v.code = record.error;
-    v.radius_m = s.pages.grid.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
+    v.radius_m = pages.grid.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
                  c.radius_factor[record.radius & (radius_codes - 1)];
     float margin = -3.4e38f, span = 0;
     for (std::uint32_t i = 0; i < c.views; ++i) {
@@ -129,53 +129,53 @@ struct Evaluation {
 }
 
 // Where its lanes stand, and their records: in the page, or gathered.
-[[nodiscard]] inline LaneGroup lanes_of(const CutState& s, std::uint32_t number,
+[[nodiscard]] inline LaneGroup lanes_of(const Pages& pages, std::uint32_t number,
                                         VertexRecord (&gathered)[group_lanes]) {
     const std::uint32_t slot = number / max_page_groups;
-    const PageState& info = s.pages.state[slot];
-    const GroupShape& shape = s.pages.grid.shapes[info.shape].groups[number - slot * max_page_groups];
+    const PageState& info = pages.state[slot];
+    const GroupShape& shape = pages.grid.shapes[info.shape].groups[number - slot * max_page_groups];
     const int z = info.z + shape.z;
     const std::int32_t apart = 2 << z;
-    LaneGroup lanes{records_of(s, slot) + shape.first,
+    LaneGroup lanes{records_of(pages, slot) + shape.first,
                     info.x0 + (std::int32_t{shape.x} << z),
                     info.y0 + (std::int32_t{shape.y} << z),
                     shape.along_y ? 0 : apart,
                     shape.along_y ? apart : 0,
                     info.base,
-                    s.pages.grid.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
+                    pages.grid.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
                     0,
                     0};
-    if (shape.lanes != group_lanes || shape.stride != 1 || s.pages.grid.hz_places) {
+    if (shape.lanes != group_lanes || shape.stride != 1 || pages.grid.hz_places) {
         for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
-            gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+            gathered[lane] = record_of(pages, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
         lanes.records = gathered;
     }
     return lanes;
 }
 
-[[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {
-    for (std::uint32_t i = 0; i < s.views.count; ++i) {
-        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views.view[i].eye_m;
+[[nodiscard]] inline bool seen(const Views& views, const Evaluation& v) {
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        const Vec3 p = Vec3{v.x, v.y, v.z} - views.view[i].eye_m;
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(s.views.frustum[i].normal[plane], p) >=
-                     s.views.frustum[i].offset[plane] - static_cast<double>(v.radius_m);
+            inside = dot(views.frustum[i].normal[plane], p) >=
+                     views.frustum[i].offset[plane] - static_cast<double>(v.radius_m);
         if (inside) return true;
     }
     return false;
 }
 
 // Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
-[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Evaluation& v) {
+[[nodiscard]] inline std::uint32_t rank_of(const Views& views, const Evaluation& v) {
     float worst = 0;
-    for (std::uint32_t i = 0; i < s.views.criterion.views; ++i) {
-        const Reach& r = s.views.criterion.reach[i];
+    for (std::uint32_t i = 0; i < views.criterion.views; ++i) {
+        const Reach& r = views.criterion.reach[i];
         const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
         const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
         worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
     }
     const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);
-    return static_cast<std::uint32_t>(log2) + (seen(s, v) ? 16u : 0u);
+    return static_cast<std::uint32_t>(log2) + (seen(views, v) ? 16u : 0u);
 }
 
 } // namespace fjell

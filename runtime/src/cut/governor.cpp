@@ -11,10 +11,10 @@ namespace {
 constexpr double governor_up = 1.1, governor_full = 0.8, governor_fill = 0.9;
 
 // Beyond this effective threshold only vertices whose spheres hold an eye are wanted: that of no view is below 1e7.
-double governor_most_px(const CutState& s) {
+double governor_most_px(const Views& views, const Frame& frame) {
     double least_ratio = 1;
-    for (std::uint32_t i = 0; i < s.views.count; ++i)
-        least_ratio = std::min(least_ratio, threshold_ratio(s.views.view[i], s.frame.settings));
+    for (std::uint32_t i = 0; i < views.count; ++i)
+        least_ratio = std::min(least_ratio, threshold_ratio(views.view[i], frame.settings));
     return 1e7 / least_ratio;
 }
 
@@ -22,12 +22,12 @@ double governor_most_px(const CutState& s) {
 // from the edge to their height: a tenth at once would move the screen by as much as vertices that do not morph. In a
 // hurry, when one rise after another was not enough, twice as far each time.
 constexpr int glide_frames = 16;
-double glide_factor(const CutState& s) {
-    if (s.frame.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
+double glide_factor(const Grid& grid, const Governor& governor, const Frame& frame) {
+    if (frame.settings.morph == Morph::none) return std::numeric_limits<double>::infinity();
     // Vertices of a narrower band pop, nearly; it would only hold the rise up.
     const double band =
-        std::max(2 * std::log1p(static_cast<double>(s.pages.grid.terrain->header.nesting)), std::log(governor_up));
-    return std::exp(std::ldexp(band / glide_frames, static_cast<int>(s.governor.haste)));
+        std::max(2 * std::log1p(static_cast<double>(grid.terrain->header.nesting)), std::log(governor_up));
+    return std::exp(std::ldexp(band / glide_frames, static_cast<int>(governor.haste)));
 }
 
 // What the threshold should be, once it is where it should have been. use: share of the scarcest capacity; blocked:
@@ -62,27 +62,27 @@ double threshold_aim_px(Governor& g, double requested_px, double most_px, double
 
 } // namespace
 
-void begin_governing(CutState& s, double requested_px) {
-    s.governor = {requested_px, requested_px, 0, 0, governor_full, false, 0};
+void begin_governing(Governor& governor, double requested_px) {
+    governor = {requested_px, requested_px, 0, 0, governor_full, false, 0};
 }
 
-void govern(CutState& s, double use) {
-    Governor& g = s.governor;
-    const double requested_px = s.frame.report.error_px_requested;
+void govern(const Grid& grid, const Views& views, Governor& governor, const Frame& frame, double use) {
+    Governor& g = governor;
+    const double requested_px = frame.report.error_px_requested;
     g.effective_px = std::max(g.effective_px, requested_px);
     g.aim_px = std::max(g.aim_px, requested_px);
-    if (s.frame.lagging) return;
-    const bool blocked = s.frame.full_capacities != 0;
+    if (frame.lagging) return;
+    const bool blocked = frame.full_capacities != 0;
     if (g.effective_px == g.aim_px || (blocked && g.aim_px < g.effective_px))
-        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(s), use, blocked, s.views.still);
-    const double factor = glide_factor(s);
+        g.aim_px = threshold_aim_px(g, requested_px, governor_most_px(views, frame), use, blocked, views.still);
+    const double factor = glide_factor(grid, governor, frame);
     g.effective_px = std::clamp(g.aim_px, g.effective_px / factor, g.effective_px * factor);
 }
 
-bool raise_threshold(CutState& s) {
-    s.governor.failed_px = s.governor.effective_px;
-    s.governor.aim_px = s.governor.effective_px *= governor_up;
-    return s.governor.effective_px < governor_most_px(s);
+bool raise_threshold(const Views& views, Governor& governor, const Frame& frame) {
+    governor.failed_px = governor.effective_px;
+    governor.aim_px = governor.effective_px *= governor_up;
+    return governor.effective_px < governor_most_px(views, frame);
 }
 
 } // namespace fjell

@@ -21,12 +21,12 @@ namespace fjell {
 }
 
 // At the requested threshold, as if nothing had ever failed.
-void begin_governing(CutState& s, double requested_px);
+void begin_governing(Governor& governor, double requested_px);
 
 // The threshold of the next frame. use: share of the scarcest capacity.
-void govern(CutState& s, double use);
+void govern(const Grid& grid, const Views& views, Governor& governor, const Frame& frame, double use);
 
 // A capacity did not suffice at this threshold: the next one. False: there is none at which less would be wanted.
-[[nodiscard]] bool raise_threshold(CutState& s);
+[[nodiscard]] bool raise_threshold(const Views& views, Governor& governor, const Frame& frame);
 
 } // namespace fjell

@@ -8,14 +8,14 @@
 
 namespace fjell {
 
-[[nodiscard]] inline std::uint32_t worker_count(const CutState& s) {
-    return s.frame.settings.jobs.run == nullptr ? 1 : s.bulk.workers;
+[[nodiscard]] inline std::uint32_t worker_count(const BulkPass& bulk, const Frame& frame) {
+    return frame.settings.jobs.run == nullptr ? 1 : bulk.workers;
 }
 
 // work(n, worker) for n from 0 to count - 1, each once. Those of one worker run one after the other.
 template <typename Work>
-void run_jobs(const CutState& s, std::uint32_t count, const Work& work) {
-    const std::uint32_t workers = std::min(worker_count(s), count);
+void run_jobs(const BulkPass& bulk, const Frame& frame, std::uint32_t count, const Work& work) {
+    const std::uint32_t workers = std::min(worker_count(bulk, frame), count);
     if (workers < 2) {
         for (std::uint32_t n = 0; n < count; ++n) work(n, 0);
         return;
@@ -29,7 +29,7 @@ void run_jobs(const CutState& s, std::uint32_t count, const Work& work) {
         Shared& of = *static_cast<Shared*>(data);
         for (std::uint32_t n; (n = of.next.fetch_add(1, std::memory_order_relaxed)) < of.count;) of.work(n, worker);
     };
-    s.frame.settings.jobs.run(s.frame.settings.jobs.user, workers, job, &shared);
+    frame.settings.jobs.run(frame.settings.jobs.user, workers, job, &shared);
 }
 
 } // namespace fjell

@@ -28,30 +28,30 @@ struct Box {
 };
 
 // Of a page from one of its squares' corners to another's, in squares; all that stands there, and its spheres.
-Box box_of(const CutState& s, const PageState& page, std::uint32_t i0, std::uint32_t j0, std::uint32_t i1,
+Box box_of(const Pages& pages, const PageState& page, std::uint32_t i0, std::uint32_t j0, std::uint32_t i1,
            std::uint32_t j1) {
-    const TerrainData& t = *s.pages.grid.terrain;
+    const TerrainData& t = *pages.grid.terrain;
     const auto place = [&](std::int32_t from, std::uint32_t square) {
         return from + (static_cast<std::int32_t>(2 * square) << page.z);
     };
     // What lies beyond the terrain's rim stands on it.
     const Coord first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
                 last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
-    const PageExtent& extent = s.pages.loaded[page.terrain_slot].extent;
+    const PageExtent& extent = pages.loaded[page.terrain_slot].extent;
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
     return {{static_cast<double>(t.x_m(first.x)) - out, static_cast<double>(extent.low_m) - out,
              static_cast<double>(t.z_m(first.y)) - out},
             {static_cast<double>(t.x_m(last.x)) + out, static_cast<double>(extent.high_m) + out,
              static_cast<double>(t.z_m(last.y)) + out}};
 }
-Box box_of(const CutState& s, const PageState& page) {
-    const auto tile_squares = static_cast<std::uint32_t>(s.pages.grid.terrain->tree.side()) / 2;
+Box box_of(const Pages& pages, const PageState& page) {
+    const auto tile_squares = static_cast<std::uint32_t>(pages.grid.terrain->tree.side()) / 2;
     const std::uint32_t squares = page.shape == 0 ? tile_squares : page_squares;
-    return box_of(s, page, 0, 0, squares, squares);
+    return box_of(pages, page, 0, 0, squares, squares);
 }
-Box box_of(const CutState& s, const PageState& page, std::uint32_t part) {
+Box box_of(const Pages& pages, const PageState& page, std::uint32_t part) {
     const std::uint32_t i = part % parts_x * part_columns, j = part / parts_x * part_rows;
-    return box_of(s, page, i, j, i + part_columns, j + part_rows);
+    return box_of(pages, page, i, j, i + part_columns, j + part_rows);
 }
 
 // How much of the box is within beyond_m of the planes from `first` on?
@@ -86,8 +86,8 @@ Frustum wider(View view, double by) {
     return make_frustum(view);
 }
 
-double cells_m(const CutState& s, double cells) {
-    return cells * static_cast<double>(std::min(s.pages.grid.terrain->spacing_x_m, s.pages.grid.terrain->spacing_z_m));
+double cells_m(const Grid& grid, double cells) {
+    return cells * static_cast<double>(std::min(grid.terrain->spacing_x_m, grid.terrain->spacing_z_m));
 }
 
 // Does all that the view sees lie within a share of the margin of what another one saw?
@@ -103,31 +103,31 @@ bool within(const View& view, const Sight& sight, const Frustum& frustum, double
     return true;
 }
 
-bool all_within(const CutState& s, const Sights& sights, Frustum Sight::*frustum, double share) {
-    const double move_m = cells_m(s, margin_cells * share);
-    return std::all_of(s.views.view, s.views.view + s.views.count, [&](const View& view) {
+bool all_within(const Grid& grid, const Views& views, const Sights& sights, Frustum Sight::*frustum, double share) {
+    const double move_m = cells_m(grid, margin_cells * share);
+    return std::all_of(views.view, views.view + views.count, [&](const View& view) {
         return std::any_of(sights.of, sights.of + sights.count,
                            [&](const Sight& sight) { return within(view, sight, sight.*frustum, move_m); });
     });
 }
 
 // How much of the way from half of the margin to most of it the views have gone, of what they turned apart.
-double gone(const CutState& s, const Sights& from) {
+double gone(const Grid& grid, const Views& views, const Sights& from) {
     double worst_m = 0;
-    for (std::uint32_t i = 0; i < s.views.count; ++i) {
-        double least_m = length(s.views.view[i].eye_m - from.of[0].eye_m);
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        double least_m = length(views.view[i].eye_m - from.of[0].eye_m);
         for (std::uint32_t n = 1; n < from.count; ++n)
-            least_m = std::min(least_m, length(s.views.view[i].eye_m - from.of[n].eye_m));
+            least_m = std::min(least_m, length(views.view[i].eye_m - from.of[n].eye_m));
         worst_m = std::max(worst_m, least_m);
     }
-    return std::clamp((worst_m / cells_m(s, margin_cells) - half_share) / (most_share - half_share), 0.0, 1.0);
+    return std::clamp((worst_m / cells_m(grid, margin_cells) - half_share) / (most_share - half_share), 0.0, 1.0);
 }
 
 // Has no view moved or turned since the look began?
-bool rests(const CutState& s) {
-    for (std::uint32_t i = 0; i < s.views.count; ++i) {
-        const Sight& sight = s.visibility.now.of[std::min(i, s.visibility.now.count - 1)];
-        if (length(s.views.view[i].eye_m - sight.eye_m) > 0 || length(s.views.view[i].forward - sight.forward) > 0)
+bool rests(const Views& views, const Visibility& visibility) {
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        const Sight& sight = visibility.now.of[std::min(i, visibility.now.count - 1)];
+        if (length(views.view[i].eye_m - sight.eye_m) > 0 || length(views.view[i].forward - sight.forward) > 0)
             return false;
     }
     return true;
@@ -135,74 +135,74 @@ bool rests(const CutState& s) {
 
 // The parts of which nothing is met. met(box, part): what a box meets; part page_parts: the page as a whole.
 template <typename Meet>
-std::uint8_t parts_not_met(const CutState& s, const PageState& page, const Meet& met) {
-    const Met whole = met(box_of(s, page), page_parts);
+std::uint8_t parts_not_met(const Pages& pages, const PageState& page, const Meet& met) {
+    const Met whole = met(box_of(pages, page), page_parts);
     if (whole == Met::nothing) return all_parts;
     if (whole == Met::all || page.shape == 0) return 0;
     std::uint8_t not_met = 0;
     for (std::uint32_t part = 0; part < page_parts; ++part)
-        if (met(box_of(s, page, part), part) == Met::nothing) not_met |= static_cast<std::uint8_t>(1u << part);
+        if (met(box_of(pages, page, part), part) == Met::nothing) not_met |= static_cast<std::uint8_t>(1u << part);
     return not_met;
 }
 
-void set_offscreen(CutState& s, std::uint32_t slot, std::uint8_t offscreen) {
-    PageState& page = s.pages.state[slot];
+void set_offscreen(Pages& pages, Work& work, std::uint32_t slot, std::uint8_t offscreen) {
+    PageState& page = pages.state[slot];
     if (page.offscreen == offscreen) return;
     const std::uint8_t before = std::exchange(page.offscreen, offscreen);
-    for (std::uint32_t n = 0; n < s.pages.grid.shapes[page.shape].count; ++n) {
+    for (std::uint32_t n = 0; n < pages.grid.shapes[page.shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
-        const std::uint8_t parts = s.pages.grid.shapes[page.shape].groups[n].parts;
+        const std::uint8_t parts = pages.grid.shapes[page.shape].groups[n].parts;
         if (((before & parts) == parts) == ((offscreen & parts) == parts)) continue;
         // What waits in a queue is evaluated anyway.
-        if (s.pages.groups[number].queue == unqueued && s.pages.groups[number].ready() != 0)
-            make_due(s.work.schedule, number);
+        if (pages.groups[number].queue == unqueued && pages.groups[number].ready() != 0)
+            make_due(work.schedule, number);
     }
 }
 
 } // namespace
 
-double offscreen_factor(const CutState& s, const View& view, double threshold_px) {
+double offscreen_factor(const Frame& frame, const View& view, double threshold_px) {
     const double highest = quarter_tangent * lambda_px(view) / threshold_px;
-    return std::clamp(highest, 1.0, s.frame.settings.offscreen_factor);
+    return std::clamp(highest, 1.0, frame.settings.offscreen_factor);
 }
 
 namespace {
 
-bool is_looking(const CutState& s) {
-    return s.visibility.next < s.pages.fresh;
+bool is_looking(const Pages& pages, const Visibility& visibility) {
+    return visibility.next < pages.fresh;
 }
 
-void begin_look(CutState& s) {
-    s.visibility.mixed = s.visibility.now.count != 0 && is_looking(s);
-    s.visibility.before = s.visibility.now;
-    s.visibility.now.count = s.views.count;
-    for (std::uint32_t i = 0; i < s.views.count; ++i) {
-        const View& view = s.views.view[i];
-        s.visibility.now.of[i] = {view.eye_m,
-                                  view.forward,
-                                  wider(view, half_tangent),
-                                  wider(view, most_tangent),
-                                  wider(view, margin_tangent),
-                                  wider(view, leave_tangent)};
+void begin_look(const Pages& pages, const Views& views, Visibility& visibility) {
+    visibility.mixed = visibility.now.count != 0 && is_looking(pages, visibility);
+    visibility.before = visibility.now;
+    visibility.now.count = views.count;
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        const View& view = views.view[i];
+        visibility.now.of[i] = {view.eye_m,
+                                view.forward,
+                                wider(view, half_tangent),
+                                wider(view, most_tangent),
+                                wider(view, margin_tangent),
+                                wider(view, leave_tangent)};
     }
-    s.visibility.next = 0;
+    visibility.next = 0;
 }
 
-void look_at(CutState& s, std::uint32_t slot) {
-    const PageState& page = s.pages.state[slot];
+void look_at(Pages& pages, Work& work, const Visibility& visibility, std::uint32_t slot) {
+    const PageState& page = pages.state[slot];
     if (page.page == no_index) return;
-    const double margin_m = cells_m(s, margin_cells), leave_m = cells_m(s, leave_cells);
+    const double margin_m = cells_m(pages.grid, margin_cells), leave_m = cells_m(pages.grid, leave_cells);
     const auto met = [&](const Box& box, std::uint32_t part) {
         const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
         Met meeting = Met::nothing;
-        for (std::uint32_t i = 0; i < s.visibility.now.count && meeting != Met::all; ++i) {
-            const Sight& sight = s.visibility.now.of[i];
+        for (std::uint32_t i = 0; i < visibility.now.count && meeting != Met::all; ++i) {
+            const Sight& sight = visibility.now.of[i];
             meeting = std::max(meeting, out ? meets(sight.outer, sight.eye_m, box, sides, margin_m)
                                             : meets(sight.last, sight.eye_m, box, sides, leave_m));
         }
         return meeting;
     };
-    set_offscreen(s, slot, parts_not_met(s, page, met));
+    set_offscreen(pages, work, slot, parts_not_met(pages, page, met));
 }
 
 constexpr std::uint32_t pages_a_visit = 16;
@@ -212,13 +212,15 @@ constexpr std::uint32_t pages_a_visit = 16;
 void go_on_looking(CutState& s, bool all) {
     const Sights& before = s.visibility.before;
     std::uint32_t end = s.pages.fresh;
-    if (!all && !s.visibility.mixed && before.count != 0 && all_within(s, before, &Sight::most, most_share)) {
-        const auto gone_to = static_cast<std::uint32_t>(gone(s, before) * static_cast<double>(s.pages.fresh));
+    if (!all && !s.visibility.mixed && before.count != 0 &&
+        all_within(s.pages.grid, s.views, before, &Sight::most, most_share)) {
+        const auto gone_to =
+            static_cast<std::uint32_t>(gone(s.pages.grid, s.views, before) * static_cast<double>(s.pages.fresh));
         end = std::min(end, std::max(s.visibility.next + s.pages.fresh / look_frames + 1, gone_to));
     }
-    while (s.visibility.next < end && !out_of_time(s, has_done_something(s))) {
+    while (s.visibility.next < end && !out_of_time(s.frame, has_done_something(s.frame))) {
         const std::uint32_t visit_end = std::min(s.visibility.next + pages_a_visit, end);
-        while (s.visibility.next < visit_end) look_at(s, s.visibility.next++);
+        while (s.visibility.next < visit_end) look_at(s.pages, s.work, s.visibility, s.visibility.next++);
         ++s.frame.report.visits;
     }
 }
@@ -232,53 +234,55 @@ void watch_pages(CutState& s) {
         s.visibility.now.count = 0;
         s.visibility.next = no_index;
         for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot)
-            if (s.pages.state[slot].page != no_index) set_offscreen(s, slot, 0);
+            if (s.pages.state[slot].page != no_index) set_offscreen(s.pages, s.work, slot, 0);
         return;
     }
-    if (s.visibility.now.count != 0 && is_looking(s)) {
-        go_on_looking(s, rests(s));
-        if (is_looking(s)) return;
+    if (s.visibility.now.count != 0 && is_looking(s.pages, s.visibility)) {
+        go_on_looking(s, rests(s.views, s.visibility));
+        if (is_looking(s.pages, s.visibility)) return;
     }
-    if (s.visibility.now.count != 0 && all_within(s, s.visibility.now, &Sight::half, half_share)) return;
-    begin_look(s);
+    if (s.visibility.now.count != 0 && all_within(s.pages.grid, s.views, s.visibility.now, &Sight::half, half_share))
+        return;
+    begin_look(s.pages, s.views, s.visibility);
     go_on_looking(s, false);
 }
 
 void watch_visited_pages(CutState& s) {
     if (s.frame.settings.offscreen_factor <= 1) return watch_pages(s);
-    begin_look(s);
+    begin_look(s.pages, s.views, s.visibility);
     s.visibility.mixed = true; // of the pages that the pass has not visited nobody keeps a list
 }
 
-void watch_visited_page(CutState& s, std::uint32_t slot) {
-    if (s.visibility.now.count != 0) look_at(s, slot);
+void watch_visited_page(Pages& pages, Work& work, const Visibility& visibility, std::uint32_t slot) {
+    if (visibility.now.count != 0) look_at(pages, work, visibility, slot);
 }
 
-bool is_overlooking(const CutState& s) {
-    if (s.visibility.now.count == 0 || !is_looking(s)) return false;
-    return s.visibility.mixed ||
-           (s.visibility.before.count != 0 && !all_within(s, s.visibility.before, &Sight::most, most_share)) ||
-           !all_within(s, s.visibility.now, &Sight::outer, 1);
+bool is_overlooking(const Pages& pages, const Views& views, const Visibility& visibility) {
+    if (visibility.now.count == 0 || !is_looking(pages, visibility)) return false;
+    return visibility.mixed ||
+           (visibility.before.count != 0 &&
+            !all_within(pages.grid, views, visibility.before, &Sight::most, most_share)) ||
+           !all_within(pages.grid, views, visibility.now, &Sight::outer, 1);
 }
 
-void watch_page(CutState& s, std::uint32_t slot) {
-    PageState& page = s.pages.state[slot];
-    if (s.visibility.now.count == 0) return;
-    if (s.visibility.next == slot) ++s.visibility.next; // the last one of a look that was over, and is
-    const double margin_m = cells_m(s, margin_cells);
-    page.offscreen = parts_not_met(s, page, [&](const Box& box, std::uint32_t) {
+void watch_page(Pages& pages, Visibility& visibility, std::uint32_t slot) {
+    PageState& page = pages.state[slot];
+    if (visibility.now.count == 0) return;
+    if (visibility.next == slot) ++visibility.next; // the last one of a look that was over, and is
+    const double margin_m = cells_m(pages.grid, margin_cells);
+    page.offscreen = parts_not_met(pages, page, [&](const Box& box, std::uint32_t) {
         Met meeting = Met::nothing;
-        for (std::uint32_t i = 0; i < s.visibility.now.count && meeting != Met::all; ++i)
-            meeting = std::max(meeting,
-                               meets(s.visibility.now.of[i].outer, s.visibility.now.of[i].eye_m, box, sides, margin_m));
+        for (std::uint32_t i = 0; i < visibility.now.count && meeting != Met::all; ++i)
+            meeting =
+                std::max(meeting, meets(visibility.now.of[i].outer, visibility.now.of[i].eye_m, box, sides, margin_m));
         return meeting;
     });
 }
 
-bool may_be_seen(const CutState& s, const PageState& page) {
-    const Box box = box_of(s, page);
-    for (std::uint32_t i = 0; i < s.views.count; ++i)
-        if (meets(s.views.frustum[i], s.views.view[i].eye_m, box, 0, 0) != Met::nothing) return true;
+bool may_be_seen(const Pages& pages, const Views& views, const PageState& page) {
+    const Box box = box_of(pages, page);
+    for (std::uint32_t i = 0; i < views.count; ++i)
+        if (meets(views.frustum[i], views.view[i].eye_m, box, 0, 0) != Met::nothing) return true;
     return false;
 }
 

@@ -12,7 +12,7 @@ namespace fjell {
 
 // How much coarser than its threshold a view refines what nobody sees: offscreen_factor, or less where a threshold is
 // so large that errors off-screen might reach into the picture.
-[[nodiscard]] double offscreen_factor(const CutState& s, const View& view, double threshold_px);
+[[nodiscard]] double offscreen_factor(const Frame& frame, const View& view, double threshold_px);
 
 // Begins to look at all pages if a view has left the middle of what they were looked at with, and goes on with some of
 // them in each frame, or with as many as its time allows when views are fast. Groups that come into sight, or leave it,
@@ -20,13 +20,13 @@ namespace fjell {
 void watch_pages(CutState& s);
 // Before a bulk pass beside what is drawn: that looks at the pages that it visits, and the next frames at the others.
 void watch_visited_pages(CutState& s);
-void watch_visited_page(CutState& s, std::uint32_t slot);
+void watch_visited_page(Pages& pages, Work& work, const Visibility& visibility, std::uint32_t slot);
 // May a view see what nobody has looked at for it yet? It is refined to the factor, then.
-[[nodiscard]] bool is_overlooking(const CutState& s);
+[[nodiscard]] bool is_overlooking(const Pages& pages, const Views& views, const Visibility& visibility);
 // A page that has just got its state.
-void watch_page(CutState& s, std::uint32_t slot);
+void watch_page(Pages& pages, Visibility& visibility, std::uint32_t slot);
 
 // May any of a page's vertices, or what depends on them, be seen by a view as it is now?
-[[nodiscard]] bool may_be_seen(const CutState& s, const PageState& page);
+[[nodiscard]] bool may_be_seen(const Pages& pages, const Views& views, const PageState& page);
 
 } // namespace fjell

@@ -308,36 +308,36 @@ struct CutState {
     Frame frame;
 };
 
-[[nodiscard]] inline bool is_offscreen(const CutState& s, std::uint32_t group) {
-    const PageState& page = s.pages.state[group / max_page_groups];
+[[nodiscard]] inline bool is_offscreen(const Pages& pages, std::uint32_t group) {
+    const PageState& page = pages.state[group / max_page_groups];
     if (page.offscreen == 0) return false;
-    const std::uint8_t parts = s.pages.grid.shapes[page.shape].groups[group % max_page_groups].parts;
+    const std::uint8_t parts = pages.grid.shapes[page.shape].groups[group % max_page_groups].parts;
     return (page.offscreen & parts) == parts;
 }
-[[nodiscard]] inline const Criterion& criterion_of(const CutState& s, std::uint32_t group) {
-    return is_offscreen(s, group) ? s.views.offscreen_criterion : s.views.criterion;
+[[nodiscard]] inline const Criterion& criterion_of(const Pages& pages, const Views& views, std::uint32_t group) {
+    return is_offscreen(pages, group) ? views.offscreen_criterion : views.criterion;
 }
-inline void count_parents(CutState& s, std::uint32_t slot, std::uint32_t more) {
-    PageState& page = s.pages.state[slot];
-    s.pages.busy += page.parents == 0 && more != 0;
+inline void count_parents(Pages& pages, std::uint32_t slot, std::uint32_t more) {
+    PageState& page = pages.state[slot];
+    pages.busy += page.parents == 0 && more != 0;
     page.parents += more;
 }
-[[nodiscard]] inline std::uint32_t free_vertices(const CutState& s) {
-    return s.mesh.free_vertex_count - s.mesh.mapped + s.mesh.capacity - s.mesh.fresh_vertex;
+[[nodiscard]] inline std::uint32_t free_vertices(const Mesh& mesh) {
+    return mesh.free_vertex_count - mesh.mapped + mesh.capacity - mesh.fresh_vertex;
 }
-[[nodiscard]] inline std::uint32_t take_vertex(CutState& s) {
-    FJELL_ASSERT(free_vertices(s) != 0);
+[[nodiscard]] inline std::uint32_t take_vertex(Mesh& mesh) {
+    FJELL_ASSERT(free_vertices(mesh) != 0);
     const std::uint32_t slot =
-        s.mesh.free_vertex_count != 0 ? s.mesh.free_vertices[--s.mesh.free_vertex_count] : s.mesh.fresh_vertex++;
-    FJELL_ASSERT(slot >= s.mesh.corner_count && slot < s.mesh.fresh_vertex);
+        mesh.free_vertex_count != 0 ? mesh.free_vertices[--mesh.free_vertex_count] : mesh.fresh_vertex++;
+    FJELL_ASSERT(slot >= mesh.corner_count && slot < mesh.fresh_vertex);
     for (std::uint32_t d = 0; d < 4; ++d)
-        s.mesh.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
+        mesh.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
     return slot;
 }
-inline void give_vertex(CutState& s, std::uint32_t slot) {
-    FJELL_ASSERT(slot >= s.mesh.corner_count && slot < s.mesh.fresh_vertex);
-    FJELL_ASSERT(s.mesh.free_vertex_count < s.mesh.fresh_vertex - s.mesh.corner_count); // or one was given back twice
-    s.mesh.free_vertices[s.mesh.free_vertex_count++] = slot;
+inline void give_vertex(Mesh& mesh, std::uint32_t slot) {
+    FJELL_ASSERT(slot >= mesh.corner_count && slot < mesh.fresh_vertex);
+    FJELL_ASSERT(mesh.free_vertex_count < mesh.fresh_vertex - mesh.corner_count); // or one was given back twice
+    mesh.free_vertices[mesh.free_vertex_count++] = slot;
 }
 
 // The cut behind a handle, or nullptr: also when its terrain is gone.
@@ -350,6 +350,6 @@ inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 // No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
 void reset(CutState& s);
 // After reset(): two triangles a tile, and every tile's root due.
-void begin_at_roots(CutState& s);
+void begin_at_roots(const Pages& pages, Work& work, Mesh& mesh);
 
 } // namespace fjell

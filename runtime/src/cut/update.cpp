@@ -25,18 +25,18 @@ double microseconds(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double, std::micro>(to - from).count();
 }
 
-Status check(const CutState& s, std::span<const View> views, const CutSettings& c) {
-    if (views.empty() || views.size() > s.budget.views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
+Status check(const CutBudget& budget, std::span<const View> views, const CutSettings& c) {
+    if (views.empty() || views.size() > budget.views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
     for (const View& view : views)
         if (Status v = validate(view); !v.ok()) return v;
     return validate(c);
 }
 
 // Largest error of a grade in this terrain.
-double grade_error_m(const CutState& s, std::uint32_t grade) {
+double grade_error_m(const Grid& grid, std::uint32_t grade) {
     const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
-    return std::min(static_cast<double>(s.pages.grid.terrain->errors.metres[code]),
-                    static_cast<double>(s.pages.grid.terrain->header.max_error_m));
+    return std::min(static_cast<double>(grid.terrain->errors.metres[code]),
+                    static_cast<double>(grid.terrain->header.max_error_m));
 }
 
 // By how much a view's margin of a vertex (evaluate.h) may exceed another's, for the vertex' error.
@@ -101,7 +101,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     const double nested = 1 + static_cast<double>(s.pages.grid.terrain->header.nesting);
     if (s.frame.settings.morph != Morph::none && s.morphing.now.morph == Morph::none) {
         finish_bulk(s); // its triangles could not be flattened one by one
-        flatten_all(s);
+        flatten_all(s.pages, s.mesh);
     }
     const double early = s.frame.settings.morph == Morph::none ? 1 : nested * nested;
     s.morphing.before = s.morphing.now;
@@ -116,7 +116,7 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
         const double px = full_px / early;
         c.reach[i] = make_reach(views[i], px);
         c.keep[i] = make_reach(views[i], px / (1 + s.frame.settings.hysteresis));
-        const double offscreen_px = px * offscreen_factor(s, views[i], px);
+        const double offscreen_px = px * offscreen_factor(s.frame, views[i], px);
         offscreen.reach[i] = make_reach(views[i], offscreen_px);
         offscreen.keep[i] = make_reach(views[i], offscreen_px / (1 + s.frame.settings.hysteresis));
         s.morphing.now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
@@ -127,14 +127,15 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     }
     c.views = offscreen.views = s.views.count = static_cast<std::uint32_t>(views.size());
     c.hysteresis = offscreen.hysteresis = s.frame.settings.hysteresis > 0;
-    s.views.largest_unit_px = screen_unit_px(s);
+    s.views.largest_unit_px = screen_unit_px(s.views, s.frame);
     const ViewChange change(before, c), offscreen_change(offscreen_before, offscreen);
     s.views.still = before.views != 0 && change.at(0) == 0;
     constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
     double metres[grade_count];
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        metres[grade] =
-            std::max(change.at(grade_error_m(s, grade)), offscreen_change.at(grade_error_m(s, grade))) * rounding;
+        metres[grade] = std::max(change.at(grade_error_m(s.pages.grid, grade)),
+                                 offscreen_change.at(grade_error_m(s.pages.grid, grade))) *
+                        rounding;
     advance(s.work.schedule, metres);
     for (std::uint32_t grade = 0; grade < grade_count; ++grade)
         s.bulk.travelled_m[grade] = (s.bulk.travelled_m[grade] + metres[grade]) * (1 + 0x1p-50);
@@ -143,29 +144,29 @@ void set_views(CutState& s, std::span<const View> views, double threshold_px) {
     s.views.leapt = change.at(0) > 1024 * s.work.schedule.tick_m;
 }
 
-bool may_be_seen(const CutState& s, const TileList& tile) {
+bool may_be_seen(const Views& views, const TileList& tile) {
     if (!tile.bounded) return true;
-    for (std::uint32_t i = 0; i < s.views.count; ++i) {
-        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - s.views.view[i].eye_m;
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - views.view[i].eye_m;
         bool inside = true;
         for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(s.views.frustum[i].normal[plane], p) >= s.views.frustum[i].offset[plane] - tile.radius_m;
+            inside = dot(views.frustum[i].normal[plane], p) >= views.frustum[i].offset[plane] - tile.radius_m;
         if (inside) return true;
     }
     return false;
 }
 
-void list_ranges(CutState& s) {
-    s.mesh.range_count = 0;
-    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) {
-        const TileList& list = s.mesh.tiles[tile];
-        if (list.total == 0 || !may_be_seen(s, list)) continue;
-        ++s.frame.report.tiles_drawn;
-        s.frame.report.triangles_drawn += list.total;
+void list_ranges(Mesh& mesh, const Views& views, Frame& frame) {
+    mesh.range_count = 0;
+    for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) {
+        const TileList& list = mesh.tiles[tile];
+        if (list.total == 0 || !may_be_seen(views, list)) continue;
+        ++frame.report.tiles_drawn;
+        frame.report.triangles_drawn += list.total;
         std::uint32_t count = list.in_last;
-        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.mesh.segment_below[segment]) {
-            s.mesh.ranges[s.mesh.range_count++] = {tile, (segment << s.mesh.segment_log2) * 3, count * 3, count};
-            count = 1u << s.mesh.segment_log2;
+        for (std::uint32_t segment = list.last_segment; segment != no_index; segment = mesh.segment_below[segment]) {
+            mesh.ranges[mesh.range_count++] = {tile, (segment << mesh.segment_log2) * 3, count * 3, count};
+            count = 1u << mesh.segment_log2;
         }
     }
 }
@@ -173,7 +174,7 @@ void list_ranges(CutState& s) {
 // What the mesh lacks of its threshold; 0: nothing.
 double waiting_px(CutState& s, bool overlooking) {
     const CutReport& r = s.frame.report;
-    forget_late_pages(s, r.morphing == 0);
+    forget_late_pages(s.pages, s.morphing, s.frame, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
     if (s.bulk.phase != BulkPhase::idle || s.pages.some_wait) return any_mesh_px(s);
@@ -188,8 +189,8 @@ double waiting_px(CutState& s, bool overlooking) {
 
 void finish(CutState& s) {
     CutReport& r = s.frame.report;
-    list_ranges(s);
-    r.vertex_slots = {s.mesh.capacity - free_vertices(s), 0, s.mesh.capacity};
+    list_ranges(s.mesh, s.views, s.frame);
+    r.vertex_slots = {s.mesh.capacity - free_vertices(s.mesh), 0, s.mesh.capacity};
     s.mesh.vertex_peak = std::max(s.mesh.vertex_peak, r.vertex_slots.used);
     r.vertex_slots.peak = s.mesh.vertex_peak;
     const auto slots = [&](std::uint32_t segments) { return segments << s.mesh.segment_log2; };
@@ -197,15 +198,15 @@ void finish(CutState& s) {
                         slots(s.mesh.segment_count)};
     r.vertices = r.vertex_slots.used;
     for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) r.triangles += s.mesh.tiles[tile].total;
-    r.blocked = blocked_groups(s);
+    r.blocked = blocked_groups(s.work);
     if (s.pages.some_wait) s.frame.full_capacities |= cut_budget_vertices;
     if (s.frame.full_capacities != 0) s.governor.cause = s.frame.full_capacities;
     if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.frame.full_capacities;
     r.exhausted |= s.governor.cause;
     r.morphing = s.morphing.late_count + s.morphing.out_count;
-    r.waiting = waiting_groups(s);
+    r.waiting = waiting_groups(s.work);
     const bool building = s.bulk.phase != BulkPhase::idle;
-    const bool overlooking = !building && is_overlooking(s);
+    const bool overlooking = !building && is_overlooking(s.pages, s.views, s.visibility);
     r.waiting += building + s.pages.some_wait + overlooking;
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = s.mesh.corner_count + s.bulk.taken;
     for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
@@ -217,46 +218,46 @@ void finish(CutState& s) {
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
     const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
                                  static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
-                                 may_lack_pages(s) ? static_cast<double>(s.pages.busy) / s.pages.count : 0.0});
-    govern(s, use);
+                                 may_lack_pages(s.pages) ? static_cast<double>(s.pages.busy) / s.pages.count : 0.0});
+    govern(s.pages.grid, s.views, s.governor, s.frame, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
     r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
     r.converged = r.converged && s.pages.grid.terrain->missing_px <= r.error_px_requested;
 }
 
 // What the host has not taken is kept for it.
-void begin_changes(CutState& s) {
-    if (std::exchange(s.mesh.untaken_taken, false)) {
-        s.mesh.untaken_vertices.clear();
-        s.mesh.untaken_triangles.clear();
+void begin_changes(Mesh& mesh, const Frame& frame) {
+    if (std::exchange(mesh.untaken_taken, false)) {
+        mesh.untaken_vertices.clear();
+        mesh.untaken_triangles.clear();
     }
-    if (std::exchange(s.mesh.dirty_taken, false)) {
-        s.mesh.dirty_vertices.clear();
-        s.mesh.dirty_triangles.clear();
-    } else if (s.frame.number != 0) { // what create_cut() has written belongs to the first frame
-        s.mesh.dirty_vertices.move_to(s.mesh.untaken_vertices);
-        s.mesh.dirty_triangles.move_to(s.mesh.untaken_triangles);
+    if (std::exchange(mesh.dirty_taken, false)) {
+        mesh.dirty_vertices.clear();
+        mesh.dirty_triangles.clear();
+    } else if (frame.number != 0) { // what create_cut() has written belongs to the first frame
+        mesh.dirty_vertices.move_to(mesh.untaken_vertices);
+        mesh.dirty_triangles.move_to(mesh.untaken_triangles);
     }
 }
 
-void begin_frame(CutState& s, const CutSettings& settings) {
-    s.frame.started = Clock::now();
-    s.frame.settings = settings;
-    begin_changes(s);
-    s.frame.report = {};
-    s.frame.report.frame = ++s.frame.number;
-    s.frame.report.error_px_requested = settings.error_px;
+void begin_frame(Mesh& mesh, Morphing& morphing, Frame& frame, const CutSettings& settings) {
+    frame.started = Clock::now();
+    frame.settings = settings;
+    begin_changes(mesh, frame);
+    frame.report = {};
+    frame.report.frame = ++frame.number;
+    frame.report.error_px_requested = settings.error_px;
     // As much as the last one that lagged has taken: it looks at what waits, and nobody knows which will.
-    s.frame.reserved_us = std::min(s.frame.output_us, settings.budget_us / 2);
-    s.frame.full_capacities = s.frame.batches = s.frame.deactivations_when_full = 0;
-    advance_clock(s, s.frame.number == 1);
+    frame.reserved_us = std::min(frame.output_us, settings.budget_us / 2);
+    frame.full_capacities = frame.batches = frame.deactivations_when_full = 0;
+    advance_clock(morphing, frame, frame.number == 1);
 }
 
 // Every slot that is in use: after a rebuild they are the first ones. Others stay marked: a jump's build that a rebuild
 // cut short has written there.
-void mark_all(CutState& s) {
-    s.mesh.dirty_vertices.mark_range(0, s.mesh.fresh_vertex);
-    s.mesh.dirty_triangles.mark_range(0, (s.mesh.segment_count - s.mesh.free_segment_count) << s.mesh.segment_log2);
+void mark_all(Mesh& mesh) {
+    mesh.dirty_vertices.mark_range(0, mesh.fresh_vertex);
+    mesh.dirty_triangles.mark_range(0, (mesh.segment_count - mesh.free_segment_count) << mesh.segment_log2);
 }
 
 } // namespace
@@ -277,10 +278,10 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = check(s, views, settings); !v.ok()) return v;
+    if (Status v = check(s.budget, views, settings); !v.ok()) return v;
     const std::int64_t ticks_before = s.morphing.clock.ticks;
-    begin_frame(s, settings);
-    retire_times(s, ticks_before);
+    begin_frame(s.mesh, s.morphing, s.frame, settings);
+    retire_times(s.mesh, s.morphing, ticks_before);
     s.frame.item_limit = settings.items;
     CutReport& r = s.frame.report;
     s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
@@ -305,10 +306,10 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
         s.work.queues.gated_turn ^= 1;
         if (s.work.queues.gate_passes != 0) --s.work.queues.gate_passes;
     }
-    end_morphing_in(s);
+    end_morphing_in(s.work, s.morphing);
     const auto prepared = Clock::now();
     evict_pages(s);
-    keep_pages_at_hand(s);
+    keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
     refine(s);
     const auto refined = Clock::now();
     finish(s);
@@ -325,19 +326,19 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = check(s, views, settings); !v.ok()) return v;
-    begin_frame(s, settings);
+    if (Status v = check(s.budget, views, settings); !v.ok()) return v;
+    begin_frame(s.mesh, s.morphing, s.frame, settings);
     s.frame.item_limit = s.frame.settings.visits = unlimited_items;
     s.frame.settings.budget_us = 0;
     s.frame.report.rebuilt = true;
     CutReport& r = s.frame.report;
     // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
     // allow.
-    begin_governing(s, settings.error_px);
+    begin_governing(s.governor, settings.error_px);
     bool complete = true;
     finish_bulk(s);
     if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
-    bool cleared = !may_lack_pages(s);
+    bool cleared = !may_lack_pages(s.pages);
     for (;;) {
         set_views(s, views, s.governor.effective_px);
         watch_pages(s);
@@ -346,22 +347,22 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         r.evaluations = 0;
         if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
             reset(s);
-            while (reclaim_page(s)) {
+            while (reclaim_page(s.pages, s.work, s.mesh, s.morphing)) {
             }
             continue;
         }
         s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
-        if (raise_threshold(s)) continue;
+        if (raise_threshold(s.views, s.governor, s.frame)) continue;
         // What is wanted at any threshold is too much: as far as it goes, then.
         reset(s);
-        begin_at_roots(s);
+        begin_at_roots(s.pages, s.work, s.mesh);
         refine(s);
         complete = false;
         break;
     }
     r.threshold_px = s.governor.effective_px;
-    if (complete) mark_all(s); // otherwise refine() has marked what it wrote
-    r.activations = s.mesh.capacity - free_vertices(s) - s.mesh.corner_count;
+    if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
+    r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
     r.items = r.evaluations + r.activations;
     const auto built = Clock::now();
     finish(s);
@@ -375,9 +376,9 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
 namespace {
 
 // nullptr: the cut does not hold it.
-LoadedPage* loaded_page(CutState& s, std::uint32_t page) {
-    const std::uint32_t slot = s.pages.grid.terrain->page_table[page].slot;
-    return slot != no_index && s.pages.loaded[slot].page == page ? &s.pages.loaded[slot] : nullptr;
+LoadedPage* loaded_page(const Pages& pages, std::uint32_t page) {
+    const std::uint32_t slot = pages.grid.terrain->page_table[page].slot;
+    return slot != no_index && pages.loaded[slot].page == page ? &pages.loaded[slot] : nullptr;
 }
 
 } // namespace
@@ -387,7 +388,7 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    LoadedPage* const loaded = loaded_page(s, tile * s.pages.grid.pages_per_tile + page);
+    LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     released = loaded == nullptr;
     if (released) return {};
     const std::uint32_t first = s.pages.page_groups[loaded->page], slot = first / max_page_groups;
@@ -399,8 +400,8 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     }
     loaded->evicting = true;
     // What the bulk pass has found there may be about to be drawn.
-    released = !attached ||
-               (s.pages.state[slot].active == 0 && (s.bulk.phase == BulkPhase::idle || found_in(s, slot) == nullptr));
+    released = !attached || (s.pages.state[slot].active == 0 &&
+                             (s.bulk.phase == BulkPhase::idle || found_in(s.bulk, slot) == nullptr));
     return {};
 }
 
@@ -409,11 +410,11 @@ Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     if (found == nullptr) return no_cut;
     CutState& s = *found;
     if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
-    LoadedPage* const loaded = loaded_page(s, tile * s.pages.grid.pages_per_tile + page);
+    LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     if (loaded == nullptr) return {};
     loaded->evicting = false;
     if (const std::uint32_t first = s.pages.page_groups[loaded->page]; first != no_index)
-        cancel_eviction(s, first / max_page_groups);
+        cancel_eviction(s.pages, s.work, first / max_page_groups);
     return {};
 }
 

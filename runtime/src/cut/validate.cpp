@@ -19,11 +19,11 @@ namespace fjell {
 namespace {
 
 Violation at(const char* what, const CutState& s, std::uint32_t vertex) {
-    return {what, site_coord(site_of(s, vertex))};
+    return {what, site_coord(site_of(s.pages, vertex))};
 }
 
-bool is_active(const CutState& s, std::uint32_t vertex) {
-    return (s.pages.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
+bool is_active(const Pages& pages, std::uint32_t vertex) {
+    return (pages.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
 }
 
 bool is_loaded(const CutState& s, std::uint32_t page) {
@@ -42,10 +42,10 @@ Violation check_slot(const CutState& s, std::uint32_t vertex, const Site& site) 
 }
 
 Violation check_vertex(const CutState& s, std::uint32_t vertex) {
-    const Site site = site_of(s, vertex);
+    const Site site = site_of(s.pages, vertex);
     const GroupState& b = s.pages.groups[vertex / group_lanes];
     const auto bit = [&](std::uint16_t mask) { return (mask & bit_of(vertex)) != 0; };
-    if (!exists(s, site) || find_vertex(s, site) != vertex) {
+    if (!exists(s.pages.grid, site) || find_vertex(s.pages, site) != vertex) {
         if (bit(b.active)) return at("a vertex is active where it is not owned:", s, vertex);
         if (bit(b.ready())) return at("a vertex is ready where it is not owned:", s, vertex);
         return {};
@@ -56,11 +56,11 @@ Violation check_vertex(const CutState& s, std::uint32_t vertex) {
     const bool leaf = site.kind != VertexKind::centre && site.z == 0;
     for (std::uint32_t d = 0; d < 4; ++d) {
         const Site child = child_site(site, static_cast<int>(d));
-        const bool possible = !leaf && exists(s, child);
-        const std::uint32_t found = possible ? find_vertex(s, child) : no_index;
-        const bool there = found != no_index && is_active(s, found);
+        const bool possible = !leaf && exists(s.pages.grid, child);
+        const std::uint32_t found = possible ? find_vertex(s.pages, child) : no_index;
+        const bool there = found != no_index && is_active(s.pages, found);
         if (bit(b.active) && possible && found == no_index && !s.pages.some_wait &&
-            is_loaded(s, place_of(s, child).page))
+            is_loaded(s, place_of(s.pages.grid, child).page))
             return at("an active vertex' child has no state:", s, vertex);
         if (bit(b.child[d]) != there) return at("a child mask is wrong at", s, vertex);
         if (!bit(b.active) || leaf) continue; // at the rim no triangle lies beyond; a leaf has no children to say so
@@ -80,7 +80,7 @@ Changeable changeable(const CutState& s, std::uint32_t group) {
     Changeable lanes{evicting ? 0u : static_cast<std::uint32_t>(b.ready() & ~b.active),
                      static_cast<std::uint32_t>(b.active & ~b.parental())};
     for (std::uint32_t lane = 0; lane < group_lanes; ++lane) // those that morph out go by themselves
-        if ((b.active >> lane & 1) && morphs_out(s, s.pages.vertex_slot[group * group_lanes + lane]))
+        if ((b.active >> lane & 1) && morphs_out(s.mesh, s.pages.vertex_slot[group * group_lanes + lane]))
             lanes.childless &= ~(1u << lane);
     return lanes;
 }
@@ -88,10 +88,10 @@ Changeable changeable(const CutState& s, std::uint32_t group) {
 // Does a vertex agree with the decision, and will it be looked at before it could cease to? left_m: how far an eye may
 // go until its group is due.
 Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, double left_m) {
-    const Coord c = site_coord(site_of(s, vertex)), sample = s.pages.grid.terrain->tree.sample(c);
+    const Coord c = site_coord(site_of(s.pages, vertex)), sample = s.pages.grid.terrain->tree.sample(c);
     const TerrainData::Vertex v = s.pages.grid.terrain->vertex(c);
     const float x = s.pages.grid.terrain->x_m(sample.x), z = s.pages.grid.terrain->z_m(sample.y);
-    const Criterion& decision = criterion_of(s, vertex / group_lanes);
+    const Criterion& decision = criterion_of(s.pages, s.views, vertex / group_lanes);
     double margin = -1e300;
     bool in = false;
     for (std::uint32_t i = 0; i < s.views.count; ++i) {
@@ -107,8 +107,8 @@ Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, doubl
     place.x = x;
     place.y = v.height_m;
     place.z = z;
-    if (s.bulk.phase == BulkPhase::idle && !is_overlooking(s) && is_offscreen(s, vertex / group_lanes) &&
-        seen(s, place))
+    if (s.bulk.phase == BulkPhase::idle && !is_overlooking(s.pages, s.views, s.visibility) &&
+        is_offscreen(s.pages, vertex / group_lanes) && seen(s.views, place))
         return at("a vertex is called off-screen, and a view sees it:", s, vertex);
     if (in != on) return at("a vertex disagrees with the decision, and nobody knows:", s, vertex);
     if (left_m > std::abs(margin) * (1 + 1e-4) + s.work.schedule.tick_m * 0.01)
@@ -127,7 +127,7 @@ bool some_page_leaves(const CutState& s) {
 
 Violation check_group(const CutState& s, std::uint32_t number) {
     const GroupState& b = s.pages.groups[number];
-    const ParentMasks parents = parents_of(s, number, (1u << shape_of(s, number).lanes) - 1);
+    const ParentMasks parents = parents_of(s.pages, number, (1u << shape_of(s.pages, number).lanes) - 1);
     if (b.parent[0] != parents.parent[0] || b.parent[1] != parents.parent[1])
         return at("a parent mask is wrong in the group of", s, number * group_lanes);
     const bool evicting = s.pages.state[number / max_page_groups].status == PageStatus::evicting;
@@ -186,20 +186,20 @@ Violation check_page(const CutState& s, std::uint32_t slot, Tally& vertex_slots)
         for (std::uint32_t lane = 0; lane < s.pages.grid.shapes[info.shape].groups[n].lanes; ++lane) {
             const std::uint32_t vertex = number * group_lanes + lane;
             if (const Violation wrong = check_vertex(s, vertex)) return wrong;
-            if (!is_active(s, vertex)) continue;
+            if (!is_active(s.pages, vertex)) continue;
             vertex_slots.add(s.pages.vertex_slot[vertex]);
             ++active;
         }
         if (const Violation wrong = check_group(s, number)) return wrong;
         const GroupShape& shape = s.pages.grid.shapes[info.shape].groups[n];
-        const ParentMasks absent = absent_parents(s, site_of(s, number * group_lanes), shape);
+        const ParentMasks absent = absent_parents(s.pages.grid, site_of(s.pages, number * group_lanes), shape);
         for (std::size_t i = 0; i < 2; ++i)
             parents += static_cast<std::uint32_t>(
                 std::popcount(static_cast<std::uint16_t>(s.pages.groups[number].parent[i] & ~absent.parent[i])));
     }
     if (active != info.active) return {"a page counts its active vertices wrongly"};
     if (parents != info.parents) return {"a page counts its vertices' parents wrongly"};
-    const bool in_bulk = s.bulk.phase != BulkPhase::idle && found_in(s, slot) != nullptr;
+    const bool in_bulk = s.bulk.phase != BulkPhase::idle && found_in(s.bulk, slot) != nullptr;
     if (parents == 0 && info.shape != 0 && !info.idle && !in_bulk)
         return {"a page is idle, and its state can never be taken"};
     return {};
@@ -232,7 +232,8 @@ Violation check_pages(const CutState& s, Tally& vertex_slots) {
         ++evicting;
     }
     for (std::uint32_t i = 0; i < s.pages.free_count; ++i) say_free.add(s.pages.free[i]);
-    if (!(unused == say_free) || taken != s.pages.count - free_pages(s)) return {"states are lost, or free twice"};
+    if (!(unused == say_free) || taken != s.pages.count - free_pages(s.pages))
+        return {"states are lost, or free twice"};
     if (busy != s.pages.busy) return {"busy pages do not add up"};
     if (roots + s.pages.tiles_waiting != s.mesh.tile_count) return {"tiles whose page 0 has no state do not add up"};
     if (const Violation wrong = check_idle(s)) return wrong;
@@ -291,10 +292,10 @@ Violation check_report(const CutState& s) {
     std::uint32_t active = s.mesh.corner_count, triangles = 0;
     for (std::uint32_t slot = 0; slot < s.pages.count; ++slot) active += s.pages.state[slot].active;
     for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) triangles += s.mesh.tiles[tile].total;
-    if (active != s.mesh.capacity - free_vertices(s)) return {"active vertices and their slots do not add up"};
+    if (active != s.mesh.capacity - free_vertices(s.mesh)) return {"active vertices and their slots do not add up"};
     if (r.vertices != active || r.vertex_slots.used != active) return {"the report counts vertices wrongly"};
     if (r.triangles != triangles) return {"the report counts triangles wrongly"};
-    if (r.blocked != blocked_groups(s)) return {"the report counts blocked groups wrongly"};
+    if (r.blocked != blocked_groups(s.work)) return {"the report counts blocked groups wrongly"};
     if (r.blocked > r.waiting) return {"more is blocked than waits"};
     if (r.morphing != s.morphing.late_count + s.morphing.out_count)
         return {"the report counts morphing vertices wrongly"};

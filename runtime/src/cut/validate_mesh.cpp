@@ -14,7 +14,7 @@ Violation check_triangle(const CutState& s, std::uint32_t tile, std::uint32_t sl
         return {"a triangle's corner was never taken"};
     const std::uint32_t* const of = s.mesh.triangle_of + std::size_t{t[0]} * 4;
     if (std::count(of, of + 4, slot) != 1) return {"a triangle's right angle does not know it"};
-    if (s.mesh.some_hidden && is_hidden(s, {t[0], t[1], t[2]}) != (tile == hidden_tile(s)))
+    if (s.mesh.some_hidden && is_hidden(s.mesh, {t[0], t[1], t[2]}) != (tile == hidden_tile(s.mesh)))
         return {"a triangle is hidden wrongly"};
     return {};
 }
