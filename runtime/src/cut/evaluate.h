@@ -29,7 +29,7 @@ struct LaneAnswers {
 };
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
-// The same, bit for bit, without vector instructions.
+// The same, bit for bit, a lane at a time, on any machine.
 void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 
 // Vertices of one page and step, wherever they lie in it. picked: of each, from the lowest bit on, its place among the
@@ -89,7 +89,6 @@ std::uint32_t place_rows(const Criterion& decision, const PageRows* planes, std:
 
 inline constexpr float apart_rounding = 0x1p-18f; // of distances and radii
 inline constexpr float least_apart_m = 1e-6f;     // or what a vertex hides may touch the eye
-inline constexpr float slack_rounding = 0x1p-19f;
 
 // Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
 struct Evaluation {
@@ -117,14 +116,11 @@ struct Evaluation {
     float margin = -3.4e38f, span = 0;
     for (std::uint32_t i = 0; i < c.views; ++i) {
         const Reach& r = active && c.hysteresis ? c.keep[i] : c.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float squared = dx * dx + dy * dy + dz * dz, distance = std::sqrt(squared);
-        const float reach = (v.radius_m + v.error_m * r.q) * reach_grow + r.pad;
-        v.wanted = v.wanted || squared < reach * reach;
-        margin = std::max(margin, reach - distance);
-        span = std::max(span, reach + distance);
+        const float squared = floats::squared_distance(floats::One(), r, v.x, v.y, v.z);
+        floats::add_view(squared, std::sqrt(squared), floats::reach_m(floats::One(), r, v.error_m, v.radius_m), margin,
+                         span, v.wanted);
     }
-    v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
+    v.slack_m = std::max(floats::slack_m(floats::One(), margin, span), 0.0f);
     return v;
 }
 
@@ -170,8 +166,7 @@ struct Evaluation {
     float worst = 0;
     for (std::uint32_t i = 0; i < views.criterion.views; ++i) {
         const Reach& r = views.criterion.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
+        const float depth = std::sqrt(floats::squared_distance(floats::One(), r, v.x, v.y, v.z)) - v.radius_m;
         worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
     }
     const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);

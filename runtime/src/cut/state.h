@@ -347,6 +347,9 @@ inline void give_vertex(Mesh& mesh, std::uint32_t slot) {
 }
 inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
 
+// Of an update, of the cut or of a stream beside it.
+[[nodiscard]] Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views);
+
 // No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
 void reset(CutState& s);
 // After reset(): two triangles a tile, and every tile's root due.

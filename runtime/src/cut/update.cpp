@@ -25,13 +25,6 @@ double microseconds(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double, std::micro>(to - from).count();
 }
 
-Status check(const CutBudget& budget, std::span<const View> views, const CutSettings& c) {
-    if (views.empty() || views.size() > budget.views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
-    for (const View& view : views)
-        if (Status v = validate(view); !v.ok()) return v;
-    return validate(c);
-}
-
 // Largest error of a grade in this terrain.
 double grade_error_m(const Grid& grid, std::uint32_t grade) {
     const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
@@ -274,11 +267,18 @@ Status validate(const CutSettings& c) {
     return {};
 }
 
+Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views) {
+    if (views.empty() || views.size() > most_views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
+    for (const View& view : views)
+        if (Status v = validate(view); !v.ok()) return v;
+    return validate(settings);
+}
+
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = check(s.budget, views, settings); !v.ok()) return v;
+    if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
     const std::int64_t ticks_before = s.morphing.clock.ticks;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     retire_times(s.mesh, s.morphing, ticks_before);
@@ -326,7 +326,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = check(s.budget, views, settings); !v.ok()) return v;
+    if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     s.frame.item_limit = s.frame.settings.visits = unlimited_items;
     s.frame.settings.budget_us = 0;

@@ -125,7 +125,7 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
     if (cut != LiveCut{}) {
         cut_state = find_cut(cut);
         if (cut_state == nullptr) return no_cut;
-        if (cut_state->terrain != &terrain) return {Code::wrong_terrain, "cut"};
+        if (cut_state->pages.grid.terrain != &terrain) return {Code::wrong_terrain, "cut"};
     }
     if (Status fits = check_budget(pack, terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(pack, terrain, budget);

@@ -18,11 +18,7 @@ using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a syst
 
 Status check(const StreamState& s, std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
     if (views.empty() || views.size() > max_cut_views) return {Code::out_of_range, "views (1 to 8)"};
-    if (s.cut_state && views.size() > s.cut_state->budget.views)
-        return {Code::out_of_range, "views (1 to CutBudget::views)"};
-    for (const View& view : views)
-        if (Status v = validate(view); !v.ok()) return v;
-    if (Status v = validate(cut); !v.ok()) return v;
+    if (Status v = validate(views, cut, s.cut_state ? s.cut_state->budget.views : max_cut_views); !v.ok()) return v;
     if (!(c.texel_px >= 0.1 && c.texel_px <= 100)) return {Code::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
         return {Code::out_of_range, "StreamSettings::lookahead_s (0 to 60)"};
