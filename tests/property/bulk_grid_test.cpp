@@ -9,8 +9,7 @@
 
 #include "bulk_rows.h"
 #include "cut/evaluate.h"
-#include "cut/fans.h"
-#include "cut/slot_grid.h"
+#include "cut/bulk_rows.h"
 
 using namespace fjell;
 using namespace fjell::test;

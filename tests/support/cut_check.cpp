@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "cut/find.h"
+#include "cut/pages.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 #include "pack/terrain_data.h"

@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cut/find.h"
+#include "cut/pages.h"
 #include "cut/mesh.h"
 #include "pack/memory.h"
 #include "stream/requests.h"

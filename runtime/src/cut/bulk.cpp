@@ -4,10 +4,10 @@
 #include <type_traits>
 #include <utility>
 
-#include "cut/bulk_decide.h"
-#include "cut/jobs.h"
-#include "cut/pages.h"
-#include "cut/sight.h"
+#include "compiler.h"
+#include "cut/evaluate.h"
+#include "cut/refine.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -414,6 +414,158 @@ BulkStatus step_bulk(CutState& s) {
     b.units = count;
     if (b.taken > bulk_capacity(s.bulk, s.mesh)) return stop(s.pages, s.bulk, s.mesh, BulkStatus::no_vertices);
     return b.no_pages ? stop(s.pages, s.bulk, s.mesh, BulkStatus::no_pages) : BulkStatus::unfinished;
+}
+
+// --- the roots of all tiles. A large terrain has hundreds, most of which nobody wants: those are decided side by side,
+// and of a page 0 that has nothing else the pass writes no more than when to look again.
+
+namespace {
+
+constexpr std::uint32_t tiles_a_step = 64;
+
+// The root's group is the first of page 0; no_index: that has no state.
+std::uint32_t root_group(const Pages& pages, std::uint32_t tile) {
+    return pages.page_groups[tile * pages.grid.pages_per_tile];
+}
+
+bool decide_root(CutState& s, std::uint32_t tile, std::uint32_t group) {
+    const std::uint32_t vertex = group * group_lanes, slot = group / max_page_groups;
+    // What keeps a vertex that is active lets it stay for longer than this slack says.
+    const Evaluation v = evaluate_vertex(s.pages, s.views, vertex, site_of(s.pages, vertex), false);
+    const auto ticks_a_metre = static_cast<float>(1 / tick_m(s.work.schedule, s.work.schedule.pages[slot]));
+    const auto ticks = static_cast<std::uint16_t>(std::min(v.slack_m * ticks_a_metre, float{most_ticks}));
+    s.bulk.tiles[tile].root = {static_cast<std::uint16_t>(soon + ticks),
+                               static_cast<std::uint8_t>(grade_of(v.code) + 1)};
+    ++s.frame.report.evaluations;
+    return v.wanted;
+}
+
+} // namespace
+
+bool step_roots(CutState& s) {
+    BulkPass& b = s.bulk;
+    const std::uint32_t first = b.at, end = std::min(first + tiles_a_step, s.mesh.tile_count);
+    for (std::uint32_t tile = first; tile != end; ++tile)
+        if (const std::uint32_t group = root_group(s.pages, tile); group != no_index) {
+            FJELL_PREFETCH(records_of(s.pages, group / max_page_groups));
+            FJELL_PREFETCH(s.pages.groups + group);
+        }
+    for (; b.at != end; ++b.at) {
+        b.tiles[b.at].root = {unscheduled, 0};
+        const std::uint32_t group = root_group(s.pages, b.at), slot = group / max_page_groups;
+        if (group == no_index) continue;
+        const PageState& page = s.pages.state[slot];
+        if (b.beside) watch_visited_page(s.pages, s.work, s.visibility, slot);
+        const bool evicting = page.status == PageStatus::evicting, wanted = !evicting && decide_root(s, b.at, group);
+        if (evicting && b.beside) b.tiles[b.at].root = {spent, 1}; // it may be kept after all, so it waits
+        if (wanted || !is_clear(page)) (void)visit_page(s.pages, s.work, s.bulk, s.visibility, slot);
+        if (!wanted) continue;
+        BulkPage& found = b.pages[slot];
+        found.active[0] = 1;
+        ++found.wanted;
+        ++b.taken;
+        b.listed[1][b.listed_count[1]++] = slot;
+    }
+    return end != s.mesh.tile_count;
+}
+
+bool step_install_roots(Pages& pages, Work& work, BulkPass& b, const Mesh& mesh) {
+    const std::uint32_t first = b.at, end = std::min(first + tiles_a_step, mesh.tile_count);
+    for (; b.at != end; ++b.at) {
+        const std::uint32_t group = root_group(pages, b.at), slot = group / max_page_groups;
+        if (group == no_index || found_in(b, slot) != nullptr) continue;
+        pages.groups[group].queue = unqueued; // it may have waited
+        const BulkRoot& root = b.tiles[b.at].root;
+        if (root.grades != 0)
+            restart_group(work.schedule, slot, 0, root.ticks, root.grades - 1u, b.travelled_m);
+        else
+            clear_page_schedule(work.schedule, slot);
+    }
+    return end != mesh.tile_count;
+}
+
+// --- when the pass runs: for a rebuild at once, after a jump of the camera in as many frames as it takes.
+
+void finish_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    while (b.phase == BulkPhase::triangles) (void)step_bulk(s);
+    if (b.phase == BulkPhase::built) install_mesh(s);
+    while (b.phase >= BulkPhase::releasing && step_install(s)) {
+    }
+    drop_bulk(s.pages, s.bulk, s.mesh);
+}
+
+BulkStatus build_bulk(CutState& s) {
+    begin_bulk(s.pages, s.bulk, s.mesh, false);
+    BulkStatus status = BulkStatus::unfinished;
+    while (status == BulkStatus::unfinished) status = step_bulk(s);
+    if (status != BulkStatus::built) return status;
+    install_mesh(s);
+    finish_bulk(s);
+    return status;
+}
+
+namespace {
+
+// Is it worth while to build anew what is seen, beside what there is? Not where work is counted one by one, or where
+// there is hardly any room.
+bool may_build_beside(const Mesh& mesh, const Frame& frame) {
+    const std::uint32_t free = free_vertices(mesh);
+    return frame.settings.items == unlimited_items && free >= (mesh.capacity - free) / 4;
+}
+
+// It takes states of pages that it finds, while those of what is drawn stay.
+bool needs_pages(const Pages& pages) {
+    return may_lack_pages(pages) && free_pages(pages) < pages.count / 2;
+}
+
+} // namespace
+
+bool run_bulk(CutState& s) {
+    BulkPass& b = s.bulk;
+    // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
+    // items has this frame's.
+    if (b.phase != BulkPhase::idle && (s.frame.settings.items != unlimited_items || has_lost_pages(s.pages)))
+        finish_bulk(s);
+    b.again = b.again || s.views.leapt;
+    CutReport& r = s.frame.report;
+    do {
+        if (b.again && b.phase < BulkPhase::triangles) {
+            drop_bulk(s.pages, s.bulk, s.mesh);
+            if (needs_pages(s.pages) && reclaim_page(s.pages, s.work, s.mesh, s.morphing)) {
+                ++r.visits;
+                continue;
+            }
+            b.again = false;
+            sync_pages(s); // a slot may hold another page by now
+            if (may_build_beside(s.mesh, s.frame)) {
+                watch_visited_pages(s);
+                begin_bulk(s.pages, s.bulk, s.mesh, true);
+            } else if (r.visits != 0) {
+                ++r.visits; // or a replay that ends after the one before would still mean to begin
+            }
+        }
+        if (b.phase == BulkPhase::idle) return false;
+        if (b.phase >= BulkPhase::releasing) {
+            s.views.jumped = step_install(s) && s.views.jumped;
+            r.visits += b.units;
+            continue;
+        }
+        const BulkStatus status = step_bulk(s);
+        r.visits += b.units;
+        switch (status) {
+        case BulkStatus::unfinished: break;
+        case BulkStatus::built:
+            r.deactivations += s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
+            r.activations += b.taken;
+            install_mesh(s);
+            break;
+        case BulkStatus::no_vertices:
+        case BulkStatus::no_triangles:
+        case BulkStatus::no_pages: return false; // one by one, then
+        }
+    } while (!out_of_time(s.frame, true));
+    return b.phase != BulkPhase::idle;
 }
 
 } // namespace fjell

@@ -3,17 +3,14 @@
 // What is decided is evaluated row by row as it lies, because the answers are rows of bits again; what does not lie in
 // rows of 32, and what is written to its slots, is picked first, from as many rows as it takes. All of it reads what
 // coarser steps have found and writes to one page, so that units may run on any threads.
-#include "cut/bulk_decide.h"
-
 #include <algorithm>
 #include <bit>
 #include <utility>
 
 #include "compiler.h"
-#include "cut/bulk.h"
+#include "cut/bulk_rows.h"
 #include "cut/evaluate.h"
-#include "cut/group_words.h"
-#include "cut/slot_grid.h"
+#include "cut/state.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -120,7 +117,7 @@ private:
 // Decides rows of one page's vertices, of one step and kind.
 class Decider {
 public:
-    Decider(const Pages& pages, const Schedule& schedule, const BulkPass& bulk, const Views& views, BulkUnit& unit)
+    Decider(const Pages& pages, const Schedule& schedule, BulkPass& bulk, const Views& views, BulkUnit& unit)
         : views_(views), rows_(pages, unit.slot), page_(bulk.pages[unit.slot]), unit_(unit),
           ticks_a_metre_(static_cast<float>(1 / tick_m(schedule, schedule.pages[unit.slot]))) {}
 
@@ -315,8 +312,7 @@ private:
 
 } // namespace
 
-void decide_unit(const Pages& pages, const Schedule& schedule, const BulkPass& bulk, const Views& views,
-                 BulkUnit& unit) {
+void decide_unit(const Pages& pages, const Schedule& schedule, BulkPass& bulk, const Views& views, BulkUnit& unit) {
     if (unit.slot == no_index) return;
     const BulkSquares at = listed_squares(pages, unit.slot, unit.z);
     Decider page(pages, schedule, bulk, views, unit);
@@ -370,7 +366,7 @@ void for_rows_in_use(const BulkPage& page, std::uint32_t first, std::uint32_t en
 
 } // namespace
 
-void place_unit(const Pages& pages, const BulkPass& bulk, Mesh& mesh, const Views& views, BulkUnit& unit) {
+void place_unit(const Pages& pages, BulkPass& bulk, Mesh& mesh, const Views& views, BulkUnit& unit) {
     BulkPage& page = bulk.pages[unit.slot];
     if (page.wanted == 0) return;
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);

@@ -4,12 +4,9 @@
 #include <bit>
 
 #include "compiler.h"
-#include "cut/bulk_groups.h"
-#include "cut/fans.h"
-#include "cut/jobs.h"
-#include "cut/mesh.h"
-#include "cut/morph.h"
-#include "cut/slot_grid.h"
+#include "cut/bulk_install.h"
+#include "cut/bulk_rows.h"
+#include "cut/state.h"
 
 namespace fjell {
 

@@ -4,10 +4,8 @@
 #include <bit>
 
 #include "cut/evaluate.h"
-#include "cut/lag.h"
-#include "cut/mesh.h"
-#include "cut/morph.h"
 #include "cut/pages.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -52,9 +50,6 @@ void reevaluate(const Pages& pages, Work& work, const Views& views, std::uint32_
 
 [[maybe_unused]] bool is_ready(const Pages& pages, std::uint32_t vertex) {
     return (pages.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
-}
-[[maybe_unused]] bool is_active(const Pages& pages, std::uint32_t vertex) {
-    return (pages.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
 }
 [[maybe_unused]] bool has_active_child(const Pages& pages, std::uint32_t vertex) {
     return (pages.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
@@ -247,30 +242,6 @@ Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std
             reevaluate(pages, work, views, split.parent, site_of(pages, split.parent), true);
     }
     return Outcome::done;
-}
-
-namespace {
-
-std::uint32_t slot_at(const Pages& pages, Coord c) {
-    if (!pages.grid.terrain->tree.is_corner(c)) return pages.vertex_slot[find_vertex(pages, site_at(c))];
-    return pages.grid.terrain->corner_at(c.x >> pages.grid.terrain->tree.tile_log2,
-                                         c.y >> pages.grid.terrain->tree.tile_log2);
-}
-
-} // namespace
-
-void flatten_all(const Pages& pages, Mesh& mesh) {
-    for (std::uint32_t number = 0; number < pages.fresh * max_page_groups; ++number)
-        for (std::uint32_t lanes = pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
-            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            const Site site = site_of(pages, vertex);
-            const Coord at = site_coord(site);
-            const Diamond split = diamond(pages.grid.terrain->tree, at);
-            const std::uint32_t slot = pages.vertex_slot[vertex];
-            mesh.morph[slot].flat_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
-                                                  slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
-            mesh.dirty_vertices.mark(slot);
-        }
 }
 
 } // namespace fjell

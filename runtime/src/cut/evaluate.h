@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cut/find.h"
+#include "cut/views.h"
 
 namespace fjell {
 
@@ -150,15 +150,7 @@ struct Evaluation {
 }
 
 [[nodiscard]] inline bool seen(const Views& views, const Evaluation& v) {
-    for (std::uint32_t i = 0; i < views.count; ++i) {
-        const Vec3 p = Vec3{v.x, v.y, v.z} - views.view[i].eye_m;
-        bool inside = true;
-        for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(views.frustum[i].normal[plane], p) >=
-                     views.frustum[i].offset[plane] - static_cast<double>(v.radius_m);
-        if (inside) return true;
-    }
-    return false;
+    return is_seen(views, {v.x, v.y, v.z}, static_cast<double>(v.radius_m));
 }
 
 // Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.

@@ -11,9 +11,125 @@
 // as those of one more tile.
 #pragma once
 
-#include "cut/state.h"
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "asserts.h"
+#include "fjell/cut.h"
+#include "pack/terrain_data.h"
 
 namespace fjell {
+
+// A stack of segments: a tile's triangles.
+struct TileStack {
+    std::uint32_t last_segment; // no_index: none
+    std::uint32_t in_last;
+    std::uint32_t total;
+    std::uint32_t segments;
+};
+
+// A tile's triangles: all segments but the last are full.
+struct TileList : TileStack {
+    bool bounded; // by the root's sphere; not while page 0 is missing
+    Vec3 centre_m;
+    double radius_m;
+};
+
+struct DirtyBits {
+    std::uint64_t* bits;
+    std::uint32_t* words; // which hold any
+    std::uint32_t word_count;
+    std::uint32_t slots; // marked
+
+    void mark(std::uint32_t slot) {
+        std::uint64_t& word = bits[slot / 64];
+        const std::uint64_t bit = std::uint64_t{1} << (slot % 64);
+        if (word == 0) words[word_count++] = slot / 64;
+        slots += (word & bit) == 0;
+        word |= bit;
+    }
+    void mark_range(std::uint32_t first, std::uint32_t end) {
+        for (; first < end && (first % 64 != 0 || end - first < 64); ++first) mark(first);
+        for (; end - first >= 64; first += 64) {
+            if (bits[first / 64] != 0) {
+                for (std::uint32_t slot = first; slot < first + 64; ++slot) mark(slot);
+                continue;
+            }
+            bits[first / 64] = ~std::uint64_t{0};
+            words[word_count++] = first / 64;
+            slots += 64;
+        }
+        for (; first < end; ++first) mark(first);
+    }
+    void clear() {
+        for (std::uint32_t i = 0; i < word_count; ++i) bits[words[i]] = 0;
+        word_count = slots = 0;
+    }
+    void move_to(DirtyBits& other) { // other.slots is not kept up to date
+        for (std::uint32_t i = 0; i < word_count; ++i) {
+            const std::uint32_t word = words[i];
+            FJELL_ASSERT(bits[word] != 0); // or it was listed before, and would be listed there for good
+            if (other.bits[word] == 0) other.words[other.word_count++] = word;
+            other.bits[word] |= std::exchange(bits[word], 0);
+        }
+        word_count = slots = 0;
+    }
+};
+
+// Of Mesh::hole.
+inline constexpr std::uint8_t hole_bit = 1, morphs_out_bit = 2;
+
+struct Mesh {
+    // Vertex slots. The corners of all tiles have the first.
+    std::uint32_t capacity, corner_count;
+    MeshVertex* vertices;
+    MorphVertex* morph;
+    std::uint32_t* triangle_of;   // by key: its slot, or no_index
+    std::uint8_t* hole;           // 1 a vertex slot: hole_bit, morphs_out_bit
+    std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken
+    std::uint32_t free_vertex_count, fresh_vertex, vertex_peak;
+    std::uint32_t mapped; // entries of that stack that say what the bulk pass took, while the state follows
+    // Triangle slots, in segments.
+    std::uint32_t* indices; // 3 a triangle slot: right angle first
+    TileList* tiles;        // tile_count, and one more: triangles that are not drawn
+    std::uint32_t tile_count;
+    std::uint32_t* segment_tile;
+    std::uint32_t* segment_below; // the tile's segment before it
+    std::uint32_t* free_segments;
+    std::uint32_t free_segment_count, segment_count, segment_peak;
+    std::uint32_t segment_log2;
+    bool some_hidden; // the terrain has holes or ends inside tiles
+    TileRange* ranges;
+    std::uint32_t range_count;
+    // What has changed.
+    DirtyBits dirty_vertices, dirty_triangles;     // slots written by this update
+    DirtyBits untaken_vertices, untaken_triangles; // and by those before, when the host had not taken them
+    bool dirty_taken, untaken_taken;               // by cut_take_changes()
+};
+
+// --- vertex slots
+
+[[nodiscard]] inline std::uint32_t free_vertices(const Mesh& mesh) {
+    return mesh.free_vertex_count - mesh.mapped + mesh.capacity - mesh.fresh_vertex;
+}
+[[nodiscard]] inline std::uint32_t take_vertex(Mesh& mesh) {
+    FJELL_ASSERT(free_vertices(mesh) != 0);
+    const std::uint32_t slot =
+        mesh.free_vertex_count != 0 ? mesh.free_vertices[--mesh.free_vertex_count] : mesh.fresh_vertex++;
+    FJELL_ASSERT(slot >= mesh.corner_count && slot < mesh.fresh_vertex);
+    for (std::uint32_t d = 0; d < 4; ++d)
+        mesh.triangle_of[slot * 4 + d] = no_index; // whoever had the slot is forgotten
+    return slot;
+}
+inline void give_vertex(Mesh& mesh, std::uint32_t slot) {
+    FJELL_ASSERT(slot >= mesh.corner_count && slot < mesh.fresh_vertex);
+    FJELL_ASSERT(mesh.free_vertex_count < mesh.fresh_vertex - mesh.corner_count); // or one was given back twice
+    mesh.free_vertices[mesh.free_vertex_count++] = slot;
+}
+
+// --- triangles
 
 struct MeshTriangle {
     std::uint32_t right, a, b; // vertex slots, counter-clockwise from above; a-b is the hypotenuse

@@ -5,9 +5,8 @@
 #include <cstring>
 
 #include "cut/change.h"
-#include "cut/lag.h"
-#include "cut/morph.h"
-#include "cut/sight.h"
+#include "cut/error_bound.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -21,9 +20,7 @@ void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded
     const std::int32_t half = grid.terrain->tree.side() / 2, side = grid.terrain->tree.side();
     const Coord root{info.tile_x * side + half, info.tile_y * side + half}, at = grid.terrain->tree.sample(root);
     const TerrainData::Vertex v = grid.terrain->vertex(root);
-    tile.centre_m[0] = grid.terrain->x_m(at.x);
-    tile.centre_m[1] = v.height_m;
-    tile.centre_m[2] = grid.terrain->z_m(at.y);
+    tile.centre_m = {grid.terrain->x_m(at.x), v.height_m, grid.terrain->z_m(at.y)};
     tile.radius_m = v.radius_m;
 }
 
@@ -100,6 +97,11 @@ std::uint32_t attach(Pages& pages, Work& work, Mesh& mesh, Visibility& visibilit
     return slot;
 }
 
+void end_eviction(Pages& pages, std::uint32_t slot) {
+    std::uint32_t* const end = pages.evicting + pages.evicting_count--;
+    (void)std::remove(pages.evicting, end, slot);
+}
+
 void detach(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing, std::uint32_t slot) {
     PageState& info = pages.state[slot];
     FJELL_ASSERT(info.status != PageStatus::empty && info.active == 0);
@@ -116,9 +118,7 @@ void detach(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing, std::uint3
         ++pages.tiles_waiting;
         bound_tile(pages.grid, mesh, info, false);
     }
-    if (info.status == PageStatus::evicting)
-        pages.evicting_count = static_cast<std::uint32_t>(
-            std::remove(pages.evicting, pages.evicting + pages.evicting_count, slot) - pages.evicting);
+    if (info.status == PageStatus::evicting) end_eviction(pages, slot);
     empty_state(info);
     pages.free[pages.free_count++] = slot;
 }
@@ -271,7 +271,7 @@ ParentMasks parents_of(const Pages& pages, std::uint32_t group, std::uint32_t la
             bool active = root || !exists(pages.grid, parent);
             if (!active) {
                 const std::uint32_t found = find_vertex(pages, parent);
-                active = found != no_index && (pages.groups[found / group_lanes].active >> found % group_lanes & 1);
+                active = found != no_index && is_active(pages, found);
             }
             masks.parent[n] |= static_cast<std::uint16_t>(static_cast<std::uint32_t>(active) << lane);
         }
@@ -416,8 +416,7 @@ void cancel_eviction(Pages& pages, Work& work, std::uint32_t slot) {
     PageState& info = pages.state[slot];
     if (info.status != PageStatus::evicting) return;
     info.status = PageStatus::live;
-    pages.evicting_count = static_cast<std::uint32_t>(
-        std::remove(pages.evicting, pages.evicting + pages.evicting_count, slot) - pages.evicting);
+    end_eviction(pages, slot);
     for (std::uint32_t n = 0; n < pages.grid.shapes[info.shape].count; ++n)
         revisit(pages, work, slot * max_page_groups + n);
     open_gate(work); // for what its vertices are the parents of
@@ -458,8 +457,7 @@ void morph_out_page(Pages& pages, Mesh& mesh, Morphing& morphing, Frame& frame, 
 void end_morphing_out(CutState& s) {
     while (s.morphing.out_count != 0 && s.frame.report.items < s.frame.item_limit) {
         const std::uint32_t vertex = s.morphing.out[s.morphing.first_out];
-        const bool there = (s.pages.groups[vertex / group_lanes].active & bit_of(vertex)) &&
-                           morphs_out(s.mesh, s.pages.vertex_slot[vertex]);
+        const bool there = is_active(s.pages, vertex) && morphs_out(s.mesh, s.pages.vertex_slot[vertex]);
         if (there && s.morphing.now.morph != Morph::none &&
             is_morphing(s.mesh, s.morphing, s.pages.vertex_slot[vertex]))
             return;

@@ -7,10 +7,9 @@
 
 #include "compiler.h"
 #include "cut/change.h"
+#include "cut/error_bound.h"
 #include "cut/evaluate.h"
-#include "cut/lag.h"
-#include "cut/morph.h"
-#include "cut/pages.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -196,11 +195,11 @@ inline void prefetch_triangle_slots(const Pages& pages, const Mesh& mesh, Planne
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
             const std::uint32_t parent = plan.parents[n];
-            if (parent == no_index || !(pages.groups[parent / group_lanes].active & bit_of(parent))) continue;
+            if (parent == no_index || !is_active(pages, parent)) continue;
             plan.triangles[n] = pages.vertex_slot[parent] * 4 + plan.directions[n];
             FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[plan.triangles[n]]);
         }
-    } else if (pages.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
+    } else if (is_active(pages, plan.vertex)) {
         for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = pages.vertex_slot[plan.vertex] * 4 + d;
         FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[plan.triangles[0]]);
     }

@@ -4,14 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "cut/bulk.h"
-#include "cut/change.h"
-#include "cut/governor.h"
-#include "cut/lag.h"
-#include "cut/morph.h"
-#include "cut/pages.h"
+#include "cut/error_bound.h"
 #include "cut/refine.h"
-#include "cut/sight.h"
+#include "cut/state.h"
 #include "fjell/measure.h"
 #include "validate.h"
 
@@ -25,135 +20,22 @@ double microseconds(Clock::time_point from, Clock::time_point to) {
     return std::chrono::duration<double, std::micro>(to - from).count();
 }
 
-// Largest error of a grade in this terrain.
-double grade_error_m(const Grid& grid, std::uint32_t grade) {
-    const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
-    return std::min(static_cast<double>(grid.terrain->errors.metres[code]),
-                    static_cast<double>(grid.terrain->header.max_error_m));
-}
-
-// By how much a view's margin of a vertex (evaluate.h) may exceed another's, for the vertex' error.
-struct ViewExcess {
-    double eye_m; // from eye to eye, and what their pads differ by
-    double q;     // 0 where the view is the coarser one
-
-    [[nodiscard]] double at(double error_m) const { return eye_m + q * error_m; }
-};
-ViewExcess excess(const Criterion& a, std::uint32_t i, const Criterion& b, std::uint32_t j) {
-    const auto difference = [](float x, float y) { return static_cast<double>(std::abs(x - y)); };
-    const auto above = [](float x, float y) { return static_cast<double>(std::max(x - y, 0.0f)); };
-    const Reach &of = a.reach[i], &over = b.reach[j];
-    const Vec3 way{difference(of.eye_x, over.eye_x), difference(of.eye_y, over.eye_y),
-                   difference(of.eye_z, over.eye_z)};
-    return {length(way) + difference(of.pad, over.pad), std::max(above(of.q, over.q), above(a.keep[i].q, b.keep[j].q))};
-}
-
-// How far apart two sets of views are (Hausdorff, with a distance that has a direction). A vertex' margin is the
-// largest that any view gives it, f(i). Each new i has an old j with f(i) <= f(j) + d, so the largest f(i) exceeds the
-// largest f(j) by no more than d; and the other way round. So a margin changes by d at most, whichever views come, go
-// or change places, and by nothing where an equal view stays, or a finer one at the same eye.
-class ViewChange {
-public:
-    ViewChange(const Criterion& before, const Criterion& now) : before_(before.views), now_(now.views) {
-        for (std::uint32_t i = 0; i < now_; ++i)
-            for (std::uint32_t j = 0; j < before_; ++j)
-                rise_[i][j] = excess(now, i, before, j), fall_[i][j] = excess(before, j, now, i);
-    }
-
-    [[nodiscard]] double at(double error_m) const {
-        double most = 0, falls[max_cut_views];
-        std::fill_n(falls, before_, everything);
-        for (std::uint32_t i = 0; i < now_; ++i) {
-            double rise = everything;
-            for (std::uint32_t j = 0; j < before_; ++j) {
-                rise = std::min(rise, rise_[i][j].at(error_m));
-                falls[j] = std::min(falls[j], fall_[i][j].at(error_m));
-            }
-            most = std::max(most, rise);
-        }
-        for (std::uint32_t j = 0; j < before_; ++j) most = std::max(most, falls[j]);
-        return most;
-    }
-
-private:
-    static constexpr double everything = 1e300; // the first views are far from none
-    std::uint32_t before_, now_;
-    ViewExcess rise_[max_cut_views][max_cut_views], fall_[max_cut_views][max_cut_views]; // [now][before]
-};
-
-// Exactly the requested one when the effective threshold is.
-double view_threshold_px(const View& view, const CutSettings& settings, double effective_px) {
-    return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
-}
-
-// Sets the views; what they may have changed becomes due.
+// Takes the views; what they may have changed becomes due.
 void set_views(CutState& s, std::span<const View> views, double threshold_px) {
-    const Criterion before = s.views.criterion, offscreen_before = s.views.offscreen_criterion;
-    Criterion &c = s.views.criterion, &offscreen = s.views.offscreen_criterion;
-    // Two levels of nesting lie between a vertex and the ends of the edge that it splits.
-    const double nested = 1 + static_cast<double>(s.pages.grid.terrain->header.nesting);
     if (s.frame.settings.morph != Morph::none && s.morphing.now.morph == Morph::none) {
         finish_bulk(s); // its triangles could not be flattened one by one
         flatten_all(s.pages, s.mesh);
     }
-    const double early = s.frame.settings.morph == Morph::none ? 1 : nested * nested;
-    s.morphing.before = s.morphing.now;
-    s.morphing.now.morph = s.frame.settings.morph;
-    s.morphing.now.views = static_cast<std::uint32_t>(views.size());
-    s.morphing.now.now_s = s.morphing.clock.now_s();
-    s.morphing.now.morph_s = static_cast<float>(s.frame.settings.morph_s);
-    s.views.largest_ratio = 0;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        const double full_px = view_threshold_px(views[i], s.frame.settings, threshold_px) /
-                               (s.frame.settings.corner_safe ? corner_factor(views[i]) : 1);
-        const double px = full_px / early;
-        c.reach[i] = make_reach(views[i], px);
-        c.keep[i] = make_reach(views[i], px / (1 + s.frame.settings.hysteresis));
-        const double offscreen_px = px * offscreen_factor(s.frame, views[i], px);
-        offscreen.reach[i] = make_reach(views[i], offscreen_px);
-        offscreen.keep[i] = make_reach(views[i], offscreen_px / (1 + s.frame.settings.hysteresis));
-        s.morphing.now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
-                                  static_cast<float>(lambda_px(views[i]) / full_px)};
-        s.views.view[i] = views[i];
-        s.views.frustum[i] = make_frustum(views[i]);
-        s.views.largest_ratio = std::max(s.views.largest_ratio, threshold_ratio(views[i], s.frame.settings));
-    }
-    c.views = offscreen.views = s.views.count = static_cast<std::uint32_t>(views.size());
-    c.hysteresis = offscreen.hysteresis = s.frame.settings.hysteresis > 0;
-    s.views.largest_unit_px = screen_unit_px(s.views, s.frame);
-    const ViewChange change(before, c), offscreen_change(offscreen_before, offscreen);
-    s.views.still = before.views != 0 && change.at(0) == 0;
-    constexpr double rounding = 1 + 0x1p-18; // reach_grow, of the sums above, of decisions, and charge_rounding
-    double metres[grade_count];
-    for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        metres[grade] = std::max(change.at(grade_error_m(s.pages.grid, grade)),
-                                 offscreen_change.at(grade_error_m(s.pages.grid, grade))) *
-                        rounding;
-    advance(s.work.schedule, metres);
-    for (std::uint32_t grade = 0; grade < grade_count; ++grade)
-        s.bulk.travelled_m[grade] = (s.bulk.travelled_m[grade] + metres[grade]) * (1 + 0x1p-50);
-    // By 32 cells, or by a threshold as far: most of what is awake is due.
-    s.views.jumped = metres[grade_count / 2] > 1024 * s.work.schedule.tick_m;
-    s.views.leapt = change.at(0) > 1024 * s.work.schedule.tick_m;
-}
-
-bool may_be_seen(const Views& views, const TileList& tile) {
-    if (!tile.bounded) return true;
-    for (std::uint32_t i = 0; i < views.count; ++i) {
-        const Vec3 p = Vec3{tile.centre_m[0], tile.centre_m[1], tile.centre_m[2]} - views.view[i].eye_m;
-        bool inside = true;
-        for (int plane = 0; plane < 6 && inside; ++plane)
-            inside = dot(views.frustum[i].normal[plane], p) >= views.frustum[i].offset[plane] - tile.radius_m;
-        if (inside) return true;
-    }
-    return false;
+    const Criterion before = s.views.criterion, offscreen_before = s.views.offscreen_criterion;
+    take_views(s.pages.grid, s.views, s.morphing, s.frame, views, threshold_px);
+    charge_views(s.pages.grid, s.work.schedule, s.bulk, s.views, before, offscreen_before);
 }
 
 void list_ranges(Mesh& mesh, const Views& views, Frame& frame) {
     mesh.range_count = 0;
     for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) {
         const TileList& list = mesh.tiles[tile];
-        if (list.total == 0 || !may_be_seen(views, list)) continue;
+        if (list.total == 0 || (list.bounded && !is_seen(views, list.centre_m, list.radius_m))) continue;
         ++frame.report.tiles_drawn;
         frame.report.triangles_drawn += list.total;
         std::uint32_t count = list.in_last;
@@ -173,49 +55,60 @@ double waiting_px(CutState& s, bool overlooking) {
     if (s.bulk.phase != BulkPhase::idle || s.pages.some_wait) return any_mesh_px(s);
     // What is called off-screen, and may be seen, is refined to the factor at least, but for what waits there.
     const double coarsest_px = overlooking ? r.threshold_px * s.frame.settings.offscreen_factor : 0;
-    const double lag = std::max(lag_px(s, overlooking), coarsest_px);
-    if (r.morphing == 0 && s.morphing.now.morph == Morph::none) return lag;
+    const double hidden_px = std::max(error_bound_px(s, overlooking), coarsest_px);
+    if (r.morphing == 0 && s.morphing.now.morph == Morph::none) return hidden_px;
     // Of vertices that stand between two heights what moves them comes on top of what the mesh around them hides; it
     // is less than the threshold where they should not be active any more.
-    return std::min(std::max(lag, r.threshold_px) + r.threshold_px, unbounded_px);
+    return std::min(std::max(hidden_px, r.threshold_px) + r.threshold_px, unbounded_px);
 }
 
+// What is in use. Returns the share of the scarcest capacity.
+double report_use(const Pages& pages, Mesh& mesh, CutReport& r) {
+    r.vertex_slots = {mesh.capacity - free_vertices(mesh), 0, mesh.capacity};
+    mesh.vertex_peak = std::max(mesh.vertex_peak, r.vertex_slots.used);
+    r.vertex_slots.peak = mesh.vertex_peak;
+    const auto slots = [&](std::uint32_t segments) { return segments << mesh.segment_log2; };
+    r.triangle_slots = {slots(mesh.segment_count - mesh.free_segment_count), slots(mesh.segment_peak),
+                        slots(mesh.segment_count)};
+    r.vertices = r.vertex_slots.used;
+    for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) r.triangles += mesh.tiles[tile].total;
+    r.vertices_changed = mesh.dirty_vertices.slots;
+    r.triangles_changed = mesh.dirty_triangles.slots;
+    return std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
+                     static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
+                     may_lack_pages(pages) ? static_cast<double>(pages.busy) / pages.count : 0.0});
+}
+
+// What is left to do. overlooking: a view may see what nobody has looked at for it yet.
+void report_waiting(CutState& s, bool overlooking) {
+    CutReport& r = s.frame.report;
+    if (s.pages.some_wait) s.frame.full_capacities |= cut_budget_vertices;
+    if (s.frame.full_capacities != 0 || r.threshold_px <= r.error_px_requested)
+        s.governor.cause = s.frame.full_capacities;
+    r.exhausted |= s.governor.cause;
+    const bool building = s.bulk.phase != BulkPhase::idle;
+    r.morphing = s.morphing.late_count + s.morphing.out_count;
+    r.blocked = blocked_groups(s.work);
+    r.waiting = waiting_groups(s.work) + building + s.pages.some_wait + overlooking;
+    for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
+        r.waiting += s.pages.state[s.pages.evicting[i]].active != 0;
+    const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
+    s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
+    r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested &&
+                  s.pages.grid.terrain->missing_px <= r.error_px_requested;
+}
+
+// What was changed: listed, reported and governed, and what the screen may lack of it claimed.
 void finish(CutState& s) {
     CutReport& r = s.frame.report;
     list_ranges(s.mesh, s.views, s.frame);
-    r.vertex_slots = {s.mesh.capacity - free_vertices(s.mesh), 0, s.mesh.capacity};
-    s.mesh.vertex_peak = std::max(s.mesh.vertex_peak, r.vertex_slots.used);
-    r.vertex_slots.peak = s.mesh.vertex_peak;
-    const auto slots = [&](std::uint32_t segments) { return segments << s.mesh.segment_log2; };
-    r.triangle_slots = {slots(s.mesh.segment_count - s.mesh.free_segment_count), slots(s.mesh.segment_peak),
-                        slots(s.mesh.segment_count)};
-    r.vertices = r.vertex_slots.used;
-    for (std::uint32_t tile = 0; tile < s.mesh.tile_count; ++tile) r.triangles += s.mesh.tiles[tile].total;
-    r.blocked = blocked_groups(s.work);
-    if (s.pages.some_wait) s.frame.full_capacities |= cut_budget_vertices;
-    if (s.frame.full_capacities != 0) s.governor.cause = s.frame.full_capacities;
-    if (r.threshold_px <= r.error_px_requested) s.governor.cause = s.frame.full_capacities;
-    r.exhausted |= s.governor.cause;
-    r.morphing = s.morphing.late_count + s.morphing.out_count;
-    r.waiting = waiting_groups(s.work);
-    const bool building = s.bulk.phase != BulkPhase::idle;
-    const bool overlooking = !building && is_overlooking(s.pages, s.views, s.visibility);
-    r.waiting += building + s.pages.some_wait + overlooking;
+    const double use = report_use(s.pages, s.mesh, r);
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = s.mesh.corner_count + s.bulk.taken;
-    for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
-        r.waiting += s.pages.state[s.pages.evicting[i]].active != 0;
-    r.vertices_changed = s.mesh.dirty_vertices.slots;
-    r.triangles_changed = s.mesh.dirty_triangles.slots;
-    const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
-    s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
-    r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested;
-    const double use = std::max({static_cast<double>(r.vertex_slots.used) / r.vertex_slots.capacity,
-                                 static_cast<double>(r.triangle_slots.used) / r.triangle_slots.capacity,
-                                 may_lack_pages(s.pages) ? static_cast<double>(s.pages.busy) / s.pages.count : 0.0});
+    const bool overlooking = s.bulk.phase == BulkPhase::idle && is_overlooking(s.pages, s.views, s.visibility);
+    report_waiting(s, overlooking);
     govern(s.pages.grid, s.views, s.governor, s.frame, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
     r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
-    r.converged = r.converged && s.pages.grid.terrain->missing_px <= r.error_px_requested;
 }
 
 // What the host has not taken is kept for it.
@@ -246,6 +139,15 @@ void begin_frame(Mesh& mesh, Morphing& morphing, Frame& frame, const CutSettings
     advance_clock(morphing, frame, frame.number == 1);
 }
 
+// What was blocked takes its turn again; what still is goes to the other list.
+void take_turns(Queues& queues) {
+    if (queues.sizes[blocked_queues + (queues.turn ^ 1)] == 0) queues.turn ^= 1;
+    if (queues.sizes[gated_queues + (queues.gated_turn ^ 1)] == 0) {
+        queues.gated_turn ^= 1;
+        if (queues.gate_passes != 0) --queues.gate_passes;
+    }
+}
+
 // Every slot that is in use: after a rebuild they are the first ones. Others stay marked: a jump's build that a rebuild
 // cut short has written there.
 void mark_all(Mesh& mesh) {
@@ -254,25 +156,6 @@ void mark_all(Mesh& mesh) {
 }
 
 } // namespace
-
-Status validate(const CutSettings& c) {
-    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
-    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
-    if (!(c.offscreen_factor >= 1 && c.offscreen_factor <= max_offscreen_factor))
-        return {Code::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
-    if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
-    if (c.morph > Morph::time) return {Code::out_of_range, "CutSettings::morph"};
-    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
-    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "CutSettings::now_s"};
-    return {};
-}
-
-Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views) {
-    if (views.empty() || views.size() > most_views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
-    for (const View& view : views)
-        if (Status v = validate(view); !v.ok()) return v;
-    return validate(settings);
-}
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
     CutState* const found = find_cut(cut);
@@ -300,12 +183,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     r.items = r.evaluations + r.activations + r.deactivations;
     sync_pages(s);
     watch_pages(s);
-    // What was blocked takes its turn again; what still is goes to the other list.
-    if (s.work.queues.sizes[blocked_queues + (s.work.queues.turn ^ 1)] == 0) s.work.queues.turn ^= 1;
-    if (s.work.queues.sizes[gated_queues + (s.work.queues.gated_turn ^ 1)] == 0) {
-        s.work.queues.gated_turn ^= 1;
-        if (s.work.queues.gate_passes != 0) --s.work.queues.gate_passes;
-    }
+    take_turns(s.work.queues);
     end_morphing_in(s.work, s.morphing);
     const auto prepared = Clock::now();
     evict_pages(s);
@@ -426,20 +304,6 @@ const char* budget_field(CutBudgetBit bit) {
     case cut_budget_time: break;
     }
     return "CutSettings::budget_us";
-}
-
-MorphFrame cut_morph(LiveCut cut) {
-    const CutState* const s = find_cut(cut);
-    return s != nullptr ? s->morphing.now : MorphFrame{};
-}
-
-float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
-    if (frame.morph == Morph::none) return v.height_m;
-    const TerrainData* const found = find(terrain);
-    if (found == nullptr) return v.height_m;
-    float t = morph_fraction(frame, found->x_m(v.column), v.height_m, found->z_m(v.row), m.error_m, m.radius_m);
-    t = std::min(t, morph_age_s(frame.now_s, m.activated_s) / frame.morph_s);
-    return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
 }
 
 } // namespace fjell

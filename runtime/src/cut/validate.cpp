@@ -1,29 +1,210 @@
-// Is a live cut what cut/state.h promises? Groups and vertices here, the mesh and what is written in validate_mesh.cpp,
-// queues and the schedule in validate_work.cpp.
+// Is a live cut what cut/state.h promises?
 #include "validate.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "cut/bulk.h"
 #include "cut/evaluate.h"
-#include "cut/find.h"
-#include "cut/morph.h"
-#include "cut/pages.h"
 #include "cut/refine.h"
-#include "cut/sight.h"
-#include "cut/validate_parts.h"
+#include "cut/state.h"
 
 namespace fjell {
+
+// --- queues and the schedule
+
+namespace {
+
+Violation check_queue(const Queues& q, std::uint32_t queue, Tally& queued) {
+    const std::uint32_t head = q.group_count + queue;
+    std::uint32_t count = 0, before = head;
+    for (std::uint32_t group = q.ends[queue].next; group != head; group = q.nodes[group].link.next) {
+        if (group >= q.group_count || ++count > q.sizes[queue]) return {"a queue goes elsewhere"};
+        if (q.groups[group].queue != queue) return {"a group is in a queue, and says otherwise"};
+        if (q.nodes[group].link.prev != before) return {"a queue's links disagree"};
+        queued.add(group);
+        before = group;
+    }
+    if (q.ends[queue].prev != before) return {"a queue's links disagree"};
+    return count == q.sizes[queue] ? Violation{} : Violation{"a queue counts its groups wrongly"};
+}
+
+Violation check_schedule(const Schedule& s, const Queues& q, std::uint32_t slot) {
+    const PageSchedule& page = s.pages[slot];
+    const std::uint16_t* const ticks = s.ticks + std::size_t{slot} * page_ticks;
+    std::uint32_t queued = 0;
+    for (std::uint32_t n = 0; n < max_page_groups; ++n)
+        queued += q.groups[slot * max_page_groups + n].queue != unqueued;
+    for (std::uint32_t n = 0; n < page_ticks; ++n) {
+        if (ticks[n] == unscheduled) continue;
+        if (n >= max_page_groups) return {"a group is scheduled that there is not"};
+        if (q.groups[slot * max_page_groups + n].queue != unqueued) return {"a group is scheduled, and in a queue"};
+    }
+    const std::uint16_t least = scalar_ticks.least(ticks);
+    if (page.awake == no_index)
+        return least == unscheduled && queued == 0 ? Violation{} : Violation{"a page sleeps with groups to watch"};
+    if (page.awake >= s.awake_count || s.awake[page.awake].slot != slot) return {"a page is awake elsewhere"};
+    const AwakePage& awake = s.awake[page.awake];
+    if (awake.level != page.level) return {"a page is watched at another level than its own"};
+    if (awake.queued != queued) return {"a page counts wrongly what of it is in queues"};
+    if (awake.due) return {};
+    const double one_m = tick_m(s, page);
+    const double latest_m = least <= soon ? s.odometer_m[awake.grade] : page.charged_m + (least - soon) * one_m;
+    if (least != unscheduled && awake.due_m > latest_m + one_m / 1024) return {"a page comes up later than its groups"};
+    if (s.odometer_m[awake.grade] > awake.due_m + one_m * 1.001) return {"a page's time has come, and it is not due"};
+    return {};
+}
+
+Violation check_due(const Schedule& s, Tally& listed) {
+    std::uint32_t count = 0;
+    for (std::uint32_t level = 0; level < due_level_count; ++level) {
+        if ((s.due_levels >> level & 1) == 0) continue;
+        std::uint32_t last = no_index;
+        for (std::uint32_t slot = s.due[level].first; slot != no_index; slot = s.next_due[slot]) {
+            if (slot >= s.slot_count || ++count > s.due_count) return {"due pages go round in a circle"};
+            if (!is_due(s, slot) || s.pages[slot].level != level) return {"a page is due, and says otherwise"};
+            listed.add(slot);
+            last = slot;
+        }
+        if (last == no_index || s.due[level].last != last) return {"the last due page is cut off"};
+    }
+    return count == s.due_count ? Violation{} : Violation{"due pages are counted wrongly"};
+}
+
+} // namespace
+
+Violation validate_queues(const Queues& q) {
+    Tally queued, say_so;
+    for (std::uint32_t queue = 0; queue < queue_count; ++queue)
+        if (const Violation wrong = check_queue(q, queue, queued)) return wrong;
+    for (std::uint32_t group = 0; group < q.group_count; ++group) {
+        if (q.groups[group].queue == unqueued) continue;
+        if (q.groups[group].queue >= queue_count) return {"a group was taken from its queue and not put back"};
+        say_so.add(group);
+    }
+    return queued == say_so ? Violation{} : Violation{"a group is in two queues, or lost from the one it says"};
+}
+
+Violation validate_schedule(const Schedule& s, const Queues& q) {
+    Tally listed, say_so;
+    std::uint32_t awake = 0;
+    for (std::uint32_t slot = 0; slot < s.slot_count; ++slot) {
+        if (const Violation wrong = check_schedule(s, q, slot)) return wrong;
+        awake += s.pages[slot].awake != no_index;
+        if (is_due(s, slot)) say_so.add(slot);
+    }
+    if (awake != s.awake_count) return {"awake pages do not add up"};
+    if (const Violation wrong = check_due(s, listed)) return wrong;
+    return listed == say_so ? Violation{} : Violation{"a page is due twice, or lost from the due pages"};
+}
+
+// --- the mesh and what is written
+
+namespace {
+
+Violation check_triangle(const CutState& s, std::uint32_t tile, std::uint32_t slot) {
+    const std::uint32_t* const t = s.mesh.indices + std::size_t{slot} * 3;
+    if (t[0] >= s.mesh.fresh_vertex || t[1] >= s.mesh.fresh_vertex || t[2] >= s.mesh.fresh_vertex)
+        return {"a triangle's corner was never taken"};
+    const std::uint32_t* const of = s.mesh.triangle_of + std::size_t{t[0]} * 4;
+    if (std::count(of, of + 4, slot) != 1) return {"a triangle's right angle does not know it"};
+    if (s.mesh.some_hidden && is_hidden(s.mesh, {t[0], t[1], t[2]}) != (tile == hidden_tile(s.mesh)))
+        return {"a triangle is hidden wrongly"};
+    return {};
+}
+
+Violation check_tile(const CutState& s, std::uint32_t tile, Tally& segments) {
+    const TileList& list = s.mesh.tiles[tile];
+    std::uint32_t count = list.in_last, total = 0, found = 0;
+    for (std::uint32_t segment = list.last_segment; segment != no_index; segment = s.mesh.segment_below[segment]) {
+        if (segment >= s.mesh.segment_count || ++found > s.mesh.segment_count)
+            return {"a tile's segments go elsewhere"};
+        if (s.mesh.segment_tile[segment] != tile) return {"a segment does not know its tile"};
+        if (count == 0 || count > 1u << s.mesh.segment_log2) return {"an empty segment is kept"};
+        segments.add(segment);
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (const Violation wrong = check_triangle(s, tile, (segment << s.mesh.segment_log2) + i)) return wrong;
+        total += count;
+        count = 1u << s.mesh.segment_log2;
+    }
+    if (found != list.segments) return {"a tile counts its segments wrongly"};
+    return total == list.total ? Violation{} : Violation{"a tile counts its triangles wrongly"};
+}
+
+Violation check_triangles(const CutState& s) {
+    Tally segments, all;
+    std::uint32_t listed = 0, made = 0;
+    for (std::uint32_t tile = 0; tile <= s.mesh.tile_count; ++tile) {
+        if (const Violation wrong = check_tile(s, tile, segments)) return wrong;
+        listed += s.mesh.tiles[tile].total;
+    }
+    // What the bulk pass builds beside.
+    if (s.bulk.phase == BulkPhase::triangles || s.bulk.phase == BulkPhase::built) {
+        for (std::uint32_t tile = 0; tile <= s.mesh.tile_count; ++tile) {
+            const BulkTile& list = s.bulk.tiles[tile];
+            const std::uint32_t planned = (list.planned + (1u << s.mesh.segment_log2) - 1) >> s.mesh.segment_log2;
+            for (std::uint32_t n = list.segments; list.reserved != no_index && n < planned; ++n)
+                segments.add(s.mesh.free_segments[list.reserved - 1 - (n - list.segments)]);
+            for (std::uint32_t segment = list.last_segment; segment != no_index;
+                 segment = s.mesh.segment_below[segment])
+                segments.add(segment);
+        }
+    }
+    if (s.mesh.free_segment_count > s.mesh.segment_count) return {"more segments are free than there are"};
+    for (std::uint32_t i = 0; i < s.mesh.free_segment_count; ++i) segments.add(s.mesh.free_segments[i]);
+    all.add_range(0, s.mesh.segment_count);
+    if (!(segments == all)) return {"a segment is used or free twice, or lost"};
+    if (s.bulk.phase >= BulkPhase::releasing) return {}; // some of what was drawn before is still named
+    const auto count = [&](std::uint32_t vertex_slot) {
+        for (std::uint32_t d = 0; d < 4; ++d) made += s.mesh.triangle_of[std::size_t{vertex_slot} * 4 + d] != no_index;
+    };
+    for (std::uint32_t corner = 0; corner < s.mesh.corner_count; ++corner) count(corner);
+    for (std::uint32_t number = 0; number < s.pages.group_count; ++number)
+        for (std::uint32_t lanes = s.pages.groups[number].active; lanes != 0; lanes &= lanes - 1)
+            count(s.pages.vertex_slot[number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes))]);
+    return made == listed ? Violation{} : Violation{"a triangle is made that no tile has"};
+}
+
+// The words listed are those that hold any, each once. total: of the bits' words.
+Violation check_words(const DirtyBits& written, std::size_t total) {
+    Tally listed, held;
+    std::uint32_t count = 0;
+    for (std::size_t word = 0; word < total; ++word)
+        if (written.bits[word] != 0) held.add(word), ++count;
+    if (count != written.word_count) return {"words of written slots do not add up"};
+    for (std::uint32_t i = 0; i < written.word_count; ++i) listed.add(written.words[i]);
+    return listed == held ? Violation{} : Violation{"a word of written slots is listed twice, or not at all"};
+}
+
+Violation check_written(const CutState& s) {
+    const std::size_t vertex_words = s.mesh.capacity / 64 + 1;
+    const std::size_t triangle_words = (std::size_t{s.mesh.segment_count} << s.mesh.segment_log2) / 64 + 1;
+    for (const DirtyBits* written : {&s.mesh.dirty_vertices, &s.mesh.untaken_vertices})
+        if (const Violation wrong = check_words(*written, vertex_words)) return wrong;
+    for (const DirtyBits* written : {&s.mesh.dirty_triangles, &s.mesh.untaken_triangles})
+        if (const Violation wrong = check_words(*written, triangle_words)) return wrong;
+    for (const DirtyBits* written : {&s.mesh.dirty_vertices, &s.mesh.dirty_triangles}) {
+        std::uint32_t slots = 0;
+        for (std::uint32_t i = 0; i < written->word_count; ++i)
+            slots += static_cast<std::uint32_t>(std::popcount(written->bits[written->words[i]]));
+        if (slots != written->slots) return {"written slots are counted wrongly"};
+    }
+    return {};
+}
+
+} // namespace
+
+Violation validate_mesh(const CutState& s) {
+    if (const Violation wrong = check_triangles(s)) return wrong;
+    return check_written(s);
+}
+
+// --- groups and vertices
 
 namespace {
 
 Violation at(const char* what, const CutState& s, std::uint32_t vertex) {
     return {what, site_coord(site_of(s.pages, vertex))};
-}
-
-bool is_active(const Pages& pages, std::uint32_t vertex) {
-    return (pages.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
 }
 
 bool is_loaded(const CutState& s, std::uint32_t page) {

@@ -8,8 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cut/find.h"
-#include "cut/morph.h"
+#include "cut/state.h"
 #include "fjell/measure.h"
 #include "pack/terrain_data.h"
 #include "recursive/state.h"
@@ -34,7 +33,7 @@ struct CutVertices {
     const MorphFrame& frame;
     [[nodiscard]] bool find(Coord at, Coord /*tile*/, std::uint32_t& slot) const {
         const std::uint32_t vertex = find_vertex(pages, site_at(at));
-        if (vertex == no_index || !(pages.groups[vertex / group_lanes].active & bit_of(vertex))) return false;
+        if (vertex == no_index || !is_active(pages, vertex)) return false;
         slot = pages.vertex_slot[vertex];
         return true;
     }

@@ -1,4 +1,4 @@
-#include "cut/lag.h"
+#include "cut/error_bound.h"
 
 #include <algorithm>
 #include <bit>
@@ -188,33 +188,6 @@ void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_
     set_level(work.schedule, slot, static_cast<std::uint32_t>(level));
 }
 
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot) {
-    PageState& page = pages.state[slot];
-    page.late_ticks = morphing.clock.ticks;
-    if (page.late) return;
-    page.late = true;
-    morphing.late_pages[morphing.late_page_count++] = slot;
-}
-
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all) {
-    const auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
-    for (std::uint32_t i = 0; i < morphing.late_page_count;) {
-        PageState& page = pages.state[morphing.late_pages[i]];
-        if (!all && morphing.clock.ticks - page.late_ticks <= lasts) {
-            ++i;
-            continue;
-        }
-        page.late = false;
-        morphing.late_pages[i] = morphing.late_pages[--morphing.late_page_count];
-    }
-}
-
-void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot) {
-    pages.state[slot].late = false;
-    std::uint32_t* const end = morphing.late_pages + morphing.late_page_count--;
-    (void)std::remove(morphing.late_pages, end, slot);
-}
-
 namespace {
 
 // Samples to each side of the eye that are looked at one by one; of all others it is enough that they are not nearer.
@@ -263,7 +236,7 @@ double any_mesh_px(const CutState& s) {
     return most_px;
 }
 
-double lag_px(CutState& s, bool offscreen_too) {
+double error_bound_px(CutState& s, bool offscreen_too) {
     if (s.views.jumped) return any_mesh_px(s); // nothing that was known holds: it is for the next frames to find out
     Worst worst;
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything

@@ -1,4 +1,4 @@
-// What the bulk pass has found in one page and around it, put together by rows.
+// The groups of a page from what the bulk pass has found in and around it.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 namespace fjell {
 
+// What it has found in one page and around it, put together by rows.
 struct BulkMasks {
     // nullptr: nothing was found there.
     const BulkPage *own = nullptr, *north = nullptr, *west = nullptr, *south = nullptr, *east = nullptr;
@@ -109,5 +110,9 @@ private:
         }
     }
 };
+
+// Writes all groups of one step of a page, and the slots of their vertices; adds to BulkPage::parents. masks: gathered
+// there, finer ones too. A page that is not page 0 has one step, and then all of its groups.
+void write_step(Pages& pages, BulkPass& bulk, const Mesh& mesh, const BulkSquares& at, const BulkMasks& masks);
 
 } // namespace fjell

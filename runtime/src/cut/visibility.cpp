@@ -1,11 +1,10 @@
-#include "cut/sight.h"
+#include "cut/visibility.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "cut/groups.h"
-#include "cut/refine.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -91,8 +90,8 @@ double cells_m(const Grid& grid, double cells) {
 }
 
 // Does all that the view sees lie within a share of the margin of what another one saw?
-bool within(const View& view, const Sight& sight, const Frustum& frustum, double move_m) {
-    if (length(view.eye_m - sight.eye_m) > move_m) return false;
+bool within(const View& view, const LookView& wide, const Frustum& frustum, double move_m) {
+    if (length(view.eye_m - wide.eye_m) > move_m) return false;
     const Vec3 right = cross(view.forward, view.up);
     for (const double x : {view.left, view.right})
         for (const double y : {view.bottom, view.top}) {
@@ -103,16 +102,16 @@ bool within(const View& view, const Sight& sight, const Frustum& frustum, double
     return true;
 }
 
-bool all_within(const Grid& grid, const Views& views, const Sights& sights, Frustum Sight::*frustum, double share) {
+bool all_within(const Grid& grid, const Views& views, const Look& look, Frustum LookView::*frustum, double share) {
     const double move_m = cells_m(grid, margin_cells * share);
     return std::all_of(views.view, views.view + views.count, [&](const View& view) {
-        return std::any_of(sights.of, sights.of + sights.count,
-                           [&](const Sight& sight) { return within(view, sight, sight.*frustum, move_m); });
+        return std::any_of(look.of, look.of + look.count,
+                           [&](const LookView& wide) { return within(view, wide, wide.*frustum, move_m); });
     });
 }
 
 // How much of the way from half of the margin to most of it the views have gone, of what they turned apart.
-double gone(const Grid& grid, const Views& views, const Sights& from) {
+double gone(const Grid& grid, const Views& views, const Look& from) {
     double worst_m = 0;
     for (std::uint32_t i = 0; i < views.count; ++i) {
         double least_m = length(views.view[i].eye_m - from.of[0].eye_m);
@@ -126,8 +125,8 @@ double gone(const Grid& grid, const Views& views, const Sights& from) {
 // Has no view moved or turned since the look began?
 bool rests(const Views& views, const Visibility& visibility) {
     for (std::uint32_t i = 0; i < views.count; ++i) {
-        const Sight& sight = visibility.now.of[std::min(i, visibility.now.count - 1)];
-        if (length(views.view[i].eye_m - sight.eye_m) > 0 || length(views.view[i].forward - sight.forward) > 0)
+        const LookView& wide = visibility.now.of[std::min(i, visibility.now.count - 1)];
+        if (length(views.view[i].eye_m - wide.eye_m) > 0 || length(views.view[i].forward - wide.forward) > 0)
             return false;
     }
     return true;
@@ -196,9 +195,9 @@ void look_at(Pages& pages, Work& work, const Visibility& visibility, std::uint32
         const bool out = part == page_parts ? page.offscreen == all_parts : page.offscreen >> part & 1;
         Met meeting = Met::nothing;
         for (std::uint32_t i = 0; i < visibility.now.count && meeting != Met::all; ++i) {
-            const Sight& sight = visibility.now.of[i];
-            meeting = std::max(meeting, out ? meets(sight.outer, sight.eye_m, box, sides, margin_m)
-                                            : meets(sight.last, sight.eye_m, box, sides, leave_m));
+            const LookView& wide = visibility.now.of[i];
+            meeting = std::max(meeting, out ? meets(wide.outer, wide.eye_m, box, sides, margin_m)
+                                            : meets(wide.last, wide.eye_m, box, sides, leave_m));
         }
         return meeting;
     };
@@ -210,10 +209,10 @@ constexpr std::uint32_t pages_a_visit = 16;
 // More of the pages: all of them before a view can see what the others were not looked at for, or as many as there is
 // time for. all: at once.
 void go_on_looking(CutState& s, bool all) {
-    const Sights& before = s.visibility.before;
+    const Look& before = s.visibility.before;
     std::uint32_t end = s.pages.fresh;
     if (!all && !s.visibility.mixed && before.count != 0 &&
-        all_within(s.pages.grid, s.views, before, &Sight::most, most_share)) {
+        all_within(s.pages.grid, s.views, before, &LookView::most, most_share)) {
         const auto gone_to =
             static_cast<std::uint32_t>(gone(s.pages.grid, s.views, before) * static_cast<double>(s.pages.fresh));
         end = std::min(end, std::max(s.visibility.next + s.pages.fresh / look_frames + 1, gone_to));
@@ -241,7 +240,7 @@ void watch_pages(CutState& s) {
         go_on_looking(s, rests(s.views, s.visibility));
         if (is_looking(s.pages, s.visibility)) return;
     }
-    if (s.visibility.now.count != 0 && all_within(s.pages.grid, s.views, s.visibility.now, &Sight::half, half_share))
+    if (s.visibility.now.count != 0 && all_within(s.pages.grid, s.views, s.visibility.now, &LookView::half, half_share))
         return;
     begin_look(s.pages, s.views, s.visibility);
     go_on_looking(s, false);
@@ -261,8 +260,8 @@ bool is_overlooking(const Pages& pages, const Views& views, const Visibility& vi
     if (visibility.now.count == 0 || !is_looking(pages, visibility)) return false;
     return visibility.mixed ||
            (visibility.before.count != 0 &&
-            !all_within(pages.grid, views, visibility.before, &Sight::most, most_share)) ||
-           !all_within(pages.grid, views, visibility.now, &Sight::outer, 1);
+            !all_within(pages.grid, views, visibility.before, &LookView::most, most_share)) ||
+           !all_within(pages.grid, views, visibility.now, &LookView::outer, 1);
 }
 
 void watch_page(Pages& pages, Visibility& visibility, std::uint32_t slot) {

@@ -2,13 +2,35 @@
 //
 // Views turn and move in every frame, pages are many. So pages, and their parts, are looked at with frustums that are
 // wider than the views, and again only when a view has left the middle of them: seldom, and while what is new there is
-// still out of sight, so that it is refined before it is seen. A box holds the spheres of all its vertices (lag.h), and
-// those hold all that depends on them: what is called off-screen shows nothing, in any view.
+// still out of sight, so that it is refined before it is seen. A box holds the spheres of all its vertices
+// (error_bound.h), and those hold all that depends on them: what is called off-screen shows nothing, in any view.
 #pragma once
 
-#include "cut/state.h"
+#include "cut/frame.h"
+#include "cut/views.h"
 
 namespace fjell {
+
+struct BulkPass;
+struct CutState;
+
+// With what pages are looked at: planes 2 to 5 of frustums wider than a view, through the eye that it had then.
+struct LookView {
+    Vec3 eye_m, forward;
+    Frustum half, most, outer; // by half the margin, three quarters and all of it
+    Frustum last;              // and beyond it: what parts leave
+};
+struct Look {
+    LookView of[max_cut_views];
+    std::uint32_t count; // 0: nothing is off-screen
+};
+
+// With what pages are looked at.
+struct Visibility {
+    Look now, before;   // of the look that pages are given, and of the one that the others had
+    std::uint32_t next; // state of a page that comes next; from Pages::fresh on all have had it
+    bool mixed;         // the others had several: looks that did not come to their end
+};
 
 // How much coarser than its threshold a view refines what nobody sees: offscreen_factor, or less where a threshold is
 // so large that errors off-screen might reach into the picture.

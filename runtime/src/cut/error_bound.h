@@ -20,18 +20,12 @@ namespace fjell {
 // A visit of the page has ended: what could it hide, and so how soon must it be visited when it is due?
 void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_t slot);
 
-// A vertex has begun to morph by time: its page hides something until it has arrived.
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot);
-// Their vertices have morphed in; all: no vertex morphs by time any more.
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all);
-void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // it loses its state
-
 // What no mesh of the terrain exceeds, whatever it was made for and however it morphs: the largest error, as near as a
 // sample that a view shows may be to its eye. Coarse, but finite, and nothing has to be known of the cut. O(1) a view.
 [[nodiscard]] double any_mesh_px(const CutState& s);
 
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
 // unbounded_px at most. 0: nothing does. offscreen_too: also of pages that are called off-screen. O(awake pages).
-[[nodiscard]] double lag_px(CutState& s, bool offscreen_too);
+[[nodiscard]] double error_bound_px(CutState& s, bool offscreen_too);
 
 } // namespace fjell
