@@ -202,10 +202,6 @@ void merge(const Pages& pages, BulkPass& b, Mesh& mesh, Frame& frame, const Bulk
         b.listed[1][b.listed_count[1]++] = unit.slot;
 }
 
-} // namespace
-
-namespace {
-
 // Parents of the centres of 2 x 2 squares under each of half x half coarser ones, whose sides are in rows from `x` and
 // `y` on, the first one's at bit i. last: of the row of side_x south of them; east: a bit a row, of the column east of
 // their side_y. False: none is active.

@@ -218,7 +218,6 @@ void install_mesh(CutState& s) {
         s.mesh.free_vertex_count = 0;
         s.mesh.fresh_vertex = b.fresh_before + b.taken;
     }
-    s.work.queues.work_ranks = 0;
     s.morphing.late_count = s.morphing.out_count = 0;
     forget_late_pages(s.pages, s.morphing, s.frame, true);
     clear_queues(s.work.queues);

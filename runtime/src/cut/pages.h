@@ -126,11 +126,11 @@ struct Pages {
 }
 
 // Where a site of the tree lies: its page, and its vertex in that.
-struct Place {
+struct VertexPlace {
     std::uint32_t page, vertex;
 };
 // The site must exist.
-[[nodiscard]] inline Place place_of(const Grid& grid, const Site& v) {
+[[nodiscard]] inline VertexPlace place_of(const Grid& grid, const Site& v) {
     const StepGroups& step = grid.steps[v.z];
     // A border belongs to the tile and the page to its south or east; the terrain's rim to those it ends.
     std::int32_t tile_x = v.i >> step.log2, tile_y = v.j >> step.log2;
@@ -164,7 +164,7 @@ struct Place {
 // The vertex at a site, or no_index when its page has no state: it is not loaded, or none of its vertices has an active
 // parent.
 [[nodiscard]] inline std::uint32_t find_vertex(const Pages& pages, const Site& v) {
-    const Place at = place_of(pages.grid, v);
+    const VertexPlace at = place_of(pages.grid, v);
     const std::uint32_t first = pages.page_groups[at.page];
     return first == no_index ? no_index : first * group_lanes + at.vertex;
 }

@@ -352,10 +352,6 @@ bool fade(StreamState& s, MapState& m, std::uint32_t index, float step) {
     return true;
 }
 
-} // namespace
-
-namespace {
-
 // Whether the tile has all it wants, and shows it.
 bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float step, Best& best) {
     MapState& m = s.maps[kind];
