@@ -98,6 +98,16 @@ bool room_for(const Mesh& mesh, const Split* splits, int count) {
     return segments == 0 || mesh.free_segment_count >= segments + 2;
 }
 
+// (parent, a, b) becomes (v, parent, a) and (v, b, parent).
+void replace_by_halves(Pages& pages, Mesh& mesh, const Split& split, std::uint32_t slot) {
+    const std::uint32_t* const t = mesh.indices + std::size_t{mesh.triangle_of[split.key]} * 3;
+    const std::uint32_t p = t[0], a = t[1], b = t[2];
+    replace_triangle(mesh, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
+    const MeshTriangle second{slot, b, p};
+    append_triangle(mesh, list_for(mesh, split.tile, second), second, slot * 4 + split.halves.second);
+    if (split.parent != no_index) pages.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
+}
+
 // The vertices that are children of a vertex; no_index where there is none, or its page is not loaded.
 struct ChildVertices {
     std::uint32_t vertex[4];
@@ -171,17 +181,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     ++page.active;
     page.used = true;
 
-    for (int n = 0; n < count; ++n) {
-        const Split& split = splits[n];
-        const std::uint32_t old = s.mesh.triangle_of[split.key];
-        const std::uint32_t* const t = s.mesh.indices + std::size_t{old} * 3;
-        const std::uint32_t p = t[0], a = t[1], b = t[2];
-        replace_triangle(s.mesh, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
-        const MeshTriangle second{slot, b, p};
-        append_triangle(s.mesh, list_for(s.mesh, split.tile, second), second, slot * 4 + split.halves.second);
-        if (split.parent == no_index) continue;
-        s.pages.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
-    }
+    for (int n = 0; n < count; ++n) replace_by_halves(s.pages, s.mesh, splits[n], slot);
     for (int d = 0; d < 4; ++d) {
         const std::uint32_t found = children.vertex[d];
         if (found == no_index) continue;

@@ -247,6 +247,17 @@ HWY_INLINE void prefetch_rows(const PageRows& b) {
     }
 }
 
+// Of the lanes of a row from `lane` on, where they stand.
+HWY_INLINE auto columns_from(const Criterion& c, const PageRows& b, std::uint32_t lane) {
+    const I di;
+    const auto number = hn::Add(hn::LoadU(di, lane_numbers), hn::Set(di, static_cast<std::int32_t>(lane)));
+    return hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(number, b.z + 1)), hn::Set(di, c.last_x));
+}
+// And the row.
+HWY_INLINE std::int32_t row_at(const Criterion& c, const PageRows& b, std::uint32_t row) {
+    return std::min(b.y0 + (static_cast<std::int32_t>(row) << (b.z + 1)), c.last_y);
+}
+
 // The same for rows as they lie. Alone: of one view without hysteresis, whose margin is all there is.
 template <bool Alone>
 HWY_INLINE void evaluate_whole_rows(const Criterion& c, const PageRows& b, float ticks_a_metre, RowAnswers& out) {
@@ -257,9 +268,7 @@ HWY_INLINE void evaluate_whole_rows(const Criterion& c, const PageRows& b, float
     const Reach& only = c.reach[0];
     alignas(64) float x_m[page_squares], x2[page_squares]; // and squares of what it is from the eye
     for (std::uint32_t lane = 0; lane < page_squares; lane += lanes) {
-        const auto number = hn::Add(hn::LoadU(di, lane_numbers), hn::Set(di, static_cast<std::int32_t>(lane)));
-        const auto x = hn::Min(hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(number, b.z + 1)), hn::Set(di, c.last_x));
-        const auto px = hn::Mul(hn::ConvertTo(d, x), hn::Set(d, c.spacing_x_m));
+        const auto px = hn::Mul(hn::ConvertTo(d, columns_from(c, b, lane)), hn::Set(d, c.spacing_x_m));
         const auto dx = hn::Sub(px, hn::Set(d, only.eye_x));
         hn::Store(px, d, x_m + lane);
         hn::Store(hn::Mul(dx, dx), d, x2 + lane);
@@ -270,8 +279,7 @@ HWY_INLINE void evaluate_whole_rows(const Criterion& c, const PageRows& b, float
     for (std::uint32_t row = 0; row < b.count; ++row) {
         const std::uint32_t row_ready = b.ready[row];
         if (row_ready == 0) continue;
-        const std::int32_t y = std::min(b.y0 + (static_cast<std::int32_t>(row) << (b.z + 1)), c.last_y);
-        const float z_m = static_cast<float>(y) * c.spacing_z_m, dz = z_m - only.eye_z;
+        const float z_m = static_cast<float>(row_at(c, b, row)) * c.spacing_z_m, dz = z_m - only.eye_z;
         const auto pz = hn::Set(d, z_m), z2 = hn::Set(d, dz * dz);
         const auto* const records = reinterpret_cast<const std::int32_t*>(b.records + std::size_t{row} * b.stride);
         std::uint32_t wanted = 0;
@@ -371,16 +379,12 @@ HWY_INLINE void gather_rows(const Criterion& c, const PageRows& b, Gathered& to)
     const I di;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(di));
     alignas(64) std::int32_t x[page_squares];
-    for (std::uint32_t lane = 0; lane < page_squares; lane += lanes) {
-        const auto number = hn::Add(hn::LoadU(di, lane_numbers), hn::Set(di, static_cast<std::int32_t>(lane)));
-        const auto at = hn::Add(hn::Set(di, b.x0), hn::ShiftLeftSame(number, b.z + 1));
-        hn::Store(hn::Min(at, hn::Set(di, c.last_x)), di, x + lane);
-    }
+    for (std::uint32_t lane = 0; lane < page_squares; lane += lanes) hn::Store(columns_from(c, b, lane), di, x + lane);
     std::uint32_t count = to.count;
     for (std::uint32_t row = 0; row < b.count; ++row) {
         const std::uint32_t row_bits = b.ready[row];
         if (row_bits == 0) continue;
-        const auto y = hn::Set(di, std::min(b.y0 + (static_cast<std::int32_t>(row) << (b.z + 1)), c.last_y));
+        const auto y = hn::Set(di, row_at(c, b, row));
         const auto* const records = reinterpret_cast<const std::int32_t*>(b.records + std::size_t{row} * b.stride);
         for (std::uint32_t lane = 0; lane < page_squares; lane += lanes) {
             const std::uint32_t bits = row_bits >> lane & ((1u << lanes) - 1);
