@@ -1,4 +1,4 @@
-#include "cut/lag.h"
+#include "cut/error_bound.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,10 +16,10 @@ constexpr double grow = 1 + 0x1p-18;
 
 // Pixels of one metre at one metre's distance, over what the view's threshold is to that of the settings: views are
 // bounded in the same units, whatever their own thresholds are.
-double unit_px(const CutState& s, std::uint32_t view) {
-    const View& v = s.views[view];
-    const double own = view_error_px(v, s.settings.error_px) / s.settings.error_px;
-    return lambda_px(v) / own * (s.settings.corner_safe ? corner_factor(v) : 1);
+double unit_px(const Views& views, const Frame& frame, std::uint32_t view) {
+    const View& v = views.view[view];
+    const double own = view_error_px(v, frame.settings.error_px) / frame.settings.error_px;
+    return lambda_px(v) / own * (frame.settings.corner_safe ? corner_factor(v) : 1);
 }
 
 double pixels(double unit_px, double error_m, double apart_m) {
@@ -33,11 +33,11 @@ struct PagePixels {
 };
 
 // How near what its vertices hide may come to a view's eye.
-double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
+double apart_m(const Pages& pages, const Views& views, const PageState& page, std::uint32_t view) {
     const std::int32_t cells =
-        page.shape == 0 ? s.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
-    const Criterion& c = s.criterion;
-    const PageExtent& extent = s.loaded[page.terrain_slot].extent;
+        page.shape == 0 ? pages.grid.terrain->tree.side() : static_cast<std::int32_t>(2 * page_squares) << page.z;
+    const Criterion& c = views.criterion;
+    const PageExtent& extent = pages.loaded[page.terrain_slot].extent;
     const auto place = [](std::int32_t at, std::int32_t last, float spacing_m) {
         return static_cast<double>(static_cast<float>(std::min(at, last)) * spacing_m);
     };
@@ -45,7 +45,7 @@ double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
                            place(page.y0, c.last_y, c.spacing_z_m)};
     const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(extent.high_m),
                             place(page.y0 + cells, c.last_y, c.spacing_z_m)};
-    const double eye[3] = {s.views[view].eye_m.x, s.views[view].eye_m.y, s.views[view].eye_m.z};
+    const double eye[3] = {views.view[view].eye_m.x, views.view[view].eye_m.y, views.view[view].eye_m.z};
     double squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
@@ -55,52 +55,57 @@ double apart_m(const CutState& s, const PageState& page, std::uint32_t view) {
 }
 
 // What a page's vertices hide at most, as its bound has it: the eye may have moved since.
-double bound_px(const CutState& s, const HiddenBound& bound) {
-    const double way_m = (s.schedule.odometer_m[0] - bound.from_m) * grow;
-    return pixels(s.largest_unit_px, static_cast<double>(bound.error_m), static_cast<double>(bound.apart_m) - way_m);
+double bound_px(const Work& work, const Views& views, const HiddenBound& bound) {
+    const double way_m = (work.schedule.odometer_m[0] - bound.from_m) * grow;
+    return pixels(views.largest_unit_px, static_cast<double>(bound.error_m),
+                  static_cast<double>(bound.apart_m) - way_m);
 }
 
 // Measures it anew.
-double renew_bound(CutState& s, std::uint32_t slot) {
-    const PageState& page = s.page_state[slot];
+double renew_bound(const Pages& pages, Work& work, const Views& views, std::uint32_t slot) {
+    const PageState& page = pages.state[slot];
     double apart = 1e30;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) apart = std::min(apart, apart_m(s, page, i));
-    HiddenBound& bound = s.schedule.bounds[slot];
-    bound = {s.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)),
-             s.loaded[page.terrain_slot].extent.error_m};
-    return bound_px(s, bound);
+    for (std::uint32_t i = 0; i < views.count; ++i) apart = std::min(apart, apart_m(pages, views, page, i));
+    HiddenBound& bound = work.schedule.bounds[slot];
+    bound = {work.schedule.odometer_m[0], static_cast<float>(apart / (apart > 0 ? grow : 1)),
+             pages.loaded[page.terrain_slot].extent.error_m};
+    return bound_px(work, views, bound);
 }
 
 // Looks at vertices, as long as it may.
 class Looker {
 public:
-    explicit Looker(const CutState& state) : s(state) {
-        for (std::uint32_t i = 0; i < s.view_count; ++i) units_px_[i] = static_cast<float>(unit_px(s, i) * grow);
+    Looker(const Pages& pages, const Schedule& schedule, const Views& views, const Frame& frame)
+        : pages_(pages), schedule_(schedule), views_(views) {
+        for (std::uint32_t i = 0; i < views.count; ++i)
+            units_px_[i] = static_cast<float>(unit_px(views, frame, i) * grow);
     }
 
     // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
     // there are too many to be looked at.
     [[nodiscard]] double px(std::uint32_t slot) {
-        const PageState& page = s.page_state[slot];
+        const PageState& page = pages_.state[slot];
         const bool all = page.late || page.status == PageStatus::evicting;
         double most = 0;
-        for (std::uint32_t n = 0; n < s.shapes[page.shape].count; ++n) {
+        for (std::uint32_t n = 0; n < pages_.grid.shapes[page.shape].count; ++n) {
             const std::uint32_t number = slot * max_page_groups + n;
-            const GroupState& group = s.groups[number];
-            if (!all && group.queue == unqueued && !is_spent(s.schedule, number)) continue;
+            const GroupState& group = pages_.groups[number];
+            if (!all && group.queue == unqueued && !is_spent(schedule_, number)) continue;
             VertexRecord gathered[group_lanes];
             const auto lanes = static_cast<std::uint32_t>(page.late ? group.ready() : group.ready() & ~group.active);
             if (lanes == 0) continue;
             if (left_-- == 0) return unbounded_px;
-            LaneGroup at = lanes_of(s, number, gathered);
+            LaneGroup at = lanes_of(pages_, number, gathered);
             at.inactive = lanes;
-            most = std::max(most, static_cast<double>(s.worst_px(s.criterion, at, units_px_)) * grow);
+            most = std::max(most, static_cast<double>(views_.worst_px(views_.criterion, at, units_px_)) * grow);
         }
         return most;
     }
 
 private:
-    const CutState& s;
+    const Pages& pages_;
+    const Schedule& schedule_;
+    const Views& views_;
     float units_px_[max_cut_views];
     std::uint32_t left_ = 192; // groups
 };
@@ -118,9 +123,8 @@ public:
         add_others(page.px);
     }
     void add_others(double px) { others_px_ = std::max(others_px_, px); }
-    [[nodiscard]] double px(const CutState& s) {
+    [[nodiscard]] double px(Looker looker) {
         std::sort(pages_, pages_ + count_, by_px);
-        Looker looker(s);
         double most = others_px_;
         for (; count_ != 0 && pages_[count_ - 1].px > most; --count_)
             most = std::max(most, std::min(pages_[count_ - 1].px, looker.px(pages_[count_ - 1].slot)));
@@ -139,16 +143,16 @@ private:
 
 } // namespace
 
-double screen_unit_px(const CutState& s) {
+double screen_unit_px(const Views& views, const Frame& frame) {
     double most = 0;
-    for (std::uint32_t i = 0; i < s.view_count; ++i) most = std::max(most, unit_px(s, i));
+    for (std::uint32_t i = 0; i < views.count; ++i) most = std::max(most, unit_px(views, frame, i));
     return most;
 }
 
-PageExtent extent_of(const CutState& s, std::uint32_t page, std::uint32_t terrain_slot) {
-    const TerrainData& t = *s.terrain;
+PageExtent extent_of(const Grid& grid, std::uint32_t page, std::uint32_t terrain_slot) {
+    const TerrainData& t = *grid.terrain;
     const VertexRecord* const records = t.records + std::size_t{terrain_slot} * t.page_capacity;
-    const std::uint32_t in_tile = page % s.pages_per_tile, count = t.pages.page_vertices(in_tile);
+    const std::uint32_t in_tile = page % grid.pages_per_tile, count = t.pages.page_vertices(in_tile);
     const std::int32_t base = t.page_table[page].base;
     std::uint16_t low = 0xffff, high = 0;
     std::uint8_t error = 0, radius = 0;
@@ -163,52 +167,25 @@ PageExtent extent_of(const CutState& s, std::uint32_t page, std::uint32_t terrai
     const int finest = in_tile == 0 ? 0 : t.pages.page_step_log2(in_tile),
               coarsest = in_tile == 0 ? t.tree.tile_log2 - 1 : finest;
     for (int z = finest; z <= coarsest; ++z)
-        unit_m = std::max({unit_m, s.level_unit_m[2 * z], s.level_unit_m[2 * z + 1]});
+        unit_m = std::max({unit_m, grid.level_unit_m[2 * z], grid.level_unit_m[2 * z + 1]});
     return {t.height_scale.height_m(low + base), t.height_scale.height_m(high + base), t.errors.metres[error],
             unit_m * t.radii.factor[radius]};
 }
 
-void note_bound(CutState& s, std::uint32_t slot) {
+void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_t slot) {
     // Where the eye has hardly moved for it, what it was known to hide will do, less the way.
-    const HiddenBound& bound = s.schedule.bounds[slot];
-    if ((s.schedule.odometer_m[0] - bound.from_m) * 8 < static_cast<double>(bound.apart_m)) return;
+    const HiddenBound& bound = work.schedule.bounds[slot];
+    if ((work.schedule.odometer_m[0] - bound.from_m) * 8 < static_cast<double>(bound.apart_m)) return;
     // A level for each factor of 2 over the threshold. By q, which is the same bit for bit whether a view or the
     // settings have the threshold: so is the order of work, then.
-    (void)renew_bound(s, slot);
+    (void)renew_bound(pages, work, views, slot);
     float q = 0;
-    const Criterion& c = s.page_state[slot].offscreen == all_parts ? s.offscreen_criterion : s.criterion;
+    const Criterion& c = pages.state[slot].offscreen == all_parts ? views.offscreen_criterion : views.criterion;
     for (std::uint32_t i = 0; i < c.views; ++i) q = std::max(q, c.reach[i].q);
     const double ratio =
         pixels(static_cast<double>(q), static_cast<double>(bound.error_m), static_cast<double>(bound.apart_m));
     const int level = ratio < 0x1p20 ? std::clamp(std::ilogb(ratio + 0x1p-20) + 8, 0, 31) : 31;
-    set_level(s.schedule, slot, static_cast<std::uint32_t>(level));
-}
-
-void note_late(CutState& s, std::uint32_t slot) {
-    PageState& page = s.page_state[slot];
-    page.late_ticks = s.clock.ticks;
-    if (page.late) return;
-    page.late = true;
-    s.late_pages[s.late_page_count++] = slot;
-}
-
-void forget_late_pages(CutState& s, bool all) {
-    const auto lasts = static_cast<std::int64_t>(std::ceil(s.settings.morph_s * ticks_a_second)) + 1;
-    for (std::uint32_t i = 0; i < s.late_page_count;) {
-        PageState& page = s.page_state[s.late_pages[i]];
-        if (!all && s.clock.ticks - page.late_ticks <= lasts) {
-            ++i;
-            continue;
-        }
-        page.late = false;
-        s.late_pages[i] = s.late_pages[--s.late_page_count];
-    }
-}
-
-void forget_late_page(CutState& s, std::uint32_t slot) {
-    s.page_state[slot].late = false;
-    std::uint32_t* const end = s.late_pages + s.late_page_count--;
-    (void)std::remove(s.late_pages, end, slot);
+    set_level(work.schedule, slot, static_cast<std::uint32_t>(level));
 }
 
 namespace {
@@ -217,8 +194,8 @@ namespace {
 constexpr std::int32_t columns_around = 8;
 
 // No sample that is shown is nearer to the eye: it lies beyond the near plane, and the ground around the eye is known.
-double nearest_shown_m(const CutState& s, const View& v) {
-    const TerrainData& t = *s.terrain;
+double nearest_shown_m(const Grid& grid, const View& v) {
+    const TerrainData& t = *grid.terrain;
     const double spacing_x_m = t.header.spacing_m[0], spacing_z_m = t.header.spacing_m[1];
     const auto sample_near = [](double at_m, double a_sample_m, std::int32_t count) {
         return static_cast<std::int32_t>(std::clamp(std::floor(at_m / a_sample_m), 0.0, count - 1.0));
@@ -244,54 +221,57 @@ double nearest_shown_m(const CutState& s, const View& v) {
 } // namespace
 
 double any_mesh_px(const CutState& s) {
-    const PackHeader& h = s.terrain->header;
+    const PackHeader& h = s.pages.grid.terrain->header;
     // Errors bound what a mesh without morphing hides. Heights do too, where all that is drawn stands between them.
     const auto error_m = static_cast<double>(h.max_error_m),
                heights_m = static_cast<double>(h.max_m) - static_cast<double>(h.min_m);
-    const bool morphs = s.morph_now.morph != Morph::none || s.report.morphing != 0;
-    const double most_m = s.some_hidden ? error_m + (morphs ? heights_m : 0)
-                          : morphs      ? heights_m
-                                        : std::min(error_m, heights_m);
+    const bool morphs = s.morphing.now.morph != Morph::none || s.frame.report.morphing != 0;
+    const double most_m = s.mesh.some_hidden ? error_m + (morphs ? heights_m : 0)
+                          : morphs           ? heights_m
+                                             : std::min(error_m, heights_m);
     double most_px = 0;
-    for (std::uint32_t i = 0; i < s.view_count; ++i)
-        most_px = std::max(most_px, pixels(unit_px(s, i), most_m, nearest_shown_m(s, s.views[i])));
+    for (std::uint32_t i = 0; i < s.views.count; ++i)
+        most_px = std::max(
+            most_px, pixels(unit_px(s.views, s.frame, i), most_m, nearest_shown_m(s.pages.grid, s.views.view[i])));
     return most_px;
 }
 
-double lag_px(CutState& s, bool offscreen_too) {
-    if (s.jumped) return any_mesh_px(s); // nothing that was known holds: it is for the next frames to find out
+double error_bound_px(CutState& s, bool offscreen_too) {
+    if (s.views.jumped) return any_mesh_px(s); // nothing that was known holds: it is for the next frames to find out
     Worst worst;
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
     const auto add = [&](std::uint32_t slot) {
-        if (!offscreen_too && s.page_state[slot].offscreen == all_parts) return;
-        const HiddenBound& bound = s.schedule.bounds[slot];
-        double px = bound_px(s, bound);
-        const double way_m = s.schedule.odometer_m[0] - bound.from_m;
+        if (!offscreen_too && s.pages.state[slot].offscreen == all_parts) return;
+        const HiddenBound& bound = s.work.schedule.bounds[slot];
+        double px = bound_px(s.work, s.views, bound);
+        const double way_m = s.work.schedule.odometer_m[0] - bound.from_m;
         if (way_m * 8 > static_cast<double>(bound.apart_m) && way_m > 0) {
             if (renewals == 0) return worst.add_others(px);
             --renewals;
-            px = renew_bound(s, slot);
+            px = renew_bound(s.pages, s.work, s.views, slot);
         }
         worst.add({px, slot});
     };
     // Most pages are far away, and hide little: that what they were last known to hide tells without a look at them.
-    const double little_px = 2 * s.report.threshold_px;
-    for (std::uint32_t i = 0; i < s.schedule.awake_count; ++i) {
-        const AwakePage& page = s.schedule.awake[i];
+    const double little_px = 2 * s.frame.report.threshold_px;
+    for (std::uint32_t i = 0; i < s.work.schedule.awake_count; ++i) {
+        const AwakePage& page = s.work.schedule.awake[i];
         if (!page.due && page.queued == 0) continue;
-        if (!offscreen_too && s.page_state[page.slot].offscreen == all_parts)
+        if (!offscreen_too && s.pages.state[page.slot].offscreen == all_parts)
             continue; // whatever it hides, nobody sees it
-        const double px = bound_px(s, s.schedule.bounds[page.slot]);
+        const double px = bound_px(s.work, s.views, s.work.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);
-        else if (!s.page_state[page.slot].late)
+        else if (!s.pages.state[page.slot].late)
             add(page.slot);
     }
-    for (std::uint32_t i = 0; i < s.late_page_count; ++i) add(s.late_pages[i]);
-    for (std::uint32_t i = 0; i < s.evicting_count; ++i)
-        if (!s.page_state[s.evicting[i]].late && s.page_state[s.evicting[i]].active != 0) add(s.evicting[i]);
+    for (std::uint32_t i = 0; i < s.morphing.late_page_count; ++i) add(s.morphing.late_pages[i]);
+    for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
+        if (!s.pages.state[s.pages.evicting[i]].late && s.pages.state[s.pages.evicting[i]].active != 0)
+            add(s.pages.evicting[i]);
     // Where the eye stands inside a sphere, or nearly so, that bound says little.
-    const double px = worst.px(s), coarse_px = 256 * s.report.threshold_px;
+    const double px = worst.px(Looker(s.pages, s.work.schedule, s.views, s.frame)),
+                 coarse_px = 256 * s.frame.report.threshold_px;
     return px < coarse_px ? px : std::min(px, any_mesh_px(s));
 }
 

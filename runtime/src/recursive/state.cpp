@@ -1,11 +1,15 @@
-// The recursive method's memory: how large, how laid out, how it begins, and what a renderer sees of it.
+// The recursive method: its memory, how it begins, what a renderer sees of it; and an update, passes until one fits the
+// budget. A capacity that does not suffice raises the threshold, because stopping half-way would crack.
+#include "recursive/state.h"
+
+#include <algorithm>
 #include <cstring>
 #include <new>
 #include <utility>
 
 #include "block_layout.h"
 #include "recursive/emit.h"
-#include "recursive/state.h"
+#include "recursive/pass.h"
 
 namespace fjell {
 
@@ -153,6 +157,93 @@ MeshView recursive_mesh(RecursiveMethod method) {
             {s.tiles, s.tile_count},
             s.dirty_begin < s.dirty_end ? s.dirty_begin : 0,
             s.dirty_end};
+}
+
+// --- an update
+
+namespace {
+
+constexpr double step_up = 1.25, step_down = 1 / 1.05;
+
+// Where to start: where the last frame ended, a step finer when it had room to spare.
+double first_threshold(const RecursiveState& s, double requested_px) {
+    if (!s.exhausted || s.effective_px <= requested_px) return requested_px;
+    const bool room = s.last_selected < s.budget.vertices / 5 * 4 && s.last_indices < s.budget.indices / 5 * 4;
+    return std::max(requested_px, room ? s.effective_px * step_down : s.effective_px);
+}
+
+} // namespace
+
+Status update_recursive(RecursiveMethod method, const View& view, const RefineSettings& settings, FrameReport& report) {
+    RecursiveState* const found = find_recursive(method);
+    if (found == nullptr) return no_recursive;
+    RecursiveState& s = *found;
+    if (Status v = validate(view); !v.ok()) return v;
+    if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6))
+        return {Code::out_of_range, "RefineSettings::error_px"};
+    if (settings.metric == Metric::depth && !settings.cull)
+        return {Code::out_of_range,
+                "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
+    sync_pages(s);
+    s.topology = settings.topology;
+    s.dirty_begin = s.budget.vertices;
+    s.dirty_end = 0;
+    report = {};
+    report.frame = ++s.frame;
+    const double requested_px = view_error_px(view, settings.error_px);
+    report.error_px_requested = requested_px;
+
+    const double corner = settings.corner_safe ? corner_factor(view) : 1;
+    double threshold_px = first_threshold(s, requested_px);
+    std::uint32_t exhausted = threshold_px > requested_px ? s.exhausted : 0;
+    PassResult result;
+    for (;; threshold_px *= step_up, ++report.restarts) {
+        result = run_pass(s, view, settings, threshold_px / corner);
+        report.vertices_written += result.written;
+        report.buffer_clearings += result.clearings;
+        exhausted |= result.exhausted;
+        if (!result.exhausted) break;
+    }
+    s.effective_px = threshold_px;
+    s.exhausted = report.exhausted = exhausted;
+    s.last_selected = result.selected;
+    s.last_indices = s.index_count;
+    report.vertices = result.selected;
+    report.triangles = result.triangles;
+    report.tiles = result.tiles;
+    report.error_px_effective = threshold_px;
+    report.converged = threshold_px <= requested_px;
+    return {};
+}
+
+// --- the vertex buffer
+
+namespace {
+
+void clear_unused(RecursiveState& s, PassResult& result) {
+    if (result.clearings) return; // what is left is all of this pass
+    ++result.clearings;
+    for (std::uint32_t slot = s.budget.vertices; slot-- > 0;) {
+        if (s.owners[slot] == no_index || is_selected(s, s.owners[slot])) continue;
+        s.slots[s.owners[slot]] = no_index;
+        s.owners[slot] = no_index;
+        s.free_slots[s.free_count++] = slot;
+    }
+}
+
+} // namespace
+
+std::uint32_t insert_vertex(RecursiveState& s, std::uint32_t index, const MeshVertex& vertex, bool hole,
+                            PassResult& result) {
+    if (s.free_count == 0) clear_unused(s, result);
+    if (s.free_count == 0) return no_index;
+    const std::uint32_t slot = s.free_slots[--s.free_count];
+    s.vertices[slot] = vertex;
+    s.owners[slot] = index;
+    s.dirty_begin = std::min(s.dirty_begin, slot);
+    s.dirty_end = std::max(s.dirty_end, slot + 1);
+    ++result.written;
+    return s.slots[index] = slot | (hole ? hole_flag : 0);
 }
 
 } // namespace fjell

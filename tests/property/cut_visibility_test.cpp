@@ -127,11 +127,11 @@ TEST_CASE("pages are looked at again only when a view has left what they were lo
                           640, 480, 1, 1e6);
     (void)cut.rebuild({&view, 1}, settings);
     int looks = 0;
-    Vec3 at = cut.state().sights.of[0].eye_m;
+    Vec3 at = cut.state().visibility.now.of[0].eye_m;
     for (int frame = 0; frame < 100; ++frame) {
         view.eye_m = view.eye_m + Vec3{cell / 2, 0, 0};
         (void)cut.update({&view, 1}, settings);
-        const Vec3 now = cut.state().sights.of[0].eye_m;
+        const Vec3 now = cut.state().visibility.now.of[0].eye_m;
         looks += length(now - at) > 0;
         at = now;
     }

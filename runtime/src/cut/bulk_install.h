@@ -1,4 +1,4 @@
-// What the bulk pass has found in one page and around it, put together by rows.
+// The groups of a page from what the bulk pass has found in and around it.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 namespace fjell {
 
+// What it has found in one page and around it, put together by rows.
 struct BulkMasks {
     // nullptr: nothing was found there.
     const BulkPage *own = nullptr, *north = nullptr, *west = nullptr, *south = nullptr, *east = nullptr;
@@ -23,14 +24,14 @@ struct BulkMasks {
 
     [[nodiscard]] std::uint64_t finer_row(std::int32_t j) const { return finer[j + 1]; }
 
-    void gather(const CutState& s, const BulkSquares& at) {
-        own = found_in(s, at.slot);
-        north = found_at(s, at.z, at.i0, at.j0 - 1);
-        west = found_at(s, at.z, at.i0 - 1, at.j0);
-        owns_south = ends_south(s, at);
-        owns_east = ends_east(s, at);
-        south = owns_south ? nullptr : found_at(s, at.z, at.i0, at.j0 + at.n);
-        east = owns_east ? nullptr : found_at(s, at.z, at.i0 + at.n, at.j0);
+    void gather(const Pages& pages, const BulkPass& bulk, const BulkSquares& at) {
+        own = found_in(bulk, at.slot);
+        north = found_at(pages, bulk, at.z, at.i0, at.j0 - 1);
+        west = found_at(pages, bulk, at.z, at.i0 - 1, at.j0);
+        owns_south = ends_south(pages.grid, at);
+        owns_east = ends_east(pages.grid, at);
+        south = owns_south ? nullptr : found_at(pages, bulk, at.z, at.i0, at.j0 + at.n);
+        east = owns_east ? nullptr : found_at(pages, bulk, at.z, at.i0 + at.n, at.j0);
         if (at.n == static_cast<std::int32_t>(page_squares))
             gather_rows(at, std::integral_constant<std::int32_t, page_squares>()); // vectors, where the number is known
         else
@@ -38,16 +39,16 @@ struct BulkMasks {
     }
 
     // Once there are sides; without any, no finer centre is active.
-    void gather_finer(const CutState& s, const BulkSquares& at) {
+    void gather_finer(const Pages& pages, const BulkPass& bulk, const BulkSquares& at) {
         if (at.z == 0 || !any_side) {
             std::fill(std::begin(finer), std::end(finer), std::uint64_t{0});
             std::fill(std::begin(finer_west), std::end(finer_west), 0u);
             return;
         }
         if (2 * at.n >= static_cast<std::int32_t>(page_squares)) // 2 x 2 pages under it, or one
-            gather_finer_pages(s, at, std::integral_constant<std::int32_t, page_squares>());
+            gather_finer_pages(pages, bulk, at, std::integral_constant<std::int32_t, page_squares>());
         else
-            gather_finer_pages(s, at, 2 * at.n);
+            gather_finer_pages(pages, bulk, at, 2 * at.n);
     }
 
 private:
@@ -87,19 +88,19 @@ private:
 
     // n: squares a side of a page of the finer step.
     template <typename Count>
-    void gather_finer_pages(const CutState& s, const BulkSquares& at, Count n) {
-        const std::int32_t i0 = 2 * at.i0, j0 = 2 * at.j0, pages = 2 * at.n / n;
+    void gather_finer_pages(const Pages& pages, const BulkPass& bulk, const BulkSquares& at, Count n) {
+        const std::int32_t i0 = 2 * at.i0, j0 = 2 * at.j0, side = 2 * at.n / n; // in pages
         const auto centres = [&](std::int32_t i, std::int32_t j) -> const std::uint32_t* {
             if (i < 0 || j < 0) return none;
-            const BulkSquares squares = squares_at(s, at.z - 1, i, j);
-            return rows_of(found_in(s, squares.slot), squares, VertexKind::centre);
+            const BulkSquares squares = squares_at(pages, at.z - 1, i, j);
+            return rows_of(found_in(bulk, squares.slot), squares, VertexKind::centre);
         };
         finer[0] = centres(i0, j0 - 1)[n - 1];
-        if (pages == 2) finer[0] |= std::uint64_t{centres(i0 + n, j0 - 1)[n - 1]} << n;
+        if (side == 2) finer[0] |= std::uint64_t{centres(i0 + n, j0 - 1)[n - 1]} << n;
         finer[1 + 2 * at.n] = 0; // beyond the page nobody asks, but for the terrain's last row of sides
-        for (std::int32_t y = 0; y < pages; ++y) {
+        for (std::int32_t y = 0; y < side; ++y) {
             const std::uint32_t *const west_of = centres(i0 - 1, j0 + y * n), *const first = centres(i0, j0 + y * n),
-                                       *const second = pages == 2 ? centres(i0 + n, j0 + y * n) : none;
+                                       *const second = side == 2 ? centres(i0 + n, j0 + y * n) : none;
             std::uint64_t* const rows = finer + 1 + y * n;
             std::uint32_t* const wests = finer_west + y * n;
             for (std::int32_t j = 0; j < n; ++j) {
@@ -109,5 +110,9 @@ private:
         }
     }
 };
+
+// Writes all groups of one step of a page, and the slots of their vertices; adds to BulkPage::parents. masks: gathered
+// there, finer ones too. A page that is not page 0 has one step, and then all of its groups.
+void write_step(Pages& pages, BulkPass& bulk, const Mesh& mesh, const BulkSquares& at, const BulkMasks& masks);
 
 } // namespace fjell

@@ -1,12 +1,54 @@
-#include "fjell/compact.h"
-
+// What the host sees of the mesh.
 #include <algorithm>
 #include <cmath>
 
 #include "compiler.h"
+#include "cut/state.h"
+#include "fjell/compact.h"
 #include "fjell/pack.h"
 
 namespace fjell {
+
+CutMesh cut_mesh(LiveCut cut) {
+    const CutState* const found = find_cut(cut);
+    if (found == nullptr) return {};
+    const CutState& s = *found;
+    CutMesh out;
+    const std::size_t triangles = std::size_t{s.mesh.segment_count} << s.mesh.segment_log2;
+    out.mesh = {Topology::triangles,
+                {s.mesh.vertices, s.mesh.capacity},
+                {s.mesh.indices, triangles * 3},
+                {s.mesh.ranges, s.mesh.range_count},
+                0,
+                s.mesh.capacity};
+    out.morph = {s.mesh.morph, s.mesh.capacity};
+    out.frame = s.morphing.now;
+    return out;
+}
+
+CutChanges cut_take_changes(LiveCut cut) {
+    CutState* const found = find_cut(cut);
+    if (found == nullptr) return {};
+    CutState& s = *found;
+    if (s.mesh.dirty_taken) return {};
+    const bool earlier =
+        !s.mesh.untaken_taken && s.mesh.untaken_vertices.word_count + s.mesh.untaken_triangles.word_count != 0;
+    if (earlier) {
+        s.mesh.dirty_vertices.move_to(s.mesh.untaken_vertices);
+        s.mesh.dirty_triangles.move_to(s.mesh.untaken_triangles);
+        s.mesh.untaken_taken = true;
+    }
+    s.mesh.dirty_taken = true;
+    const DirtyBits& v = earlier ? s.mesh.untaken_vertices : s.mesh.dirty_vertices;
+    const DirtyBits& t = earlier ? s.mesh.untaken_triangles : s.mesh.dirty_triangles;
+    const std::size_t triangles = std::size_t{s.mesh.segment_count} << s.mesh.segment_log2;
+    return {{v.bits, s.mesh.capacity / 64 + 1},
+            {t.bits, triangles / 64 + 1},
+            {v.words, v.word_count},
+            {t.words, t.word_count}};
+}
+
+// --- compact vertices
 
 namespace {
 

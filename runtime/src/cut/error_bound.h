@@ -12,19 +12,13 @@
 namespace fjell {
 
 // Pixels of a metre at a metre's distance, in the view that shows it largest.
-[[nodiscard]] double screen_unit_px(const CutState& s);
+[[nodiscard]] double screen_unit_px(const Views& views, const Frame& frame);
 
 // What a page's vertices could hide: called when it comes to a slot of the terrain. O(its vertices).
-[[nodiscard]] PageExtent extent_of(const CutState& s, std::uint32_t page, std::uint32_t terrain_slot);
+[[nodiscard]] PageExtent extent_of(const Grid& grid, std::uint32_t page, std::uint32_t terrain_slot);
 
 // A visit of the page has ended: what could it hide, and so how soon must it be visited when it is due?
-void note_bound(CutState& s, std::uint32_t slot);
-
-// A vertex has begun to morph by time: its page hides something until it has arrived.
-void note_late(CutState& s, std::uint32_t slot);
-// Their vertices have morphed in; all: no vertex morphs by time any more.
-void forget_late_pages(CutState& s, bool all);
-void forget_late_page(CutState& s, std::uint32_t slot); // it loses its state
+void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_t slot);
 
 // What no mesh of the terrain exceeds, whatever it was made for and however it morphs: the largest error, as near as a
 // sample that a view shows may be to its eye. Coarse, but finite, and nothing has to be known of the cut. O(1) a view.
@@ -32,6 +26,6 @@ void forget_late_page(CutState& s, std::uint32_t slot); // it loses its state
 
 // No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
 // unbounded_px at most. 0: nothing does. offscreen_too: also of pages that are called off-screen. O(awake pages).
-[[nodiscard]] double lag_px(CutState& s, bool offscreen_too);
+[[nodiscard]] double error_bound_px(CutState& s, bool offscreen_too);
 
 } // namespace fjell
