@@ -14,7 +14,7 @@
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
-namespace fjell::rivals {
+namespace fjell::bench {
 
 struct LeanVertex {
     float x_m, y_m, z_m;
@@ -45,4 +45,4 @@ private:
     int levels_;
 };
 
-} // namespace fjell::rivals
+} // namespace fjell::bench

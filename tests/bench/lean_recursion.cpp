@@ -1,4 +1,4 @@
-#include "rivals/lean_recursion.h"
+#include "bench/lean_recursion.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include "pack/terrain_data.h"
 #include "view/wanted.h"
 
-namespace fjell::rivals {
+namespace fjell::bench {
 
 namespace {
 
@@ -157,4 +157,4 @@ LeanRecursion::Frame LeanRecursion::refine(const View& view, double error_px, bo
     return frame;
 }
 
-} // namespace fjell::rivals
+} // namespace fjell::bench
