@@ -20,7 +20,6 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
-#include "editor/strings.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
@@ -101,7 +100,6 @@ App::~App() {
 // Before the context goes.
 void App::drop_graphics() {
     overview_.drop_graphics(state_.overview);
-    thumbnails_.drop_graphics(state_.bookmarks);
     gpu_timer_.drop_graphics();
     comparison_.drop_graphics();
     preview_.drop_graphics(state_.bake);
@@ -146,7 +144,7 @@ void App::replace_surface() {
     surface_->input = counted;
     engine_.make_graphics();
     preview_.set(state_.bake);
-    post_message(state_, Severity::warning, strings::notices::driver_reset);
+    post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
 }
 
 int App::run() {
@@ -205,7 +203,6 @@ void App::frame() {
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
-    thumbnails_.upload(state_.bookmarks);
     {
         const OwnCode own(watch_);
         follow_overview(); // before the panels, which show its texture

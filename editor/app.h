@@ -22,7 +22,6 @@
 #include "editor/scene/gpu_timer.h"
 #include "editor/scene/overview.h"
 #include "editor/scene/preview_texture.h"
-#include "editor/scene/thumbnails.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
@@ -67,7 +66,6 @@ private:
     void draw_terrain();
     [[nodiscard]] PictureRows next_band(std::uint32_t height) const;
     PictureRows next_first_band(std::uint32_t height);
-    void take_thumbnail(const gl::Target& target); // of a bookmark that wants one
     void attempt(const std::function<void()>& what);
     [[nodiscard]] bool overview_is_of(const OverviewSource& source) const;
     void follow_overview();
@@ -121,7 +119,6 @@ private:
     HeightLook look_; // at what is to be baked
     PreviewTexture preview_;
     Comparison comparison_;
-    Thumbnails thumbnails_;
     GpuTimer gpu_timer_; // off where software draws
     Overview overview_;
     OverviewSource overview_of_;                       // that it shows

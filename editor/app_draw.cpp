@@ -42,8 +42,7 @@ gl::Target& App::fit_target(bool half) {
 void App::draw_terrain() {
     const auto start = Clock::now();
     // Who asks for a picture gets it whole.
-    const bool in_steps =
-        state_.interface.half_resolution && software_ && after_frame_.empty() && !state_.bookmarks.wanted;
+    const bool in_steps = state_.interface.half_resolution && software_ && after_frame_.empty();
     {
         const OwnCode own(watch_);
         engine_.build_lines(state_);
@@ -71,7 +70,6 @@ void App::draw_terrain() {
         return;
     }
     const bool whole = !half && (!in_bands || rows.end == target.height());
-    if (whole) take_thumbnail(target);
     if (!in_bands) comparison_.draw(state_, target);
     if (whole || half) engine_.draw_lines(state_, target); // beyond the divider too, and no difference
     if (whole || half) shown_ = &target;
@@ -108,17 +106,6 @@ PictureRows App::next_first_band(std::uint32_t height) {
     first_view_ = view;
     if (first_bands_ == 1) return {};
     return {first_row_, std::min(first_row_ + (height + first_bands_ - 1) / first_bands_, height)};
-}
-
-void App::take_thumbnail(const gl::Target& target) {
-    Bookmarks& b = state_.bookmarks;
-    if (!b.wanted || *b.wanted >= b.all.size()) return b.wanted.reset();
-    gl::Image image;
-    target.read_colour(image);
-    b.all[*b.wanted].thumbnail = shrunk(image);
-    b.wanted.reset();
-    b.changed = true;
-    if (state_.files.persists) write_bookmarks(state_.files.standard_folders.config, b.all);
 }
 
 void App::draw() {

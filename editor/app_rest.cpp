@@ -65,7 +65,7 @@ void App::judge_picture() {
                        (target_->width() != i.view_width_px || target_->height() != i.view_height_px);
     if (moving_ || mesh_changed_ || reading || sized || shown_ == nullptr || state_.route.recording()) redraw();
     if (!after_frame_.empty() && shown_ != target_.get()) redraw();
-    if (compared_changed_ || state_.bookmarks.wanted || drawn_terrain_ != engine_.terrains()) redraw();
+    if (compared_changed_ || drawn_terrain_ != engine_.terrains()) redraw();
     if (picture_old_ && engine_.is_open()) stir();
 }
 
@@ -75,7 +75,7 @@ bool App::at_rest() const {
     if (stirred || script || options_.frames != 0 || state_.quit) return false;
     if (!after_frame_.empty() || !next_frame_.empty() || !surface_->dropped.empty()) return false;
     if (!engine_.is_open()) return true;
-    if (!comparison_.settled() || state_.bookmarks.changed) return false;
+    if (!comparison_.settled()) return false;
     const bool plays = state_.route.playing() || state_.route.recording();
     return !plays && !picture_old_ && !state_.probe.looking && (settled() || jobs_.running());
 }

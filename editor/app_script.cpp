@@ -9,7 +9,6 @@
 #include "editor/app.h"
 #include "editor/files/file_kind.h"
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -57,13 +56,14 @@ void App::show_baking() {
     }
     if (state_.now_s - baking_shown_s_ < 1) return;
     baking_shown_s_ = state_.now_s;
-    fmt::print(stderr, strings::terminal::baking, options_.pack, state_.job.stage, 100 * state_.job.share);
+    fmt::print(stderr, "fjell-editor: baking {}: {} {:.0f}%\n", options_.pack, state_.job.stage,
+               100 * state_.job.share);
 }
 
 bool App::settled() const {
     if (jobs_.running()) return false;
     if (!engine_.is_open()) return true;
-    if (!comparison_.settled() || state_.bookmarks.wanted || state_.bookmarks.changed) return false;
+    if (!comparison_.settled()) return false;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
     if (state_.probe.looking) return false;
     const flight::FrameEntry& e = state_.measures.last();

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -25,10 +24,6 @@ std::string file_of(const std::string& folder) {
     return folder + "/bookmarks.json";
 }
 
-std::string picture_of(const std::string& folder, std::size_t i) {
-    return fmt::format("{}/bookmarks/{}.png", folder, i);
-}
-
 Bookmark bookmark_of(const json& j) {
     Bookmark b;
     b.name = j.at("name").get<std::string>();
@@ -42,26 +37,6 @@ Bookmark bookmark_of(const json& j) {
 
 } // namespace
 
-gl::Image shrunk(const gl::Image& image) {
-    if (image.width <= thumbnail_px) return image;
-    gl::Image small;
-    small.width = thumbnail_px;
-    small.height = std::max(image.height * thumbnail_px / image.width, 1u);
-    small.rgb.reserve(std::size_t{small.width} * small.height * 3);
-    for (std::uint32_t y = 0; y < small.height; ++y)
-        for (std::uint32_t x = 0; x < small.width; ++x) {
-            const std::uint32_t x0 = x * image.width / small.width, x1 = (x + 1) * image.width / small.width;
-            const std::uint32_t y0 = y * image.height / small.height, y1 = (y + 1) * image.height / small.height;
-            for (std::size_t c = 0; c < 3; ++c) {
-                std::uint64_t sum = 0;
-                for (std::uint32_t v = y0; v < y1; ++v)
-                    for (std::uint32_t u = x0; u < x1; ++u) sum += image.pixel(u, v)[c];
-                small.rgb.push_back(static_cast<std::uint8_t>(sum / (std::uint64_t{x1 - x0} * (y1 - y0))));
-            }
-        }
-    return small;
-}
-
 std::vector<Bookmark> read_bookmarks(const std::string& folder, std::string& problem) {
     problem.clear();
     std::error_code ignored;
@@ -72,13 +47,11 @@ std::vector<Bookmark> read_bookmarks(const std::string& folder, std::string& pro
         for (const json& j : all.at("bookmarks")) {
             if (bookmarks.size() == most_bookmarks) break;
             bookmarks.push_back(bookmark_of(j));
-            Bookmark& b = bookmarks.back();
-            if (!gl::read_png(picture_of(folder, bookmarks.size() - 1), b.thumbnail).empty()) b.thumbnail = {};
-            b.thumbnail = shrunk(b.thumbnail);
         }
         return bookmarks;
     } catch (const std::exception& failure) {
-        problem = fmt::format(strings::notices::bookmarks_unreadable, file_of(folder), failure.what());
+        problem = fmt::format("{}: the bookmarks cannot be read ({}); move the file away to keep new ones",
+                              file_of(folder), failure.what());
         return {};
     }
 }
@@ -92,16 +65,7 @@ void write_bookmarks(const std::string& folder, const std::vector<Bookmark>& boo
             {{"name", b.name}, {"pack", b.pack}, {"pose", {at.x, at.y, at.z, to.x, to.y, to.z, up.x, up.y, up.z}}});
     }
     std::error_code ignored; // what is wrong with the folder, the file says
-    fs::create_directories(folder + "/bookmarks", ignored);
-    for (std::size_t i = 0; i < bookmarks.size(); ++i) {
-        if (bookmarks[i].thumbnail.width == 0) {
-            fs::remove(picture_of(folder, i), ignored);
-            continue;
-        }
-        const std::string error = gl::write_png(bookmarks[i].thumbnail, picture_of(folder, i));
-        if (!error.empty()) throw io::Failure(3, error);
-    }
-    fs::remove(picture_of(folder, bookmarks.size()), ignored); // of the one that was removed
+    fs::create_directories(folder, ignored);
     const std::string text = json{{"bookmarks", list}}.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
     io::AtomicFile file(file_of(folder));
     file.write(std::as_bytes(std::span(text)));

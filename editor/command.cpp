@@ -3,7 +3,6 @@
 #include "editor/arrangement.h"
 #include "editor/command_words.h"
 #include "editor/measures.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -29,7 +28,7 @@ constexpr double degree = 3.14159265358979323846 / 180;
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.error_px");
     const flight::ProfileKey* const key = flight::find_profile_key(name);
-    if (key == nullptr) throw Failure(2, fmt::format(strings::refusals::no_key, name));
+    if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
     if (const std::string problem = flight::parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
@@ -102,7 +101,8 @@ Command tune(Words& w) {
     TuneSettings& s = t.settings;
     w.options({{"measure",
                 [&](const std::string& v) {
-                    if (v != "update" && v != "frame") throw Failure(2, fmt::format(strings::refusals::bad_measure, v));
+                    if (v != "update" && v != "frame")
+                        throw Failure(2, fmt::format("{}: measure must be update or frame", v));
                     s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
                 }},
                {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
@@ -110,7 +110,7 @@ Command tune(Words& w) {
                {"csv", [&](const std::string& v) { t.csv = v; }},
                {"apply",
                 [&](const std::string& v) {
-                    if (v != "yes" && v != "no") throw Failure(2, fmt::format(strings::refusals::bad_apply, v));
+                    if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: apply must be yes or no", v));
                     s.apply = v == "yes";
                 }},
                {"least_px",
@@ -201,9 +201,7 @@ std::vector<Verb> camera_verbs() {
          }},
         {"clear-path", "", "removes the path", plain<ClearPath>()},
         {"restore-path", "", "restores the path before it was last edited, cleared or replaced", plain<RestorePath>()},
-        {"path-seconds", "N",
-         "duration of the flight, to which times of points are stretched; 0: without times, chosen from the terrain's "
-         "size",
+        {"path-seconds", "N", "duration of the flight; 0: chosen from the terrain's size",
          [](Words& w) { return SetPathSeconds{w.number("seconds")}; }},
         {"loop-path", "on|off", "starts again at its end", with_switch<LoopPath>()},
     };
@@ -338,7 +336,7 @@ std::vector<std::string> split(std::string_view line) {
             words.back() += c;
         }
     }
-    if (quoted) throw Failure(2, strings::refusals::quote_not_closed);
+    if (quoted) throw Failure(2, "a quote is not closed");
     return words;
 }
 
@@ -357,10 +355,10 @@ std::optional<Command> parse_command(std::string_view line) {
             words.end();
             return command;
         } catch (const Failure& failure) {
-            throw Failure(2, fmt::format(strings::refusals::bad_command, name, failure.what(), verb.name, verb.words));
+            throw Failure(2, fmt::format("{}: {}; usage: {} {}", name, failure.what(), verb.name, verb.words));
         }
     }
-    throw Failure(2, fmt::format(strings::refusals::no_command, name));
+    throw Failure(2, fmt::format("{}: no such command; fjell-editor --help-commands lists them", name));
 }
 
 std::string command_help() {

@@ -252,18 +252,16 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command =
-    std::variant<OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile,
-                 StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
-                 JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
-                 SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
-                 SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
-                 ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
-                 ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold,
-                 RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState,
-                 LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPictures,
-                 InsertPoint, TimePoint, PaceStretch, PacePath, CirclePath, AimPath, FreePath, ClosePath, PlacePoint,
-                 AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+using Command = std::variant<
+    OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile, StopComparing,
+    BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed,
+    SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
+    RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace,
+    ClearMarks, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel,
+    SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor,
+    BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow,
+    DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint,
+    PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
 // alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.

@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 
 #include "editor/command.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -27,7 +26,7 @@ public:
 
     [[nodiscard]] bool more() const { return at_ < words_.size(); }
     [[nodiscard]] std::string text(const char* what) {
-        if (!more()) throw io::Failure(2, fmt::format(strings::refusals::missing_word, what));
+        if (!more()) throw io::Failure(2, fmt::format("{} is missing", what));
         return words_[at_++];
     }
     [[nodiscard]] std::string text_or(std::string otherwise) { return more() ? words_[at_++] : std::move(otherwise); }
@@ -38,12 +37,12 @@ public:
     [[nodiscard]] bool flag(const char* name) {
         if (!more()) return false;
         const std::string word = text(name);
-        if (word != name) throw io::Failure(2, fmt::format(strings::refusals::only_may_follow, word, name));
+        if (word != name) throw io::Failure(2, fmt::format("{}: only {} may follow", word, name));
         return true;
     }
     [[nodiscard]] bool on() {
         const std::string word = text("on or off");
-        if (word != "on" && word != "off") throw io::Failure(2, fmt::format(strings::refusals::not_on_or_off, word));
+        if (word != "on" && word != "off") throw io::Failure(2, fmt::format("{}: must be on or off", word));
         return word == "on";
     }
     template <typename E>
@@ -54,7 +53,7 @@ public:
             if (word == names[i]) return static_cast<E>(i);
             all += (all.empty() ? "" : ", ") + std::string(names[i]);
         }
-        throw io::Failure(2, fmt::format(strings::refusals::none_of_these, word, what, all));
+        throw io::Failure(2, fmt::format("{}: no such {}; choose one of {}", word, what, all));
     }
     // NAME=VALUE words from here on.
     void options(const std::map<std::string, std::function<void(const std::string&)>>& known) {
@@ -65,7 +64,7 @@ public:
             if (found == known.end()) {
                 std::string all;
                 for (const auto& [name, set] : known) all += (all.empty() ? "" : ", ") + name + "=";
-                throw io::Failure(2, fmt::format(strings::refusals::no_option, word, all));
+                throw io::Failure(2, fmt::format("{}: no such option; choose from {}", word, all));
             }
             found->second(word.substr(sign + 1));
         }
@@ -76,26 +75,26 @@ public:
         return sign != std::string::npos && sign != 0 && words_[at_].find('/') > sign;
     }
     void end() const {
-        if (more()) throw io::Failure(2, fmt::format(strings::refusals::extra_word, words_[at_]));
+        if (more()) throw io::Failure(2, fmt::format("{}: unexpected extra word", words_[at_]));
     }
     [[nodiscard]] static double number_of(const std::string& word, const char* what) {
         double value = 0;
         const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
-            throw io::Failure(2, fmt::format(strings::refusals::not_a_number, word, what));
+            throw io::Failure(2, fmt::format("{}: {} must be a number", word, what));
         return value;
     }
     [[nodiscard]] static std::uint32_t count_of(const std::string& word, const char* what, double least = 0,
                                                 double most = 1e9) {
         const double value = number_of(word, what);
         if (!(value >= least && value <= most && value == std::floor(value)))
-            throw io::Failure(2, fmt::format(strings::refusals::not_a_count, what, least, most));
+            throw io::Failure(2, fmt::format("{} must be a whole number from {} to {}", what, least, most));
         return static_cast<std::uint32_t>(value);
     }
     [[nodiscard]] static double number_in(const std::string& word, const char* what, double least, double most) {
         const double value = number_of(word, what);
         if (!(value >= least && value <= most))
-            throw io::Failure(2, fmt::format(strings::refusals::number_out_of_range, what, least, most));
+            throw io::Failure(2, fmt::format("{} must be a number from {} to {}", what, least, most));
         return value;
     }
 

@@ -115,7 +115,6 @@ json route_json(const Route& r) {
     return {{"path", r.path()},
             {"unsaved", r.unsaved()},
             {"points", r.points().size()},
-            {"times_s", r.times_s()},
             {"poses", r.poses().size()},
             {"share", r.share()},
             {"playing", r.playing()},
@@ -127,9 +126,6 @@ json route_json(const Route& r) {
             {"can_restore", r.can_restore()},
             {"undo", r.undo_steps()},
             {"redo", r.redo_steps()},
-            {"closed", r.closed()},
-            {"eases", r.eases()},
-            {"targets", std::ranges::count_if(r.targets(), [](const auto& target) { return target.has_value(); })},
             {"selected_m", selected_m},
             {"selected", r.selected() ? json(*r.selected()) : json()}};
 }
@@ -333,11 +329,7 @@ json runs_json(const Runs& runs) {
 json bookmarks_json(const Bookmarks& bookmarks) {
     json all = json::array();
     for (const Bookmark& b : bookmarks.all)
-        if (b.pack == bookmarks.pack)
-            all.push_back({{"name", b.name},
-                           {"position_m", vector_json(b.pose.position_m)},
-                           {"thumbnail_px", {b.thumbnail.width, b.thumbnail.height}},
-                           {"texture", b.texture != 0}});
+        if (b.pack == bookmarks.pack) all.push_back({{"name", b.name}, {"position_m", vector_json(b.pose.position_m)}});
     return all;
 }
 

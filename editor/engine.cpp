@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "editor/clock.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/pictures.h"
 #include "gl/window.h"
@@ -137,7 +136,7 @@ std::string Engine::finish_opening() {
     }
     Opened opened = opening_.get();
     if (abandoned_->load(std::memory_order_relaxed))
-        throw io::Failure(2, fmt::format(strings::refusals::opening_abandoned, request_.pack));
+        throw io::Failure(2, fmt::format("{}: is no longer being opened", request_.pack));
     adopt(std::move(opened), request_.pack, request_.profile);
     return request_.pack;
 }
@@ -199,7 +198,7 @@ bool Engine::follow(const flight::Profile& profile) {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
-            messages_.push_back(fmt::format(strings::notices::file_changed, pack_));
+            messages_.push_back(fmt::format("{}: the file has changed; its new contents are shown", pack_));
         return true;
     }
     }
@@ -230,7 +229,9 @@ void Engine::tell_unread() {
     const std::uint64_t unread = session_->streamed->corrupt() + session_->streamed->unreadable();
     if (unread < 2 * std::max<std::uint64_t>(unread_told_, 1)) return;
     unread_told_ = unread;
-    messages_.push_back(fmt::format(strings::notices::unreadable_pages, pack_, unread));
+    messages_.push_back(fmt::format(
+        "{}: {} pages or mips cannot be read; the terrain is coarser there; check the pack with fjell-bake verify",
+        pack_, unread));
 }
 
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was

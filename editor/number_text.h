@@ -6,8 +6,6 @@
 #include <iterator>
 #include <string>
 
-#include "editor/strings.h"
-
 namespace fjell::editor {
 
 // A short text on the stack, so that panels allocate nothing.
@@ -60,7 +58,7 @@ struct PlaceText {
 };
 [[nodiscard]] inline PlaceText place_text(double x_m, double y_m, double z_m) {
     PlaceText t{};
-    (void)std::snprintf(t.text, sizeof t.text, strings::numbers::place, metre_text(x_m).text, metre_text(z_m).text,
+    (void)std::snprintf(t.text, sizeof t.text, "%.20s E  %.20s S  %.20s m", metre_text(x_m).text, metre_text(z_m).text,
                         metre_text(y_m).text);
     return t;
 }

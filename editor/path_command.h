@@ -10,8 +10,6 @@
 
 namespace fjell::editor {
 
-inline constexpr const char* pace_names[] = {"constant", "ease"};
-
 struct SelectPoint {
     std::size_t point = 0;
     bool looks = true; // from there
@@ -25,31 +23,4 @@ struct PlacePoint { // over that place: at that height, or as high above the gro
     bool dragging = false; // more of the same follows: one step of undo
     std::optional<double> y_m = {};
 };
-struct TimePoint { // when it is passed, between its neighbours; the last one: the duration
-    std::size_t point = 0;
-    double time_s = 0;
-    bool dragging = false;
-};
-struct PaceStretch { // mean speed from that point to the next; the times after it follow
-    std::size_t point = 0;
-    double m_s = 0;
-    bool dragging = false;
-};
-struct PacePath {
-    Pace pace = Pace::constant;
-};
-struct AimPath { // the camera looks at that place on the ground, from one point to another
-    double x_m = 0, z_m = 0;
-    std::size_t first = 0, last = most_points;
-};
-struct FreePath { // or at none
-    std::size_t first = 0, last = most_points;
-};
-struct ClosePath {
-    bool on = false;
-};
-struct CirclePath { // a path once around what the camera looks at: a turntable
-    double seconds = 20;
-};
-
 } // namespace fjell::editor

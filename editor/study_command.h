@@ -24,13 +24,9 @@ struct SetHeat { // what the overview's path is coloured by, from the latest run
 };
 
 // --- pictures of any size, rendered beside the frame ---
-enum class PictureWay : std::uint8_t { still, path };
-inline constexpr const char* picture_way_names[] = {"still", "path"};
-struct RenderPictures {
-    std::string path;                   // a .png, or of a path a folder: frame_00000.png and so on
-    PictureWay way = PictureWay::still; // what the camera sees, or a picture for each frame of the path
+struct RenderPicture { // of what the camera sees
+    std::string path;  // .png
     std::uint32_t width = 3840, height = 2160;
-    double fps = 30; // of the path
 };
 
 // --- bookmarks ---

@@ -7,12 +7,10 @@ namespace fjell::editor {
 namespace {
 
 Command render(Words& w) {
-    RenderPictures r;
-    r.path = w.text("a file, or a folder for a path's pictures");
-    if (w.more() && !w.is_option()) r.way = w.one_of<PictureWay>(picture_way_names, "way");
+    RenderPicture r;
+    r.path = w.text("a file");
     w.options({{"width", [&](const std::string& v) { r.width = Words::count_of(v, "width", 16, 32768); }},
-               {"height", [&](const std::string& v) { r.height = Words::count_of(v, "height", 16, 32768); }},
-               {"fps", [&](const std::string& v) { r.fps = Words::number_in(v, "fps", 1, 240); }}});
+               {"height", [&](const std::string& v) { r.height = Words::count_of(v, "height", 16, 32768); }}});
     return r;
 }
 
@@ -37,10 +35,8 @@ std::vector<Verb> study_verbs() {
          [](Words& w) { return ForgetRun{w.count("a run, from 0")}; }},
         {"heat", "none|time|error", "colours the overview along the latest run's path",
          [](Words& w) { return SetHeat{w.one_of<Heat>(heat_names, "heat")}; }},
-        {"render", "FILE.png|FOLDER [still|path] [width=W] [height=H] [fps=N]",
-         "a picture of any size of what the camera sees, or one for each frame of the path", render},
-        {"add-bookmark", "[NAME]", "keeps the camera's pose, with a thumbnail",
-         [](Words& w) { return AddBookmark{w.text_or("")}; }},
+        {"render", "FILE.png [width=W] [height=H]", "a picture of any size of what the camera sees", render},
+        {"add-bookmark", "[NAME]", "keeps the camera's pose", [](Words& w) { return AddBookmark{w.text_or("")}; }},
         {"bookmark", "N", "looks from a bookmark, 0 the first",
          [](Words& w) { return GoToBookmark{w.count("a bookmark, from 0")}; }},
         {"remove-bookmark", "N", "removes a bookmark",

@@ -14,7 +14,6 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "editor/strings.h"
 #include "gl/window.h"
 
 namespace fjell::editor {
@@ -227,7 +226,7 @@ void Surface::read(gl::Image& image) const {
 std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error) {
     if (!options.headless) {
         auto window = gl::Window::create(
-            {options.width, options.height, strings::window::program, false, options.vsync, true, true}, error);
+            {options.width, options.height, "Fjell editor", false, options.vsync, true, true}, error);
         return window ? std::make_unique<WindowSurface>(std::move(window)) : nullptr;
     }
     auto context = gl::Headless::create({}, error);

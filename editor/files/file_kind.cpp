@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/read/gdal_file.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "io/file.h"
@@ -30,7 +29,7 @@ constexpr std::uintmax_t most_json_bytes = std::uintmax_t{64} << 20; // paths an
 FileKind json_kind_of(const std::string& path) {
     std::error_code ignored;
     if (fs::file_size(path, ignored) > most_json_bytes)
-        throw Failure(1, fmt::format(strings::refusals::json_too_long, path));
+        throw Failure(1, fmt::format("{}: too long for a camera path or a recipe", path));
     const json object = io::parse_json(io::read_text(path), path, io::JsonComments::yes);
     const auto has = [&](std::initializer_list<const char*> keys) {
         return std::ranges::any_of(keys, [&](const char* key) { return object.contains(key); });
@@ -38,7 +37,10 @@ FileKind json_kind_of(const std::string& path) {
     if (has({"fjell_set"})) return FileKind::pack;
     if (has({"points", "orbit", "straight"})) return FileKind::path;
     if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
-    throw Failure(1, fmt::format(strings::refusals::unknown_json, path));
+    throw Failure(
+        1,
+        fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m) or recipe (inputs)",
+                    path));
 }
 
 } // namespace
@@ -55,7 +57,7 @@ BakeField bake_field_of(const std::string& path, bool first) {
         if (first) return BakeField::heights;
         baker::GdalMessages messages;
         baker::register_drivers();
-        const baker::GdalFile file = baker::open_raster(path, strings::kinds::height_field_or_image, messages);
+        const baker::GdalFile file = baker::open_raster(path, "a height field or an image", messages);
         const bool bytes = file->GetRasterBand(1)->GetRasterDataType() == GDT_Byte;
         return bytes && file->GetRasterCount() >= 3 ? BakeField::texture : BakeField::heights;
     } catch (const std::exception&) {
@@ -67,10 +69,10 @@ FileKind file_kind_of(const std::string& path) {
     std::error_code error;
     if (baker::is_gdal_name(path)) return FileKind::heights;
     const fs::file_status status = fs::status(path, error);
-    if (!fs::exists(status)) throw Failure(1, fmt::format(strings::refusals::no_such_file, path));
+    if (!fs::exists(status)) throw Failure(1, fmt::format("{}: there is no such file", path));
     if (fs::is_directory(status) && !io::set_file_of(path).empty()) return FileKind::pack;
-    if (fs::is_directory(status)) throw Failure(1, fmt::format(strings::refusals::is_folder, path));
-    if (!fs::is_regular_file(status)) throw Failure(1, fmt::format(strings::refusals::not_a_file, path));
+    if (fs::is_directory(status)) throw Failure(1, fmt::format("{}: this is a folder; open a file in it", path));
+    if (!fs::is_regular_file(status)) throw Failure(1, fmt::format("{}: not a file", path));
     char first[64] = {};
     const int fd = io::open_regular_file(path);
     const ssize_t read = io::uninterrupted([&] { return pread(fd, first, sizeof first - 1, 0); });
@@ -85,10 +87,10 @@ FileKind file_kind_of(const std::string& path) {
     baker::GdalMessages messages;
     baker::register_drivers();
     try {
-        (void)baker::open_raster(path, strings::kinds::height_field, messages);
+        (void)baker::open_raster(path, "a height field", messages);
         return FileKind::heights;
     } catch (const Failure&) {
-        throw Failure(1, fmt::format(strings::refusals::unknown_kind, path));
+        throw Failure(1, fmt::format("{}: neither a pack, a profile, a camera path nor heights that GDAL opens", path));
     }
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "editor/strings.h"
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -92,7 +91,7 @@ void FolderListing::look(const std::string& folder) {
         if (!entry.folder && at->is_regular_file(ignored)) entry.bytes = at->file_size(ignored);
         entries_.push_back(std::move(entry));
     }
-    if (error) problem_ = fmt::format(strings::notices::folder_unreadable, error.message());
+    if (error) problem_ = fmt::format("cannot be read: {}", error.message());
     std::ranges::sort(entries_, comes_first);
     choose_shown();
 }

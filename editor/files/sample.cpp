@@ -12,7 +12,6 @@ namespace fjell::editor {
 namespace {
 
 constexpr char landscape[] = {
-#include "editor/strings.h"
 #include "mountains-small.inc"
 };
 
@@ -27,7 +26,7 @@ std::string sample_pack(const std::string& cache_folder) {
 }
 
 BakePack bake_sample(const std::string& cache_folder) {
-    if (cache_folder.empty()) throw io::Failure(3, strings::refusals::no_sample_folder);
+    if (cache_folder.empty()) throw io::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
     std::error_code ignored; // what is wrong with the folder, the file says
     std::filesystem::create_directories(cache_folder, ignored);
     BakePack bake;

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "editor/files/unusable.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -187,16 +186,17 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     if (config_folder.empty() || !fs::exists(file, ignored)) return s;
     try {
         const json all = io::parse_json(io::read_text(file), file);
-        if (!all.is_object()) throw Failure(1, fmt::format(strings::refusals::not_settings, file));
+        if (!all.is_object()) throw Failure(1, fmt::format("{}: no settings", file));
         KeyReader keys(all, "");
         read_settings(keys, s);
         read_look(keys, s.look);
-        if (!keys.bad.empty()) problem = fmt::format(strings::notices::settings_damaged, file, keys.bad);
+        if (!keys.bad.empty())
+            problem = fmt::format("{}: {} cannot be understood; the default is taken", file, keys.bad);
     } catch (const std::exception& failure) {
         problem = failure.what();
         return {};
     }
-    if (!problem.empty()) problem = fmt::format(strings::notices::settings_kept, problem, file);
+    if (!problem.empty()) problem = fmt::format("{}; the file will be kept as {}.damaged", problem, file);
     return s;
 }
 

@@ -3,7 +3,6 @@
 #include <exception>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -28,7 +27,7 @@ void follow_document(HandlerContext context) {
     } catch (const std::exception& failure) {
         state.document.revert();
         state.scene = context.engine.scene(); // closed when what was before cannot be had any more either
-        post_failure(state, failure, strings::notices::reverted);
+        post_failure(state, failure, "the change was reverted: ");
     }
 }
 

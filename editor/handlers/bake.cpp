@@ -10,7 +10,6 @@
 #include "editor/files/file_kind.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -40,11 +39,12 @@ void judge_output(State& state) {
     if (output.empty()) return;
     const std::filesystem::path folder = std::filesystem::absolute(output, ignored).parent_path();
     if (std::filesystem::is_directory(output, ignored))
-        d.output_problem = strings::refusals::pack_is_folder;
+        d.output_problem = "the pack's name is that of a folder; give a name in it";
     else if (!std::filesystem::is_directory(folder, ignored))
-        d.output_problem = fmt::format(strings::refusals::no_pack_folder, folder.string());
+        d.output_problem = fmt::format("{} does not exist; choose another folder for the pack", folder.string());
     else if (!may_write(folder))
-        d.output_problem = fmt::format(strings::refusals::pack_folder_read_only, folder.string());
+        d.output_problem =
+            fmt::format("nothing may be written to {}; choose another folder for the pack", folder.string());
 }
 
 void give(BakeDraft& d, const GiveBakeFile& c) {
@@ -119,7 +119,7 @@ void handle(const OpenBaked& c, HandlerContext context) {
     State& state = context.state;
     const std::string pack = std::exchange(state.bake.ready, {});
     if (state.interface.dialog == Dialog::baked) state.interface.dialog = Dialog::none;
-    if (pack.empty()) throw io::Failure(2, strings::refusals::no_baked_pack);
+    if (pack.empty()) throw io::Failure(2, "no pack is waiting to be opened");
     if (c.open) handle(OpenFile{pack}, context);
 }
 

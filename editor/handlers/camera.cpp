@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "fjell/query.h"
 
@@ -111,7 +110,7 @@ void settle(HandlerContext context) {
 } // namespace
 
 const Engine& open_engine(HandlerContext context) {
-    if (!context.engine.is_open()) throw Failure(2, strings::refusals::no_terrain);
+    if (!context.engine.is_open()) throw Failure(2, "no terrain is open; open a pack first");
     return context.engine;
 }
 
@@ -174,7 +173,8 @@ void move_camera(HandlerContext context, double seconds) {
         eye.free = flight::free_camera(*pose, eye.free.speed_m_s);
     }
     if (!state.route.follow(eye.pose(), seconds)) {
-        post_message(state, Severity::warning, strings::notices::recording_full);
+        post_message(state, Severity::warning,
+                     "the recording is full and has stopped; record the rest as another path");
         apply(RecordPath{false}, context);
     }
     const Terrain& terrain = context.engine.session().terrain();
@@ -203,7 +203,7 @@ void handle(const PlaceCamera& c, HandlerContext context) {
     const double reach_m = 1e7;
     if (!(std::abs(c.position_m.x) <= reach_m && std::abs(c.position_m.y) <= reach_m &&
           std::abs(c.position_m.z) <= reach_m))
-        throw Failure(2, strings::refusals::camera_too_far);
+        throw Failure(2, "the camera's position must be within 10,000 km of the terrain's first sample");
     const flight::Ground ground = live_ground(context);
     free.position_m = c.position_m;
     free.heading = 0;
@@ -241,7 +241,8 @@ void handle(const SetSpeed& c, HandlerContext context) {
 
 void handle(const SetNavigation& c, HandlerContext context) {
     State& state = context.state;
-    if (c.navigation == Navigation::path && state.route.empty()) throw Failure(2, strings::refusals::no_path);
+    if (c.navigation == Navigation::path && state.route.empty())
+        throw Failure(2, "there is no camera path yet; open one, record one or add points");
     if (c.navigation != Navigation::path) take_from_path(state);
     state.eye.navigation = c.navigation;
     if (c.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);

@@ -8,7 +8,6 @@
 #include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -54,7 +53,8 @@ void handle(const OpenFile& c, HandlerContext context) {
         return open_now(c.path, context);
     case FileKind::profile: return handle(OpenProfile{c.path, c.discard}, context);
     case FileKind::path:
-        if (!context.engine.is_open()) throw io::Failure(2, fmt::format(strings::refusals::path_needs_terrain, c.path));
+        if (!context.engine.is_open())
+            throw io::Failure(2, fmt::format("{}: this is a camera path; open a terrain for it first", c.path));
         return handle(OpenPath{c.path, c.discard}, context);
     case FileKind::heights:
         if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
@@ -86,7 +86,9 @@ void bake_beside(const std::string& heights, HandlerContext context) {
     bake.output = pack_beside(heights);
     std::error_code ignored;
     if (fs::exists(bake.output, ignored))
-        throw io::Failure(2, fmt::format(strings::refusals::pack_exists, bake.output, heights));
+        throw io::Failure(
+            2, fmt::format("{}: exists already; open that pack, or bake elsewhere: --do \"bake {} OTHER.fjell\"",
+                           bake.output, heights));
     handle(bake, context);
 }
 
@@ -98,8 +100,7 @@ void handle(const OpenSample&, HandlerContext context) {
         try {
             return handle(OpenFile{pack, true}, context);
         } catch (const io::Failure& failure) { // of another version, or damaged: it is recreated
-            post_message(context.state, Severity::note,
-                         fmt::format(strings::notices::sample_baked_again, failure.what()));
+            post_message(context.state, Severity::note, fmt::format("the sample is baked again: {}", failure.what()));
         }
     }
     handle(bake_sample(folder), context);

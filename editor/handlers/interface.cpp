@@ -4,7 +4,6 @@
 #include <string>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -128,7 +127,7 @@ void handle(const ChooseFrame& c, HandlerContext context) {
     State& state = context.state;
     if (!c.on) return state.chosen.reset();
     if (c.ago >= state.measures.ring(Series::frame_us).size())
-        throw io::Failure(2, strings::refusals::frame_not_measured);
+        throw io::Failure(2, "not so many frames have been measured yet; fly on");
     state.chosen = state.measures.frame(c.ago);
 }
 

@@ -5,7 +5,6 @@
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/profile_keys.h"
 #include "flight/snapshots.h"
@@ -30,7 +29,8 @@ ExportPlan export_plan(HandlerContext context, const std::string& path, bool con
     const State& state = context.state;
     const flight::Session& session = open_engine(context).session();
     const flight::LastUpdate& last = session.last;
-    if (last.cut_report.frame + last.frame_report.frame == 0) throw io::Failure(2, strings::refusals::no_frame_yet);
+    if (last.cut_report.frame + last.frame_report.frame == 0)
+        throw io::Failure(2, "no frame has been drawn yet; try again");
     ExportPlan plan{
         session.file,           path, {}, state.scene.streamed, state.document.profile(), last.view, error_px,
         context.engine.layers()};
@@ -59,7 +59,7 @@ void handle(const RunBenchmark& c, HandlerContext context) {
 }
 
 void handle(const ExportMesh& c, HandlerContext context) {
-    if (c.path.empty()) throw io::Failure(2, strings::refusals::export_without_name);
+    if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
     refuse_overwriting_open_files(context.state, c.path);
     context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }
@@ -78,7 +78,7 @@ void handle_job_result(HandlerContext context) {
     const char* const name = job_names[static_cast<int>(job.kind)];
     if (job.cancelled) {
         post_message(state, Severity::note,
-                     fmt::format(strings::results::cancelled, name, job.result.empty() ? "" : "; ", job.result));
+                     fmt::format("{} cancelled{}{}", name, job.result.empty() ? "" : "; ", job.result));
         return;
     }
     if (!job.problem.empty()) {

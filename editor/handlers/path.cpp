@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -42,7 +41,7 @@ void handle(const OpenPath& c, HandlerContext context) {
     const bool lost = state.route.unsaved();
     state.route.open(c.path, whole_ground(context));
     if (state.eye.navigation == Navigation::path) take_from_path(state);
-    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
+    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
 }
 
 void handle(const SavePath& c, HandlerContext context) {
@@ -50,7 +49,7 @@ void handle(const SavePath& c, HandlerContext context) {
     context.state.route.save(c.path);
     if (context.state.interface.dialog == Dialog::save_path) context.state.interface.dialog = Dialog::none;
     continue_saving(context);
-    post_message(context.state, Severity::note, fmt::format(strings::notices::path_saved, context.state.route.path()));
+    post_message(context.state, Severity::note, fmt::format("saved the camera path to {}", context.state.route.path()));
 }
 
 void handle(const RecordPath& c, HandlerContext context) {
@@ -58,7 +57,7 @@ void handle(const RecordPath& c, HandlerContext context) {
     if (c.on) take_from_path(state);
     const bool lost = !c.on && state.route.recording() && state.route.unsaved();
     state.route.record(c.on, state.eye.pose(), whole_ground(context));
-    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
+    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
 }
 
 void handle(const PlayPath& c, HandlerContext context) {
@@ -70,7 +69,7 @@ void handle(const PlayPath& c, HandlerContext context) {
 
 void handle(const SeekPath& c, HandlerContext context) {
     State& state = context.state;
-    if (state.route.empty()) throw Failure(2, strings::refusals::no_path);
+    if (state.route.empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
     state.route.seek(c.share);
     state.eye.on_path = state.route.pose();
     state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
@@ -109,7 +108,7 @@ void handle(const ClearPath&, HandlerContext context) {
     const bool unsaved = context.state.route.unsaved();
     take_from_path(context.state);
     context.state.route.clear();
-    if (unsaved) post_message(context.state, Severity::note, strings::notices::path_cleared);
+    if (unsaved) post_message(context.state, Severity::note, "the cleared path was not saved; Restore brings it back");
 }
 
 void handle(const RestorePath&, HandlerContext context) {
@@ -127,32 +126,6 @@ void redo_path(HandlerContext context) {
     follow_edit(context.state);
 }
 
-// A path once around what the camera looks at.
-void handle(const CirclePath& c, HandlerContext context) {
-    State& state = context.state;
-    const flight::Ground ground = whole_ground(context);
-    end_recording(context);
-    begin_orbit(context); // finds what that is
-    const bool lost = state.route.unsaved();
-    state.route.circle(state.eye.orbit_centre_m, state.eye.free.position_m, c.seconds, 2 * ground.cell_m, ground);
-    if (lost) post_message(state, Severity::warning, strings::notices::path_replaced);
-}
-
-void handle(const AimPath& c, HandlerContext context) {
-    context.state.route.aim(c.x_m, c.z_m, whole_ground(context), c.first, c.last);
-    follow_edit(context.state);
-}
-
-void handle(const FreePath& c, HandlerContext context) {
-    context.state.route.free(whole_ground(context), c.first, c.last);
-    follow_edit(context.state);
-}
-
-void handle(const ClosePath& c, HandlerContext context) {
-    context.state.route.close(c.on, whole_ground(context));
-    follow_edit(context.state);
-}
-
 void handle(const PlacePoint& c, HandlerContext context) {
     context.state.route.place(c.point, c.x_m, c.z_m, c.dragging, whole_ground(context), c.y_m);
     follow_edit(context.state);
@@ -161,21 +134,6 @@ void handle(const PlacePoint& c, HandlerContext context) {
 void handle(const InsertPoint& c, HandlerContext context) {
     Route& route = context.state.route;
     route.insert(c.share.value_or(route.share()), whole_ground(context));
-    follow_edit(context.state);
-}
-
-void handle(const TimePoint& c, HandlerContext context) {
-    context.state.route.set_time(c.point, c.time_s, c.dragging, whole_ground(context));
-    follow_edit(context.state);
-}
-
-void handle(const PaceStretch& c, HandlerContext context) {
-    context.state.route.set_mean_speed(c.point, c.m_s, c.dragging, whole_ground(context));
-    follow_edit(context.state);
-}
-
-void handle(const PacePath& c, HandlerContext context) {
-    context.state.route.set_pace(c.pace, whole_ground(context));
     follow_edit(context.state);
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -12,7 +11,7 @@ void handle(const SetKey& c, HandlerContext context) {
     document.set(*c.key, c.value, c.dragging);
     if (c.dragging || (c.value >= c.key->least && c.value <= c.key->most)) return;
     post_message(context.state, Severity::warning,
-                 fmt::format(strings::notices::out_of_range, c.key->label, flight::key_refusal(*c.key),
+                 fmt::format("{}: {}; set to {}", c.key->label, flight::key_refusal(*c.key),
                              flight::value_text(*c.key, document.profile())));
 }
 
@@ -37,7 +36,7 @@ void handle(const OpenProfile& c, HandlerContext context) {
     State& state = context.state;
     state.document.open(c.path);
     if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
-    post_message(state, Severity::note, fmt::format(strings::notices::profile_opened, c.path));
+    post_message(state, Severity::note, fmt::format("opened {}", c.path));
 }
 
 void handle(const SaveProfile& c, HandlerContext context) {
@@ -45,7 +44,7 @@ void handle(const SaveProfile& c, HandlerContext context) {
     refuse_overwriting_open_files(state, c.path, state.document.path());
     state.document.save(c.path);
     if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
-    post_message(state, Severity::note, fmt::format(strings::notices::profile_saved, state.document.path()));
+    post_message(state, Severity::note, fmt::format("saved {}", state.document.path()));
     continue_saving(context);
 }
 

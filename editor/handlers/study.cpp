@@ -9,7 +9,6 @@
 #include "editor/bookmarks.h"
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/factories.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -19,9 +18,9 @@ namespace {
 using io::Failure;
 
 const FlownRun& run_of(const State& state, std::size_t run) {
-    if (state.runs.all.empty()) throw Failure(2, strings::refusals::no_runs);
+    if (state.runs.all.empty()) throw Failure(2, "no benchmark has been flown yet; run one first");
     if (run >= state.runs.all.size())
-        throw Failure(2, fmt::format(strings::refusals::no_such_run, run, state.runs.all.size() - 1));
+        throw Failure(2, fmt::format("there is no run {}; there are 0 to {}", run, state.runs.all.size() - 1));
     return *state.runs.all[run];
 }
 
@@ -30,12 +29,11 @@ std::size_t bookmark_of(const Bookmarks& bookmarks, std::size_t index) {
     std::size_t own = 0;
     for (std::size_t i = 0; i < bookmarks.all.size(); ++i)
         if (bookmarks.all[i].pack == bookmarks.pack && own++ == index) return i;
-    throw Failure(2, own == 0 ? std::string(strings::refusals::no_bookmarks)
-                              : fmt::format(strings::refusals::no_such_bookmark, index, own - 1));
+    throw Failure(2, own == 0 ? std::string("this terrain has no bookmarks yet; add one first")
+                              : fmt::format("there is no bookmark {}; there are 0 to {}", index, own - 1));
 }
 
 void keep(State& state) {
-    state.bookmarks.changed = true;
     if (!state.files.persists) return;
     write_bookmarks(state.files.standard_folders.config, state.bookmarks.all);
 }
@@ -69,7 +67,7 @@ void handle(const SetHeat& c, HandlerContext context) {
     context.state.runs.heat = c.heat;
 }
 
-void handle(const RenderPictures& c, HandlerContext context) {
+void handle(const RenderPicture& c, HandlerContext context) {
     State& state = context.state;
     PicturePlan plan;
     plan.pack = open_engine(context).session().file;
@@ -79,12 +77,9 @@ void handle(const RenderPictures& c, HandlerContext context) {
     plan.profile.width_px = c.width;
     plan.profile.height_px = c.height;
     plan.mode = state.interface.mode;
-    plan.sequence = c.way == PictureWay::path;
-    plan.fps = c.fps;
-    if (plan.sequence && state.route.empty()) throw Failure(2, strings::refusals::no_path);
-    plan.poses = plan.sequence ? state.route.poses() : std::vector<flight::Pose>{state.eye.pose()};
+    plan.pose = state.eye.pose();
     refuse_overwriting_open_files(state, c.path);
-    context.jobs.start(JobKind::pictures, picture_job(std::move(plan)));
+    context.jobs.start(JobKind::picture, picture_job(std::move(plan)));
 }
 
 void handle(const AddBookmark& c, HandlerContext context) {
@@ -92,14 +87,13 @@ void handle(const AddBookmark& c, HandlerContext context) {
     Bookmarks& b = state.bookmarks;
     (void)open_engine(context);
     if (b.all.size() >= most_bookmarks)
-        throw Failure(2, fmt::format(strings::refusals::too_many_bookmarks, most_bookmarks));
+        throw Failure(2, fmt::format("there are {} bookmarks already; remove some", most_bookmarks));
     const auto own = std::ranges::count(b.all, b.pack, &Bookmark::pack);
     Bookmark mark;
-    mark.name = c.name.empty() ? fmt::format(strings::notices::bookmark_name, own + 1) : c.name.substr(0, 60);
+    mark.name = c.name.empty() ? fmt::format("Place {}", own + 1) : c.name.substr(0, 60);
     mark.pack = b.pack;
     mark.pose = state.eye.pose();
     b.all.push_back(std::move(mark));
-    b.wanted = b.all.size() - 1;
     keep(state);
 }
 
@@ -113,7 +107,6 @@ void handle(const RemoveBookmark& c, HandlerContext context) {
     Bookmarks& b = context.state.bookmarks;
     const std::size_t at = bookmark_of(b, c.bookmark);
     b.all.erase(b.all.begin() + static_cast<std::ptrdiff_t>(at));
-    b.wanted.reset();
     keep(context.state);
 }
 
@@ -121,7 +114,7 @@ void handle(const ComparePictures& c, HandlerContext context) {
     State& state = context.state;
     if (c.with != CompareWith::nothing) (void)open_engine(context);
     if (c.with == CompareWith::profile && state.document.compared() == nullptr)
-        throw Failure(2, strings::refusals::no_profile_to_compare);
+        throw Failure(2, "there is no profile to compare with; choose one with File > Compare profiles first");
     state.compared.with = c.with;
     state.compared.error_px = c.error_px;
     state.compared.there = false;

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -49,13 +48,8 @@ std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     for (const flight::ControlPoint& p : unsaved.points)
         points.push_back(
             {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
-    for (std::size_t i = 0; i < unsaved.times_s.size(); ++i) points[i]["time_s"] = unsaved.times_s[i];
-    for (std::size_t i = 0; i < unsaved.targets.size(); ++i)
-        if (const std::optional<Vec3>& at = unsaved.targets[i]) points[i]["look_at"] = {at->x, at->y, at->z};
-    nlohmann::json path = {{"comment", strings::notices::recovered_file}, {"units", "metres"}, {"points", points}};
-    if (unsaved.times_s.empty()) path["seconds"] = unsaved.path_seconds;
-    if (unsaved.closed) path["closed"] = true;
-    if (unsaved.eases) path["ease"] = true;
+    nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
+    path["seconds"] = unsaved.path_seconds;
     const std::string text = path.dump(1) + "\n";
     std::string name = folder + "/recovered-path.json";
     std::error_code ignored;
@@ -97,7 +91,7 @@ void continue_saving(HandlerContext context) {
 
 void handle(const AnswerUnsaved& c, HandlerContext context) {
     Files& files = context.state.files;
-    if (!files.waiting) throw io::Failure(2, strings::refusals::no_question);
+    if (!files.waiting) throw io::Failure(2, "there is no question to answer");
     if (c.answer == Answer::save) {
         files.saving = true;
         return continue_saving(context);
@@ -110,15 +104,16 @@ void handle(const AnswerUnsaved& c, HandlerContext context) {
 void handle(const RecoverChanges& c, HandlerContext context) {
     State& state = context.state;
     Recovery& recovery = state.files.recovery;
-    if (!recovery.found()) throw io::Failure(2, strings::refusals::nothing_to_recover);
-    if (c.restore && state.headless) throw io::Failure(2, strings::refusals::no_recovery_headless);
+    if (!recovery.found()) throw io::Failure(2, "there is nothing to recover");
+    if (c.restore && state.headless)
+        throw io::Failure(2, "a headless run keeps nothing; recover in the editor's window");
     const Unsaved found = *recovery.found();
     if (c.restore) {
         const std::string path = written_path(found, state.files.standard_folders.state);
         if (!found.pack.empty() && !state.scene.open()) try_opening(found.pack, context);
         if (found.profile_changed) state.document.restore(found.profile, found.path);
         if (!path.empty()) {
-            post_message(state, Severity::note, fmt::format(strings::notices::path_recovered, path));
+            post_message(state, Severity::note, fmt::format("the unsaved camera path was written to {}", path));
             if (context.engine.is_open()) apply(OpenPath{path, true}, context);
         }
         recovery.keep_now(state.document, state.route, state.scene.path); // before the other one goes

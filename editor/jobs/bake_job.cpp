@@ -15,7 +15,6 @@
 #include "baker/synth/synth.h"
 #include "editor/jobs/factories.h"
 #include "editor/number_text.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -29,21 +28,21 @@ void set_word(std::optional<std::string>& word, const std::string& value, const 
     if (value.empty()) return;
     const std::vector<std::string> known = baker::words_of(key);
     if (!known.empty() && std::ranges::find(known, value) == known.end())
-        throw Failure(2, fmt::format(strings::refusals::bad_word, key, value, fmt::join(known, ", ")));
+        throw Failure(2, fmt::format("{}={}: must be one of {}", key, value, fmt::join(known, ", ")));
     word = value;
 }
 
 } // namespace
 
 baker::Recipe bake_recipe(const BakePack& b) {
-    if (b.inputs.empty() || b.inputs.front().empty()) throw Failure(2, strings::refusals::no_heights);
+    if (b.inputs.empty() || b.inputs.front().empty()) throw Failure(2, "choose a file of heights to bake");
     baker::Recipe recipe;
     recipe.inputs = b.inputs;
     recipe.output = b.output;
     if (!b.texture.empty()) recipe.texture = {b.texture};
     if (!b.ramp.empty()) recipe.ramp = b.ramp;
     if (b.tile != 0) recipe.tile = std::to_string(b.tile);
-    if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format(strings::refusals::bad_spacing, b.spacing_m));
+    if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format("spacing={}: must be 0 or more (metres)", b.spacing_m));
     if (b.spacing_m > 0) recipe.spacing = b.spacing_m;
     if (b.height_scale != 1) recipe.zscale = b.height_scale;
     if (b.height_offset_m != 0) recipe.zoffset = b.height_offset_m;
@@ -57,7 +56,7 @@ baker::Recipe bake_recipe(const BakePack& b) {
     set_word(recipe.encoding, b.encoding, "encoding");
     if (!b.bbox.empty()) recipe.bbox = baker::parse_bbox(b.bbox);
     if (b.memory_mb < 128 || b.memory_mb > 1u << 24)
-        throw Failure(2, fmt::format(strings::refusals::bad_memory, b.memory_mb, 1u << 24));
+        throw Failure(2, fmt::format("memory_mb={}: must be 128 to {}", b.memory_mb, 1u << 24));
     return recipe;
 }
 
@@ -90,9 +89,10 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
         const baker::BakeSummary s = baker::bake(*bake_source(recipe), options, output);
         control.publish([&](JobView& view) {
             view.output = output;
-            view.result = fmt::format(strings::results::baked, output, s.columns, s.rows, s.tree.tiles_x,
-                                      s.tree.tiles_y, s.tree.side(), byte_text(static_cast<double>(s.file_bytes)).text,
-                                      s.seconds_total, s.resumed ? strings::results::baked_resumed : "");
+            view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,
+                                      s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
+                                      byte_text(static_cast<double>(s.file_bytes)).text, s.seconds_total,
+                                      s.resumed ? ", resumed from an earlier bake" : "");
             for (const std::string& line : baker::remarks(s)) view.result += "; " + line;
         });
     } catch (const Failure&) {
@@ -101,8 +101,8 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
         const std::string work = output + ".work";
         const bool stays = std::filesystem::exists(work, ignored);
         control.publish([&](JobView& view) {
-            view.result =
-                stays ? fmt::format(strings::results::bake_can_resume, work) : strings::results::no_files_remain;
+            view.result = stays ? fmt::format("{} remains: the same bake resumes from it; or delete it", work)
+                                : "no files remain";
         });
         throw Cancelled{};
     }

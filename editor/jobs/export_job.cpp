@@ -6,7 +6,6 @@
 
 #include "editor/jobs/factories.h"
 #include "editor/number_text.h"
-#include "editor/strings.h"
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
@@ -78,11 +77,11 @@ void run(const ExportPlan& plan, JobControl& control) {
     control.publish([&](JobView& view) {
         view.output = plan.path;
         view.preview = {r.error_px_effective, r.vertices, r.triangles, r.file_bytes};
-        view.result = fmt::format(strings::results::exported,
-                                  plan.path.empty() ? strings::results::export_would_have : plan.path + ": ",
+        view.result = fmt::format("{}{} vertices, {} triangles, {} within {:.3g} px{}",
+                                  plan.path.empty() ? "the export has " : plan.path + ": ",
                                   grouped(static_cast<double>(r.vertices)), grouped(static_cast<double>(r.triangles)),
                                   byte_text(static_cast<double>(r.file_bytes)).text, r.error_px_effective,
-                                  r.converged ? "" : strings::results::export_not_as_asked);
+                                  r.converged ? "" : ", which is not what was asked for");
     });
 }
 
@@ -90,7 +89,7 @@ void run(const ExportPlan& plan, JobControl& control) {
 
 Jobs::Body export_job(ExportPlan plan) {
     if (plan.error_px != 0 && !(plan.error_px >= flight::min_error_px && plan.error_px <= flight::max_error_px))
-        throw io::Failure(2, fmt::format(strings::refusals::bad_threshold, plan.error_px, flight::min_error_px,
+        throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px, flight::min_error_px,
                                          flight::max_error_px));
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };

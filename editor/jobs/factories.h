@@ -46,15 +46,11 @@ struct ExportPlan {
 struct PicturePlan {
     std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
     std::shared_ptr<const flight::GroundLayers> layers;
-    std::string path;        // a file, or the folder of a sequence
+    std::string path;
     flight::Profile profile; // with the picture's size
     flight::PictureMode mode = flight::PictureMode::shaded;
-    std::vector<flight::Pose> poses; // one; of a sequence the route's, flight_poses_a_second
-    bool sequence = false;
-    double fps = 30; // of a sequence
+    flight::Pose pose;
 };
-inline constexpr double flight_poses_a_second = 60;
-// Pictures of a sequence that were written before it was cancelled or failed stay.
 [[nodiscard]] Jobs::Body picture_job(PicturePlan plan);
 
 } // namespace fjell::editor

@@ -11,7 +11,6 @@
 #include "editor/jobs/factories.h"
 #include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "io/file.h"
@@ -65,7 +64,8 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
         vertices += entry.vertices;
         reached += entry.converged ? 1 : 0;
     });
-    if (flown.times_us.empty()) throw io::Failure(2, strings::refusals::single_frame);
+    if (flown.times_us.empty())
+        throw io::Failure(2, "the path has a single frame, whose mesh is built from scratch; choose more frames");
     const auto frames = static_cast<double>(flown.times_us.size());
     flown.vertices = vertices / frames;
     flown.reached = reached / frames;
@@ -125,8 +125,8 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     control.publish([&](JobView& view) {
         if (!run->places.empty()) view.run = std::move(run);
         view.output = path;
-        view.result = fmt::format(strings::results::benchmark, path, s.frames, s.converged,
-                                  fine_ms_text(s.update_us.p50).text, fine_ms_text(s.update_us.p99).text);
+        view.result = fmt::format("{}: {} frames, {} of them converged; update p50 {} ms, p99 {} ms", path, s.frames,
+                                  s.converged, fine_ms_text(s.update_us.p50).text, fine_ms_text(s.update_us.p99).text);
     });
 }
 
@@ -143,8 +143,8 @@ Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const
 }
 
 Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv) {
-    if (csv.empty()) throw io::Failure(2, strings::refusals::csv_without_name);
-    if (plan.frames > 1'000'000) throw io::Failure(2, strings::refusals::bad_frames);
+    if (csv.empty()) throw io::Failure(2, "give the CSV a file name");
+    if (plan.frames > 1'000'000) throw io::Failure(2, "frames must be 1 to 1,000,000, or 0 for the path's own");
     io::refuse_overwriting({csv}, {plan.pack->path()});
     auto file = std::make_shared<io::AtomicFile>(csv);
     return [plan = std::move(plan), csv, file](JobControl& control) { benchmark(plan, csv, *file, control); };

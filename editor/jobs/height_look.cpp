@@ -15,7 +15,6 @@
 #include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
 #include "editor/jobs/factories.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -37,21 +36,21 @@ struct OptionWords {
     BakeField field;
 };
 constexpr OptionWords option_words[] = {
-    {"--spacing M (metres between samples)", strings::bake_words::the_spacing, BakeField::spacing},
-    {"--spacing M", strings::bake_words::the_spacing, BakeField::spacing},
-    {"--spacing", strings::bake::spacing, BakeField::spacing},
-    {"--nodata hole", strings::bake_words::hole, BakeField::nodata},
-    {"--nodata fill", strings::bake_words::fill, BakeField::nodata},
-    {"--nodata", strings::bake::no_data, BakeField::nodata},
-    {"--void none", strings::bake_words::no_voids, BakeField::voids},
-    {"--void", strings::bake::voids, BakeField::voids},
-    {"--zscale S", strings::bake_words::the_height_scale, BakeField::height_scale},
-    {"--zscale", strings::bake::height_scale, BakeField::height_scale},
-    {"--crs", strings::bake::crs, BakeField::crs},
-    {"--encoding terrarium or terrain-rgb", strings::bake_words::their_encoding, BakeField::encoding},
-    {"--encoding", strings::bake::encoding, BakeField::encoding},
-    {"--bbox", strings::bake::extract, BakeField::bbox},
-    {"--control", strings::bake::rules, BakeField::rules},
+    {"--spacing M (metres between samples)", "the spacing", BakeField::spacing},
+    {"--spacing M", "the spacing", BakeField::spacing},
+    {"--spacing", "Spacing", BakeField::spacing},
+    {"--nodata hole", "\"hole\" for No data", BakeField::nodata},
+    {"--nodata fill", "\"fill\"", BakeField::nodata},
+    {"--nodata", "No data", BakeField::nodata},
+    {"--void none", "\"none\" for Voids", BakeField::voids},
+    {"--void", "Voids", BakeField::voids},
+    {"--zscale S", "the height scale", BakeField::height_scale},
+    {"--zscale", "Height scale", BakeField::height_scale},
+    {"--crs", "CRS", BakeField::crs},
+    {"--encoding terrarium or terrain-rgb", "their encoding (More options)", BakeField::encoding},
+    {"--encoding", "Encoding", BakeField::encoding},
+    {"--bbox", "Extract", BakeField::bbox},
+    {"--control", "Rules", BakeField::rules},
 };
 
 // The number behind the first --void, or the word behind --nodata.
@@ -99,10 +98,10 @@ double spacing_in_name(const std::string& path) {
 void propose_spacing(HeightFacts& f, const BakePack& pack, double mean_step_m) {
     if (const double named = spacing_in_name(pack.inputs.front()); named > 0) {
         f.proposed = fmt::format("{:g}", named);
-        f.because = strings::bake_words::spacing_of_name;
+        f.because = "as the file's name says";
     } else if (mean_step_m > 0) {
         f.proposed = fmt::format("{:g}", rounded(mean_step_m / mean_slope));
-        f.because = strings::bake_words::spacing_of_slopes;
+        f.because = "with which slopes are those of mountains; change it if you know better";
     }
 }
 
@@ -217,10 +216,9 @@ std::vector<float> paint(HeightFacts& f, const SmallField& small, const std::str
 void add_image(HeightFacts& f, const std::string& path, std::uint32_t rows) {
     baker::GdalMessages messages;
     baker::register_drivers();
-    const baker::GdalFile file = baker::open_raster(path, strings::kinds::image, messages);
+    const baker::GdalFile file = baker::open_raster(path, "an image", messages);
     const int w = file->GetRasterXSize(), h = file->GetRasterYSize(), bands = file->GetRasterCount();
-    f.image = fmt::format(strings::bake_words::image, w, h,
-                          bands >= 3 ? strings::bake_words::colour : strings::bake_words::grey);
+    f.image = fmt::format("{} x {} pixels, {}", w, h, bands >= 3 ? "colour" : "grey");
     const double scale = std::min(rows / static_cast<double>(h), picture_columns / static_cast<double>(w));
     f.image_px = std::max(static_cast<std::uint32_t>(w * scale), 1u);
     const std::uint32_t high = std::max(static_cast<std::uint32_t>(h * scale), 1u);
@@ -228,7 +226,7 @@ void add_image(HeightFacts& f, const std::string& path, std::uint32_t rows) {
     int order[3] = {1, bands >= 3 ? 2 : 1, bands >= 3 ? 3 : 1};
     if (file->RasterIO(GF_Read, 0, 0, w, h, rgb.data(), static_cast<int>(f.image_px), static_cast<int>(high), GDT_Byte,
                        3, order, 3, 3 * static_cast<GSpacing>(f.image_px), 1, nullptr) != CE_None)
-        throw Failure(1, fmt::format(strings::bake_words::unreadable_image, path, messages.said()));
+        throw Failure(1, fmt::format("{}: cannot be read{}", path, messages.said()));
     const std::uint32_t before = f.width_px;
     std::vector<std::uint32_t> both(std::size_t{before + f.image_px} * f.height_px, 0xff2a2520u);
     for (std::uint32_t y = 0; y < f.height_px; ++y) {

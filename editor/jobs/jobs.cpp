@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "editor/clock.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -33,7 +32,7 @@ void run(const Jobs::Body& body, JobControl& control) {
         problem = failure.what();
         exit_code = failure.exit_code;
     } catch (...) {
-        problem = strings::refusals::unknown_failure;
+        problem = "the job failed with an unknown error; please report it with its settings";
     }
     // What a library makes of being stopped is still a cancelled job.
     cancelled = cancelled || (!problem.empty() && control.cancelled());
@@ -80,7 +79,7 @@ Jobs::~Jobs() {
 }
 
 void Jobs::start(JobKind kind, Body body) {
-    if (running()) throw io::Failure(2, strings::refusals::another_job);
+    if (running()) throw io::Failure(2, "another job is running; wait for it, or cancel it first");
     auto control = std::make_shared<JobControl>();
     control->view_.kind = kind;
     control->view_.running = true;
@@ -92,7 +91,7 @@ void Jobs::start(JobKind kind, Body body) {
             control->done_.store(true, std::memory_order_release);
         });
     } catch (const std::system_error&) {
-        throw io::Failure(3, strings::refusals::no_thread);
+        throw io::Failure(3, "cannot create a thread for the job; close other programs");
     }
     control_ = std::move(control);
     started_ = Clock::now();

@@ -9,7 +9,6 @@
 #include "editor/panels/file_browser.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -17,7 +16,7 @@ namespace {
 
 void draw_browser(bake_dialog::Form& form, const State& state, Commands& commands) {
     if (form.browsing == BakeField::none) return;
-    constexpr const char* title = strings::bake::choose_a_file;
+    constexpr const char* title = "Choose a file";
     if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     const float em = ImGui::GetFontSize();
     const keyboard::TabStops no_title(false); // its list brings its own
@@ -31,7 +30,7 @@ void draw_browser(bake_dialog::Form& form, const State& state, Commands& command
     begin_file_browser(form.browser, state, output ? bake_dialog::name_in(state.bake.pack.output) : "");
     const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
         const keyboard::TabStops stops;
-        return draw_file_browser(state, commands, form.browser, strings::bake::choose);
+        return draw_file_browser(state, commands, form.browser, "Choose");
     }();
     if (chosen) {
         commands.push(
@@ -82,7 +81,7 @@ void draw_bake(const State& state, Commands& commands) {
     ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top + 3.4F * ImGui::GetTextLineHeightWithSpacing()));
     const bool can = !state.job.running && form.input[0] != '\0' && draft.output_problem.empty() &&
                      (draft.looking || draft.facts.problem.empty());
-    if (fields::button(strings::common::bake, "bake", "start", can, strings::bake::about_bake, true)) {
+    if (fields::button("Bake", "bake", "start", can, "Bakes in the background with 512 MB of memory (Enter).", true)) {
         if (draft.output_exists) {
             (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s",
                                 bake_dialog::name_in(form.output));
@@ -99,15 +98,15 @@ void draw_bake(const State& state, Commands& commands) {
 }
 
 void draw_baked(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::bake::pack_is_ready, bake_dialog::name_in(state.bake.ready),
+    ImGui::TextWrapped("%s is ready. Fly it, and leave %s?", bake_dialog::name_in(state.bake.ready),
                        bake_dialog::name_in(state.scene.path));
     ImGui::Spacing();
-    if (ui::button(strings::bake::fly_it, true)) commands.push(OpenBaked{true});
+    if (ui::button("Fly it", true)) commands.push(OpenBaked{true});
     ui::mark("baked", "open");
     ImGui::SameLine();
-    if (ui::button(strings::bake::not_now)) commands.push(OpenBaked{false});
+    if (ui::button("Not now")) commands.push(OpenBaked{false});
     ui::mark("baked", "stay");
-    ui::tip(strings::bake::about_not_now);
+    ui::tip("The pack stays on the disk: open it with File > Open.");
 }
 
 } // namespace fjell::editor

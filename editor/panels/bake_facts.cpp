@@ -8,7 +8,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/bake_form.h"
 #include "editor/panels/ui.h"
-#include "editor/strings.h"
 
 namespace fjell::editor::bake_dialog {
 
@@ -31,7 +30,7 @@ void draw_strip(const HeightFacts& f) {
         ImGui::GetWindowDrawList()->AddRectFilled({x0, from.y}, {x1, from.y + high}, ui::colour(f.strip[i]));
     }
     ImGui::Dummy({width, high});
-    ui::tip(strings::bake::about_strip);
+    ui::tip("The ramp's colours, from the lowest height to the highest.");
 }
 
 // As large as there is room for it; the room is there before it is.
@@ -44,7 +43,9 @@ void draw_pictures(const BakeDraft& draft) {
         const float scale = std::min(room / w, most / h);
         ImGui::Image(reinterpret_cast<ImTextureID>(std::uintptr_t{draft.texture}), {w * scale, h * scale});
         ui::mark("bake", "picture");
-        ui::tip(f.image_px != 0 ? strings::bake::about_picture_with_texture : strings::bake::about_picture);
+        ui::tip(f.image_px != 0 ? "The heights in the colours of the ramp, and beside them the texture."
+                                : "The heights in the colours that the terrain will have; where rules lay materials, "
+                                  "in the colours of the list below.");
     }
     ImGui::SetCursorPosY(top + most + ImGui::GetStyle().ItemSpacing.y);
 }
@@ -68,15 +69,15 @@ void fact(const char* label, const char* format, ...) {
 void draw_layers(const HeightFacts& f) {
     if (f.rules == 0) return;
     constexpr std::size_t most = 5;
-    fact(strings::bake::rules, strings::bake::count_of_rules, f.rules, f.layers.size());
+    fact("Rules", "%zu, %zu materials", f.rules, f.layers.size());
     for (std::size_t i = 0; i < std::min(f.layers.size(), most); ++i) {
         ui::swatch(ui::colour(f.layers[i].rgb));
-        fact(f.layers[i].name.c_str(), "%s%.0f%%", strings::bake::about, 100 * f.layers[i].share);
+        fact(f.layers[i].name.c_str(), "%s%.0f%%", "about ", 100 * f.layers[i].share);
     }
     double rest = 0;
     for (std::size_t i = most; i < f.layers.size(); ++i) rest += f.layers[i].share;
-    if (f.layers.size() > most) fact(strings::bake::other_materials, "%s%.0f%%", strings::bake::about, 100 * rest);
-    if (f.bare_share >= 0.005) fact(strings::bake::no_material, "%s%.0f%%", strings::bake::about, 100 * f.bare_share);
+    if (f.layers.size() > most) fact("others", "%s%.0f%%", "about ", 100 * rest);
+    if (f.bare_share >= 0.005) fact("without a material", "%s%.0f%%", "about ", 100 * f.bare_share);
 }
 
 } // namespace
@@ -86,33 +87,34 @@ void draw_facts(const BakeDraft& draft) {
     const HeightFacts& f = draft.facts;
     if (!f.known) {
         ImGui::PushTextWrapPos(0);
-        ImGui::TextDisabled("%s", draft.looking ? strings::bake::reading_heights : strings::bake::facts_appear_here);
+        ImGui::TextDisabled("%s", draft.looking ? "Reading the heights..."
+                                                : "Size, heights and coordinates of the file are shown here.");
         ImGui::PopTextWrapPos();
         return;
     }
     draw_strip(f);
-    const char* const about = f.all_read ? "" : strings::bake::about;
-    fact(strings::common::heights, strings::bake::height_range, about, metre_text(f.least_m).text,
-         metre_text(f.most_m).text);
-    fact(strings::bake::samples, "%s x %s", grouped(f.columns).c_str(), grouped(f.rows).c_str());
+    const char* const about = f.all_read ? "" : "about ";
+    fact("Heights", "%s%s to %s m", about, metre_text(f.least_m).text, metre_text(f.most_m).text);
+    fact("Samples", "%s x %s", grouped(f.columns).c_str(), grouped(f.rows).c_str());
     if (f.has_spacing) {
         if (f.spacing_m[0] == f.spacing_m[1])
-            fact(strings::bake::spacing, "%.4g m", f.spacing_m[0]);
+            fact("Spacing", "%.4g m", f.spacing_m[0]);
         else
-            fact(strings::bake::spacing, "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
-        fact(strings::bake::extents, "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
+            fact("Spacing", "%.4g x %.4g m", f.spacing_m[0], f.spacing_m[1]);
+        fact("Extents", "%s x %s m", metre_text((f.columns - 1) * f.spacing_m[0]).text,
              metre_text((f.rows - 1) * f.spacing_m[1]).text);
     } else { // the rows are there already, or a click that takes what is proposed would move the buttons
-        fact(strings::bake::spacing, "-");
-        fact(strings::bake::extents, "-");
+        fact("Spacing", "-");
+        fact("Extents", "-");
     }
-    fact(strings::bake::no_data, "%s%.3g%%", about, 100 * f.void_share);
-    if (!f.image.empty()) fact(strings::bake::texture, "%s", f.image.c_str());
+    fact("No data", "%s%.3g%%", about, 100 * f.void_share);
+    if (!f.image.empty()) fact("Texture", "%s", f.image.c_str());
     draw_layers(f);
     ImGui::PushTextWrapPos(0);
-    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, strings::bake::no_unit);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s", f.crs.empty() ? strings::bake::no_crs : f.crs.c_str(),
-                       f.reprojected_from.empty() ? "" : strings::bake::reprojected_from, f.reprojected_from.c_str());
+    if (!f.unit_named) ImGui::TextColored(ImColor(ui::quiet).Value, "No unit is named: heights are taken as metres");
+    ImGui::TextColored(ImColor(ui::quiet).Value, "%s%s%s",
+                       f.crs.empty() ? "No coordinate reference system" : f.crs.c_str(),
+                       f.reprojected_from.empty() ? "" : ", reprojected from ", f.reprojected_from.c_str());
     ImGui::PopTextWrapPos();
 }
 
@@ -146,9 +148,9 @@ void draw_plan(const State& state) {
     const HeightFacts& f = d.facts;
     ImGui::PushTextWrapPos(0);
     if (d.looking) {
-        ImGui::TextDisabled(strings::bake::reading_files);
+        ImGui::TextDisabled("Reading the files...");
     } else if (d.pack.inputs.empty()) {
-        ImGui::TextDisabled(strings::bake::choose_heights);
+        ImGui::TextDisabled("Choose a file of heights: browse, type, or drop it on the window.");
     } else if (!f.problem.empty() || !d.output_problem.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
         if (f.problem.empty())
@@ -156,22 +158,22 @@ void draw_plan(const State& state) {
         else if (f.proposed.empty() || f.because.empty())
             ImGui::TextUnformatted(f.problem.c_str());
         else
-            ImGui::Text(strings::bake::problem_with_proposal, f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
+            ImGui::Text("%s. Proposed: %s, %s.", f.problem.c_str(), f.proposed.c_str(), f.because.c_str());
         ImGui::PopStyleColor();
     } else {
         const double samples = static_cast<double>(f.columns) * f.rows;
         const double seconds = samples * seconds_a_sample(d);
         char time[48];
         if (seconds > 8)
-            (void)std::snprintf(time, sizeof time, strings::bake::duration, seconds < 90 ? seconds : seconds / 60,
-                                seconds < 90 ? strings::bake::seconds : strings::bake::minutes);
+            (void)std::snprintf(time, sizeof time, "about %.0f %s", seconds < 90 ? seconds : seconds / 60,
+                                seconds < 90 ? "seconds" : "minutes");
         else
-            (void)std::snprintf(time, sizeof time, strings::bake::few_seconds);
-        ImGui::Text(strings::bake::plan, name_in(d.pack.output),
+            (void)std::snprintf(time, sizeof time, "a few seconds");
+        ImGui::Text("Writes %s: %s to %s, in %s, in the background.%s %s%s%s", name_in(d.pack.output),
                     byte_text(samples * (bytes_a_sample[0] + maps_bytes(d.pack))).text,
                     byte_text(samples * (bytes_a_sample[1] + maps_bytes(d.pack))).text, time,
-                    d.output_exists ? strings::bake::plan_replaces : "",
-                    state.scene.open() ? strings::bake::plan_asks : strings::bake::plan_opens,
+                    d.output_exists ? " A pack of that name is there; you are asked before it is replaced." : "",
+                    state.scene.open() ? "When it is done, you are asked whether to leave " : "Then it is opened.",
                     state.scene.open() ? name_in(state.scene.path) : "", state.scene.open() ? "." : "");
     }
     ImGui::PopTextWrapPos();

@@ -5,16 +5,15 @@
 #include <string>
 
 #include "editor/panels/bake_form.h"
-#include "editor/strings.h"
 
 namespace fjell::editor::bake_dialog {
 
 namespace {
 
-constexpr const char* tile_names[] = {strings::common::auto_, "64", "128", "256", "512", "1024", "2048"};
+constexpr const char* tile_names[] = {"auto", "64", "128", "256", "512", "1024", "2048"};
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
-constexpr const char* nodata_names[] = {strings::bake::auto_no_data, "hole", "fill", "refuse"};
-constexpr const char* encoding_names[] = {strings::common::none, "terrarium", "terrain-rgb"};
+constexpr const char* nodata_names[] = {"auto: holes; suspicious values are refused", "hole", "fill", "refuse"};
+constexpr const char* encoding_names[] = {"none", "terrarium", "terrain-rgb"};
 constexpr ImU32 marked = IM_COL32(104, 80, 24, 255);
 
 } // namespace
@@ -115,15 +114,16 @@ bool draw_proposal(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return false;
     char text[48];
-    (void)std::snprintf(text, sizeof text, strings::bake::take_proposal, f.proposed.c_str());
-    return side_button(text, "propose", field, f.because.empty() ? strings::bake::about_proposal : f.because.c_str());
+    (void)std::snprintf(text, sizeof text, "Use %.32s", f.proposed.c_str());
+    return side_button(text, "propose", field,
+                       f.because.empty() ? "Takes what the line below proposes." : f.because.c_str());
 }
 
 float proposal_room(const BakeDraft& draft, BakeField field) {
     const HeightFacts& f = draft.facts;
     if (draft.looking || f.at != field || f.proposed.empty()) return 0;
     char text[48];
-    (void)std::snprintf(text, sizeof text, strings::bake::take_proposal, f.proposed.c_str());
+    (void)std::snprintf(text, sizeof text, "Use %.32s", f.proposed.c_str());
     return width_of_button(text);
 }
 
@@ -144,7 +144,7 @@ void browse(Form& form, BakeField field, bool another, const char* beside, Comma
 bool path_field(const char* label, Form& form, BakeField field, fields::PathText& text, const char* hint,
                 const char* about, const State& state, Commands& commands) {
     const bool heights = field == BakeField::heights;
-    const float room = width_of_button(strings::bake::browse) + (heights ? width_of_button(strings::common::add) : 0);
+    const float room = width_of_button("Browse") + (heights ? width_of_button("Add") : 0);
     begin_row(label, room);
     const char* const name = heights ? "input" : bake_field_names[static_cast<int>(field)];
     bool edited = false;
@@ -157,8 +157,8 @@ bool path_field(const char* label, Form& form, BakeField field, fields::PathText
     ui::mark("bake", name);
     ui::tip(about);
     const char* const beside = text[0] != '\0' ? text : form.input;
-    if (side_button(strings::bake::browse, "browse", field, nullptr)) browse(form, field, false, beside, commands);
-    if (heights && side_button(strings::common::add, "add", field, strings::bake::about_add))
+    if (side_button("Browse", "browse", field, nullptr)) browse(form, field, false, beside, commands);
+    if (heights && side_button("Add", "add", field, "Adds a file: several make a mosaic."))
         browse(form, field, text[0] != '\0', beside, commands);
     return edited;
 }
@@ -180,13 +180,13 @@ void number_field(const char* label, BakeField field, const char* name, double& 
 void draw_more_heights(Form& form) {
     for (std::size_t i = 0; i < form.more.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));
-        begin_row("", width_of_button(strings::common::remove));
+        begin_row("", width_of_button("Remove"));
         const std::string& file = form.more[i];
         const std::size_t slash = file.rfind('/');
         ImGui::TextUnformatted(file.c_str() + (slash == std::string::npos ? 0 : slash + 1));
         ui::tip(file.c_str());
-        ImGui::SameLine(ImGui::GetContentRegionMax().x - width_of_button(strings::common::remove));
-        const bool gone = ImGui::SmallButton(strings::common::remove);
+        ImGui::SameLine(ImGui::GetContentRegionMax().x - width_of_button("Remove"));
+        const bool gone = ImGui::SmallButton("Remove");
         ImGui::PopID();
         if (gone) {
             form.more.erase(form.more.begin() + static_cast<std::ptrdiff_t>(i));
@@ -215,62 +215,83 @@ void draw_options(Form& form, const State& state) {
     if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs || at == BakeField::encoding ||
         at == BakeField::bbox)
         ImGui::SetNextItemOpen(true, ImGuiCond_Always);
-    const bool open = ImGui::TreeNodeEx(strings::bake::more_options, ImGuiTreeNodeFlags_NoTreePushOnOpen);
+    const bool open = ImGui::TreeNodeEx("More options", ImGuiTreeNodeFlags_NoTreePushOnOpen);
     ui::mark("bake", "more");
     if (!open) return;
-    begin_row(strings::bake::no_data, proposal_room(state.bake, BakeField::nodata));
+    begin_row("No data", proposal_room(state.bake, BakeField::nodata));
     {
         const Marked warn(state.bake, BakeField::nodata);
         ImGui::Combo("##nodata", &form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)));
     }
     ui::mark("bake", "nodata");
-    ui::tip(strings::bake::about_no_data);
+    ui::tip("What becomes of samples without a height: they stay a hole, are filled from their neighbours, or are "
+            "refused.");
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
-    text_row(strings::bake::voids, BakeField::voids, form.voids, strings::bake::voids_hint, strings::bake::about_voids,
+    text_row("Voids", BakeField::voids, form.voids, "what the file marks",
+             "Numbers that mean \"no height\" although the file does not say so, such as -9999; separate several by "
+             "commas. none: every number that the file does not mark is a height.",
              state);
     if (draw_proposal(state.bake, BakeField::voids)) fields::copy(form.voids, state.bake.facts.proposed);
-    text_row(strings::bake::crs, BakeField::crs, form.crs, strings::bake::crs_hint, strings::bake::about_crs, state);
-    text_row(strings::bake::extract, BakeField::bbox, form.bbox, strings::bake::extract_hint,
-             strings::bake::about_extract, state);
+    text_row("CRS", BakeField::crs, form.crs, "the file's own; degrees become UTM",
+             "The coordinate reference system to reproject to, such as EPSG:25832. none: nothing is reprojected.",
+             state);
+    text_row("Extract", BakeField::bbox, form.bbox, "all of it",
+             "Only what lies within west,south,east,north: units of the CRS after reprojection, or columns and rows "
+             "from the north-west where there are no coordinates.",
+             state);
     {
         const Marked warn(state.bake, BakeField::encoding);
-        fields::choice(strings::bake::encoding, "bake", "encoding", form.encoding, encoding_names,
-                       static_cast<int>(std::size(encoding_names)), strings::bake::about_encoding);
+        fields::choice("Encoding", "bake", "encoding", form.encoding, encoding_names,
+                       static_cast<int>(std::size(encoding_names)),
+                       "How heights are packed into red, green and blue: terrarium or terrain-rgb (Mapbox). none: one "
+                       "band of heights.");
     }
-    fields::choice(strings::bake::tile, "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
-                   strings::bake::about_tile);
-    fields::choice(strings::bake::order, "bake", "order", form.order, order_names,
-                   static_cast<int>(std::size(order_names)), strings::bake::about_order);
+    fields::choice("Tile", "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
+                   "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
+                   "more draw calls; auto chooses 512, or what suits the extents.");
+    fields::choice("Order", "bake", "order", form.order, order_names, static_cast<int>(std::size(order_names)),
+                   "Order of the vertices in a page: planar and hz (hierarchical Z) suit both methods; linear, as in "
+                   "the thesis, suits the recursive method alone.");
 }
 
 } // namespace
 
 void draw_form(Form& form, const State& state, Commands& commands) {
     ui::focus_first();
-    (void)path_field(strings::common::heights, form, BakeField::heights, form.input, strings::bake::heights_hint,
-                     strings::bake::about_heights, state, commands);
+    (void)path_field("Heights", form, BakeField::heights, form.input, "a file, or drop one here",
+                     "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json).", state,
+                     commands);
     draw_more_heights(form);
-    if (path_field(strings::bake::pack, form, BakeField::output, form.output, strings::bake::pack_hint,
-                   strings::bake::about_pack, state, commands))
+    if (path_field(
+            "Pack", form, BakeField::output, form.output, "beside the heights, with .fjell",
+            "Where the pack is written. An existing one is replaced once you have agreed and the bake is complete.",
+            state, commands))
         form.output_is_chosen = form.output[0] != '\0';
-    number_field(strings::bake::spacing_m, BakeField::spacing, "spacing", form.spacing_m, strings::bake::about_spacing,
-                 state);
-    number_field(strings::bake::height_scale, BakeField::height_scale, "zscale", form.height_scale,
-                 strings::bake::about_height_scale, state);
-    number_field(strings::bake::height_offset_m, BakeField::none, "zoffset", form.height_offset_m,
-                 strings::bake::about_height_offset, state);
-    (void)path_field(strings::bake::texture, form, BakeField::texture, form.texture, strings::common::none,
-                     strings::bake::about_texture, state, commands);
-    (void)path_field(strings::bake::ramp, form, BakeField::ramp, form.ramp, strings::bake::ramp_hint,
-                     strings::bake::about_ramp, state, commands);
-    (void)path_field(strings::bake::rules, form, BakeField::rules, form.rules, strings::common::none,
-                     strings::bake::about_rules, state, commands);
+    number_field("Spacing, m", BakeField::spacing, "spacing", form.spacing_m,
+                 "Metres between samples. 0: the file's own. Needed where the file has no coordinates.", state);
+    number_field("Height scale", BakeField::height_scale, "zscale", form.height_scale,
+                 "Multiplies heights: 0.3048 converts feet to metres. 1: as the file has them.", state);
+    number_field("Height offset, m", BakeField::none, "zoffset", form.height_offset_m,
+                 "Added to heights, after the scale.", state);
+    (void)path_field("Texture", form, BakeField::texture, form.texture, "none",
+                     "An ortho-image, placed by its coordinates, or stretched over the terrain where it has none.",
+                     state, commands);
+    (void)path_field("Ramp", form, BakeField::ramp, form.ramp, "by height, from meadows to snow",
+                     "Colours by height and slope where there is no image (JSON, as in content/ramps).", state,
+                     commands);
+    (void)path_field("Rules", form, BakeField::rules, form.rules, "none",
+                     "Rules for control maps: which materials lie where, by height, slope, curvature, aspect, wetness "
+                     "and noise, by rasters and paint (JSON, as in content/materials/control).",
+                     state, commands);
     ImGui::BeginDisabled(form.rules[0] == '\0');
-    fields::choice(strings::bake::control_maps, "bake", "control", form.control, control_names,
-                   static_cast<int>(std::size(control_names)), strings::bake::about_control_maps);
+    fields::choice("Control maps", "bake", "control", form.control, control_names,
+                   static_cast<int>(std::size(control_names)),
+                   "How fine the rules' control maps are: full has a texel for each sample, half one for 2 x 2 "
+                   "samples, quarter one for 4 x 4.");
     ImGui::EndDisabled();
-    fields::choice(strings::bake::horizons, "bake", "horizons", form.horizons, horizon_names,
-                   static_cast<int>(std::size(horizon_names)), strings::bake::about_horizons);
+    fields::choice(
+        "Horizons", "bake", "horizons", form.horizons, horizon_names, static_cast<int>(std::size(horizon_names)),
+        "Horizon maps, for shadows at any time of day: half has a texel for 2 x 2 samples, quarter one for 4 x 4.");
     draw_options(form, state);
 }
 

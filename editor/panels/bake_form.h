@@ -13,13 +13,12 @@
 
 #include "editor/panels/fields.h"
 #include "editor/panels/file_browser.h"
-#include "editor/strings.h"
 
 namespace fjell::editor::bake_dialog {
 
 // Words of fjell-bake, in the order in which the form lists them.
 inline constexpr const char* control_names[] = {"full", "half", "quarter"};
-inline constexpr const char* horizon_names[] = {strings::common::none, "half", "quarter"};
+inline constexpr const char* horizon_names[] = {"none", "half", "quarter"};
 inline constexpr int usual_control = 1; // fjell-bake's default
 // 0 where the name is none of them.
 [[nodiscard]] std::size_t index_of(const std::string& name, std::span<const char* const> names);

@@ -5,7 +5,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -34,7 +33,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     char value[112];
     std::snprintf(value, sizeof value, "%s | %s | %s", amount(line.used, line.unit).text,
                   amount(line.peak, line.unit).text,
-                  line.capacity > 0 ? amount(line.capacity, line.unit).text : strings::budgets::no_limit);
+                  line.capacity > 0 ? amount(line.capacity, line.unit).text : "no limit");
     const bool exhausted = (state.measures.last().exhausted & line.bit) != 0;
     const double share = line.capacity > 0 ? line.used / line.capacity : 0;
     const double mark = line.capacity > 0 ? line.peak / line.capacity : -1;
@@ -43,7 +42,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     ImGui::EndGroup();
     ui::mark("budget", line.key);
     if (ui::begin_tip()) {
-        ImGui::Text(strings::budgets::row_help, line.about, line.key);
+        ImGui::Text("%s\nRaise it with %s.", line.about, line.key);
         ui::end_tip();
     }
     if (!exhausted) return;
@@ -52,13 +51,13 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     const double now = key->get(state.document.profile()), more = std::min(2 * now, key->most);
     ImGui::PushID(line.key);
     if (now > 0 && more > now) {
-        if (ImGui::SmallButton(strings::budgets::double_)) commands.push(SetKey{key, more, false});
+        if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::mark("budget.double", line.key);
-        ui::tip(key->rebuild == flight::Rebuild::nothing ? strings::budgets::about_double
-                                                         : strings::budgets::about_double_memory);
+        ui::tip(key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
+                                                         : "Twice as much. Memory is reallocated; the view stays.");
         ImGui::SameLine();
     }
-    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), strings::budgets::exhausted, line.key);
+    ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
     ImGui::PopID();
 }
 
@@ -67,29 +66,32 @@ void draw_method(const State& state, Commands& commands) {
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
     const bool incremental = profile.method == flight::Method::incremental;
-    ui::heading(strings::budgets::refinement);
+    ui::heading("Refinement:  used | peak | limit");
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
-    draw_line({strings::common::vertices, "budget.vertices", strings::budgets::about_vertices,
+    draw_line({"Vertices", "budget.vertices", "Slots of the vertex buffer. At the limit, the threshold rises.",
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
                flight::exhausted_vertices},
               state, commands);
     if (!incremental) {
-        draw_line({strings::budgets::indices, "budget.indices", strings::budgets::about_indices,
+        draw_line({"Indices", "budget.indices", "Slots of the index buffer. At the limit, the threshold rises.",
                    static_cast<double>(e.index_slots.used), static_cast<double>(p.indices),
                    static_cast<double>(e.index_slots.capacity), flight::exhausted_indices},
                   state, commands);
         return;
     }
-    draw_line({strings::common::triangles, "budget.triangles", strings::budgets::about_triangles,
+    draw_line({"Triangles", "budget.triangles",
+               "Slots of the index buffer, in whole segments. At the limit, the threshold rises.",
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
                static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_items;
-    draw_line({strings::common::work_items, "budget.items", strings::budgets::about_work_items,
+    draw_line({"Work items", "budget.items",
+               "Vertices that an update examines or changes. At the limit, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
-    draw_line({strings::budgets::time_ms, "budget.budget_us", strings::budgets::about_time, e.update_us, p.update_us,
+    draw_line({"Time, ms", "budget.budget_us",
+               "Time that an update may take. At the limit, the mesh lags behind the camera.", e.update_us, p.update_us,
                profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
               state, commands);
 }
@@ -99,32 +101,35 @@ void draw_stream(const State& state, Commands& commands) {
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
-    ui::heading(strings::budgets::streaming);
-    draw_line({strings::common::page_slots, "stream.page_slots", strings::budgets::about_page_slots,
+    ui::heading("Streaming:  used | peak | limit");
+    draw_line({"Page slots", "stream.page_slots",
+               "Pages in memory. At the limit, distant terrain is coarser than requested.",
                static_cast<double>(r.page_slots.used), static_cast<double>(std::max(r.page_slots.peak, p.page_slots)),
                static_cast<double>(r.page_slots.capacity), flight::exhausted_page_slots},
               state, commands);
-    draw_line({strings::budgets::requests, "stream.page_requests", strings::budgets::about_requests,
+    draw_line({"Requests", "stream.page_requests",
+               "Pages and mips in flight (stream.map_requests for mips). At the limit, further requests wait.",
                static_cast<double>(r.in_flight), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
                flight::exhausted_stream_requests},
               state, commands);
-    draw_line({strings::budgets::pages_per_frame, "stream.pages", strings::budgets::about_pages_per_frame,
+    draw_line({"Pages per frame", "stream.pages",
+               "Accepted pages, 10 to 20 us each. At the limit, pages wait for the next frame.",
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
               state, commands);
-    draw_line({strings::budgets::map_memory, "stream.map_mb", strings::budgets::about_map_memory,
+    draw_line({"Map memory", "stream.map_mb",
+               "Maps on the GPU. At the limit, distant maps are blurrier than requested.",
                static_cast<double>(r.map_bytes_used), static_cast<double>(p.map_bytes),
                static_cast<double>(r.map_bytes_capacity), flight::exhausted_map_bytes, Unit::bytes},
               state, commands);
-    draw_line({strings::common::upload_per_frame, "stream.map_kb", strings::budgets::about_map_upload,
+    draw_line({"Upload per frame", "stream.map_kb", "Maps uploaded to the GPU; one mip may exceed it.",
                static_cast<double>(r.map_upload_bytes), static_cast<double>(p.map_upload_bytes),
                static_cast<double>(profile.stream.map_bytes), flight::exhausted_stream_upload, Unit::bytes},
               state, commands);
     const bool tests = (state.measures.last().exhausted & flight::exhausted_stream_tests) != 0;
-    ui::row(strings::budgets::pages_tested,
-            tests ? strings::budgets::limit_reached : strings::budgets::within_the_limit);
-    ui::tip(strings::budgets::about_pages_tested);
+    ui::row("Pages tested", tests ? "limit reached" : "within the limit");
+    ui::tip("Pages that an update of the stream tests (stream.tests). Raise it when the limit is reached.");
 }
 
 void memory_row(const char* label, double bytes, const char* about, double& sum) {
@@ -138,28 +143,28 @@ void draw_memory(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
     const bool incremental = state.document.profile().method == flight::Method::incremental;
     double host = 0, gpu = 0;
-    ui::heading(strings::budgets::memory);
-    memory_row(strings::budgets::terrain, static_cast<double>(s.terrain_bytes), strings::budgets::about_terrain, host);
-    memory_row(strings::budgets::method, static_cast<double>(s.method_bytes), strings::budgets::about_method, host);
+    ui::heading("Memory");
+    memory_row("Terrain", static_cast<double>(s.terrain_bytes), "Page slots, page table and corners.", host);
+    memory_row("Method", static_cast<double>(s.method_bytes), "Vertices, indices and bookkeeping.", host);
     if (s.streamed)
-        memory_row(strings::common::stream, static_cast<double>(s.stream_bytes), strings::budgets::about_stream, host);
-    memory_row(strings::budgets::gpu_mesh,
+        memory_row("Stream", static_cast<double>(s.stream_bytes), "Requests in flight and their buffers.", host);
+    memory_row("GPU: mesh",
                incremental ? 28.0 * e.vertex_slots.capacity + 12.0 * e.triangle_slots.capacity
                            : 12.0 * e.vertex_slots.capacity + 4.0 * e.index_slots.capacity,
-               strings::budgets::about_gpu_mesh, gpu);
+               "Vertex and index buffers, without staging buffers.", gpu);
     if (state.drawn)
-        memory_row(strings::budgets::gpu_maps, static_cast<double>(state.drawn->texture_bytes),
-                   strings::budgets::about_gpu_maps, gpu);
+        memory_row("GPU: maps", static_cast<double>(state.drawn->texture_bytes), "Textures of colours and normals.",
+                   gpu);
     double sum = 0;
     ImGui::Separator();
-    memory_row(strings::common::total, host + gpu, strings::budgets::about_total, sum);
+    memory_row("Total", host + gpu, "Host and GPU, without the program itself.", sum);
 }
 
 } // namespace
 
 void draw_budgets(const State& state, Commands& commands) {
     if (!state.scene.open()) {
-        ImGui::TextWrapped(strings::common::no_terrain_is_open);
+        ImGui::TextWrapped("No terrain is open.");
         return;
     }
     draw_method(state, commands);

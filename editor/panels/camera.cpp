@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -36,21 +35,22 @@ void draw_place(const State& state, Commands& commands) {
     double heading = std::fmod(c.heading / degree + 360, 360), pitch = c.pitch / degree;
     double above = c.position_m.y - state.eye.ground_m;
     bool given = false;
-    labelled(strings::camera::east);
-    given |= number("x", place.position_m.x, "%.1f m", strings::camera::about_east);
-    labelled(strings::camera::south);
-    given |= number("z", place.position_m.z, "%.1f m", strings::camera::about_south);
-    labelled(strings::camera::height);
-    given |= number("y", place.position_m.y, "%.1f m", strings::camera::about_height);
-    labelled(strings::camera::above_ground);
-    if (number("above", above, "%.1f m", strings::camera::about_above_ground)) {
+    labelled("East");
+    given |= number("x", place.position_m.x, "%.1f m", "Metres east of the terrain's first sample. Enter applies it.");
+    labelled("South");
+    given |= number("z", place.position_m.z, "%.1f m", "Metres south of the terrain's first sample. Enter applies it.");
+    labelled("Height");
+    given |=
+        number("y", place.position_m.y, "%.1f m", "Metres above height 0; never below the ground. Enter applies it.");
+    labelled("Above ground");
+    if (number("above", above, "%.1f m", "Metres above the ground under the camera. Enter applies it.")) {
         place.position_m.y = state.eye.ground_m + above;
         given = true;
     }
-    labelled(strings::camera::heading);
-    given |= number("heading", heading, "%.1f deg", strings::camera::about_heading);
-    labelled(strings::camera::pitch);
-    given |= number("pitch", pitch, "%.1f deg", strings::camera::about_pitch);
+    labelled("Heading");
+    given |= number("heading", heading, "%.1f deg", "Degrees clockwise from north. Enter applies it.");
+    labelled("Pitch");
+    given |= number("pitch", pitch, "%.1f deg", "Degrees up from the horizon, -86 to 86. Enter applies it.");
     if (!given) return;
     place.heading_rad = heading * degree;
     place.pitch_rad = pitch * degree;
@@ -58,9 +58,11 @@ void draw_place(const State& state, Commands& commands) {
 }
 
 void draw_navigation(const State& state, Commands& commands) {
-    constexpr const char* names[] = {strings::common::fly, strings::common::orbit, strings::camera::path};
-    constexpr const char* abouts[] = {strings::camera::about_fly, strings::camera::about_orbit,
-                                      strings::camera::about_path};
+    constexpr const char* names[] = {"Fly", "Orbit", "Path"};
+    constexpr const char* abouts[] = {
+        "W, A, S, D, Q and E move, dragging looks around, the wheel sets the speed (1).",
+        "Dragging orbits the ground in the middle of the picture, the wheel zooms, right drag pans (2).",
+        "Follows the camera path (3)."};
     for (int i = 0; i < 3; ++i) {
         const auto navigation = static_cast<Navigation>(i);
         if (i > 0) ImGui::SameLine();
@@ -69,10 +71,10 @@ void draw_navigation(const State& state, Commands& commands) {
         ui::tip(abouts[i]);
     }
     ImGui::SameLine();
-    if (ImGui::Button(strings::camera::view_all)) commands.push(ViewAll{});
+    if (ImGui::Button("View all")) commands.push(ViewAll{});
     ui::mark("camera", "home");
-    ui::tip(strings::camera::about_view_all);
-    labelled(strings::camera::speed);
+    ui::tip("Look at the whole terrain from the south (Home).");
+    labelled("Speed");
     double speed = state.eye.free.speed_m_s;
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
     ImGui::SetNextItemWidth(-FLT_MIN);
@@ -80,24 +82,26 @@ void draw_navigation(const State& state, Commands& commands) {
                             speed < 1000 ? "%.4g m/s" : "%.0f m/s", ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
     ui::mark("camera", "speed");
-    ui::tip(strings::camera::about_speed);
+    ui::tip("Flying speed in metres per second; with Shift five times as fast. The wheel over the picture changes it "
+            "too; Ctrl+click to type a value.");
     bool frozen = state.eye.frozen;
-    if (ImGui::Checkbox(strings::camera::freeze, &frozen)) commands.push(FreezeRefinement{frozen});
+    if (ImGui::Checkbox("Freeze refinement (F)", &frozen)) commands.push(FreezeRefinement{frozen});
     ui::mark("camera", "freeze");
-    ui::tip(strings::camera::about_freeze);
+    ui::tip("The mesh stays refined and culled for the current camera while you look at it from elsewhere. The "
+            "overview shows both cameras.");
 }
 
 } // namespace
 
 void draw_camera(const State& state, Commands& commands) {
     if (!state.scene.open()) {
-        ImGui::TextWrapped(strings::common::no_terrain_is_open);
+        ImGui::TextWrapped("No terrain is open.");
         return;
     }
     draw_navigation(state, commands);
     draw_overview(state, commands);
     draw_path(state, commands);
-    ui::heading(strings::camera::position);
+    ui::heading("Position");
     draw_place(state, commands);
 }
 

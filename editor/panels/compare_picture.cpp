@@ -4,7 +4,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 #include "flight/profile.h"
 
 namespace fjell::editor {
@@ -14,8 +13,7 @@ namespace {
 void draw_choice(const State& state, Commands& commands) {
     static double other_px = 4;
     const ComparedPicture& c = state.compared;
-    constexpr const char* labels[] = {strings::common::off, strings::compare_picture::threshold,
-                                      strings::compare_picture::profile};
+    constexpr const char* labels[] = {"off", "threshold", "profile"};
     for (int i = 0; i < 3; ++i) {
         const auto with = static_cast<CompareWith>(i);
         if (i > 0) ImGui::SameLine();
@@ -24,10 +22,10 @@ void draw_choice(const State& state, Commands& commands) {
         if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, other_px});
         ImGui::EndDisabled();
         ui::mark("compare-picture", compare_with_names[i]);
-        ui::tip(i == 0   ? strings::compare_picture::about_off
-                : i == 1 ? strings::compare_picture::about_threshold
-                : can    ? strings::compare_picture::about_profile
-                         : strings::compare_picture::no_profile_chosen);
+        ui::tip(i == 0   ? "The profile alone."
+                : i == 1 ? "This profile at another threshold, in the same picture."
+                : can    ? "The profile chosen with File > Compare profiles, in the same picture."
+                         : "First choose a profile with File > Compare profiles.");
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
@@ -37,7 +35,7 @@ void draw_choice(const State& state, Commands& commands) {
         commands.push(ComparePictures{CompareWith::threshold, other_px});
     }
     ui::mark("compare-picture", "error_px");
-    ui::tip(strings::compare_picture::about_other_threshold);
+    ui::tip("The other threshold, in pixels. Enter applies it.");
 }
 
 // Its text with room around it; where there is too little on the divider's side, as near as it fits.
@@ -60,12 +58,12 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
     const flight::Profile* const other = state.document.compared();
     const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.error_px : c.error_px;
     char mine[64], theirs[64];
-    std::snprintf(mine, sizeof mine, strings::compare_picture::compared, state.document.profile().refine.error_px,
+    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.error_px,
                   count_text(state.measures.last().triangles_drawn).text);
     if (c.there)
-        std::snprintf(theirs, sizeof theirs, strings::compare_picture::compared, px, count_text(c.triangles).text);
+        std::snprintf(theirs, sizeof theirs, "%.3g px, %s triangles", px, count_text(c.triangles).text);
     else
-        std::snprintf(theirs, sizeof theirs, strings::compare_picture::compared_opening, px);
+        std::snprintf(theirs, sizeof theirs, "%.3g px: opening", px);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     ui::Rect room = beside_probe(state, view);
@@ -83,24 +81,26 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
 } // namespace
 
 void draw_compare_picture(const State& state, Commands& commands) {
-    ui::heading(strings::compare_picture::heading);
+    ui::heading("Compare in the picture");
     draw_choice(state, commands);
     if (state.compared.with == CompareWith::nothing) return;
-    constexpr const char* labels[] = {strings::compare_picture::side_by_side, strings::compare_picture::difference};
+    constexpr const char* labels[] = {"side by side", "difference"};
     for (int i = 0; i < 2; ++i) {
         if (i > 0) ImGui::SameLine();
         const auto view = static_cast<CompareView>(i);
         if (ImGui::RadioButton(labels[i], state.compared.view == view)) commands.push(SetCompareView{view});
         ui::mark("compare-picture", compare_view_names[i]);
-        ui::tip(i == 0 ? strings::compare_picture::about_side_by_side : strings::compare_picture::about_difference);
+        ui::tip(i == 0 ? "On the left the profile, on the right the other one; drag the divider in the picture."
+                       : "Black where both pictures are the same, through blue and yellow to white where they differ "
+                         "by an eighth of full brightness or more.");
     }
     if (state.compared.view == CompareView::difference) return;
     auto percent = static_cast<float>(100 * state.compared.divider);
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
-    if (ImGui::SliderFloat(strings::compare_picture::divider, &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
+    if (ImGui::SliderFloat("Divider", &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
         commands.push(SetDivider{static_cast<double>(percent) / 100});
     ui::mark("compare-picture", "divider");
-    ui::tip(strings::compare_picture::about_divider);
+    ui::tip("Where the divider stands, in percent of the picture's width. Or drag it.");
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {
@@ -126,7 +126,7 @@ void draw_divider(const State& state, const ui::Rect& view, Commands& commands) 
     const ImGuiIO& io = ImGui::GetIO();
     if (ImGui::IsItemActive() && io.MouseDelta.x != 0)
         commands.push(SetDivider{static_cast<double>(std::clamp((io.MousePos.x - view.x) / view.width, 0.0F, 1.0F))});
-    ui::tip(strings::compare_picture::about_divider_handle);
+    ui::tip("Drag: the profile on the left, the one it is compared with on the right.");
     ImGui::End();
 }
 

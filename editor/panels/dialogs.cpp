@@ -1,6 +1,5 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 #include <algorithm>
 
@@ -17,19 +16,19 @@ struct Window {
 };
 constexpr Window windows[] = {
     {"", 0, 0, nullptr},
-    {strings::dialogs::welcome_to_fjell, 560, 0, draw_start},
-    {strings::common::open, 640, 460, draw_open_file},
-    {strings::common::save_profile, 640, 460, draw_save_profile},
-    {strings::dialogs::save_camera_path, 640, 460, draw_save_path},
-    {strings::dialogs::compare_profiles, 640, 460, draw_compare},
-    {strings::common::bake, 820, 0, draw_bake},
-    {strings::dialogs::export_gltf, 520, 0, draw_snapshot},
-    {strings::dialogs::screenshot, 520, 0, draw_screenshot},
-    {strings::common::keys, 560, 600, draw_keys},
-    {strings::common::messages, 640, 0, draw_messages},
-    {strings::dialogs::unsaved_changes, 480, 0, draw_unsaved},
-    {strings::dialogs::recovered_changes, 480, 0, draw_recover},
-    {strings::dialogs::the_pack_is_ready, 480, 0, draw_baked},
+    {"Welcome to Fjell", 560, 0, draw_start},
+    {"Open", 640, 460, draw_open_file},
+    {"Save profile", 640, 460, draw_save_profile},
+    {"Save camera path", 640, 460, draw_save_path},
+    {"Compare profiles", 640, 460, draw_compare},
+    {"Bake", 820, 0, draw_bake},
+    {"Export glTF", 520, 0, draw_snapshot},
+    {"Screenshot", 520, 0, draw_screenshot},
+    {"Keys", 560, 600, draw_keys},
+    {"Messages", 640, 0, draw_messages},
+    {"Unsaved changes", 480, 0, draw_unsaved},
+    {"Recovered changes", 480, 0, draw_recover},
+    {"The pack is ready", 480, 0, draw_baked},
 };
 static_assert(std::size(windows) == dialogs, "a dialog was added: add its window");
 

@@ -1,5 +1,4 @@
 #include "editor/panels/fields.h"
-#include "editor/strings.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -76,13 +75,12 @@ bool runs(const State& state, JobKind kind) {
 
 void cancel(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button(strings::common::cancel, group, "cancel", true, strings::fields::about_cancel))
-        commands.push(CancelJob{});
+    if (button("Cancel", group, "cancel", true, "Stops the job; no partial file remains.")) commands.push(CancelJob{});
 }
 
 void close(const char* group, Commands& commands) {
     ImGui::SameLine();
-    if (button(strings::common::close, group, "close", true, strings::fields::about_close))
+    if (button("Close", group, "close", true, "Closes this dialog (Esc); a running job goes on."))
         commands.push(ShowDialog{Dialog::none});
 }
 
@@ -91,10 +89,9 @@ static void draw_bar(const JobView& job, bool with_rate) {
     const int n = std::snprintf(text, sizeof text, "%s  %.0f%%", job.stage.c_str(), 100 * job.share);
     const auto used = static_cast<std::size_t>(std::clamp(n, 0, 95));
     if (job.left_s >= 0.5 && with_rate && job.rate >= 1e4)
-        std::snprintf(text + used, sizeof text - used, strings::fields::rate_and_time_left, job.rate * 1e-6,
-                      job.left_s);
+        std::snprintf(text + used, sizeof text - used, "  %.1f M/s  %.0f s left", job.rate * 1e-6, job.left_s);
     else if (job.left_s >= 0.5)
-        std::snprintf(text + used, sizeof text - used, strings::fields::time_left, job.left_s);
+        std::snprintf(text + used, sizeof text - used, "  %.0f s left", job.left_s);
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, text);
     ui::mark("job", "progress");
 }
@@ -103,7 +100,7 @@ static void draw_bar(const JobView& job, bool with_rate) {
 void outcome(const State& state, JobKind kind, bool with_rate) {
     const JobView& job = state.job;
     if (job.running && job.kind != kind) {
-        ImGui::TextColored(ImColor(ui::warning_colour).Value, strings::fields::another_job_runs);
+        ImGui::TextColored(ImColor(ui::warning_colour).Value, "Another job is running: wait for it, or cancel it.");
         return;
     }
     if (job.kind != kind) return;
@@ -113,7 +110,7 @@ void outcome(const State& state, JobKind kind, bool with_rate) {
     }
     ImGui::PushTextWrapPos(0);
     if (job.cancelled)
-        ImGui::Text(strings::fields::cancelled, job.result.empty() ? "." : "; ", job.result.c_str());
+        ImGui::Text("Cancelled%s%s", job.result.empty() ? "." : "; ", job.result.c_str());
     else if (!job.problem.empty())
         ImGui::TextColored(ImColor(ui::bad).Value, "%s", job.problem.c_str());
     else
@@ -138,7 +135,7 @@ void destination(const char* group, const PathText& path) {
         return folder == "/" ? "" : folder;
     }();
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::ColorConvertU32ToFloat4(ui::quiet));
-    ImGui::TextWrapped(strings::fields::writes, started_in.c_str(), path);
+    ImGui::TextWrapped("Writes %s/%s", started_in.c_str(), path);
     ui::mark(group, "destination");
     ImGui::PopStyleColor();
 }

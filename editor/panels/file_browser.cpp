@@ -9,7 +9,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/ui.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -38,18 +37,18 @@ void text_from_right(const char* text) {
 void draw_places(const State& state, Commands& commands, FileBrowserForm& form) {
     const FolderListing& browser = state.files.browser;
     ImGui::BeginDisabled(browser.parent().empty());
-    if (ImGui::Button(strings::common::up)) go(browser.parent(), commands, form);
+    if (ImGui::Button("Up")) go(browser.parent(), commands, form);
     ui::mark("browse", "up");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    if (ImGui::Button(strings::keys::home)) go(state.files.standard_folders.home, commands, form);
+    if (ImGui::Button("Home")) go(state.files.standard_folders.home, commands, form);
     ui::mark("browse", "home");
     ImGui::SameLine();
-    if (ImGui::Button(strings::file_browser::reload)) commands.push(BrowseFolder{});
+    if (ImGui::Button("Reload")) commands.push(BrowseFolder{});
     ui::mark("browse", "reload");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-    if (ImGui::BeginCombo("##recent", strings::file_browser::recent_folders)) {
+    if (ImGui::BeginCombo("##recent", "Folders of recent files")) {
         for (const std::string& pack : state.interface.recent) {
             const std::size_t slash = pack.rfind('/');
             if (slash == std::string::npos) continue;
@@ -70,7 +69,7 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
 bool draw_entry(const FolderListing::Entry& entry, bool first, const State& state, Commands& commands,
                 FileBrowserForm& form) {
     const NumberText bytes = byte_text(static_cast<double>(entry.bytes));
-    const char* const size = entry.folder ? strings::file_browser::folder : bytes.text;
+    const char* const size = entry.folder ? "folder" : bytes.text;
     char label[300];
     (void)std::snprintf(label, sizeof label, "%.255s%s", entry.name.c_str(), entry.folder ? "/" : "");
     ImGui::TableNextRow();
@@ -106,9 +105,8 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
         ImGui::EndChild();
         return false;
     }
-    ImGui::TableSetupColumn(strings::file_browser::name, ImGuiTableColumnFlags_WidthStretch);
-    ImGui::TableSetupColumn(strings::file_browser::size, ImGuiTableColumnFlags_WidthFixed,
-                            ImGui::CalcTextSize("8.88 MB ").x);
+    ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("8.88 MB ").x);
     if (!browser.parent().empty()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
@@ -123,8 +121,8 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(!browser.problem().empty() ? browser.problem().c_str()
-                               : browser.hidden() != 0    ? strings::file_browser::none_of_this_kind
-                                                          : strings::file_browser::empty_folder);
+                               : browser.hidden() != 0    ? "no files of this kind here"
+                                                          : "this folder is empty");
     }
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(browser.size()));
@@ -166,7 +164,7 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
     ImGui::SetNextItemWidth(-1);
     ui::focus_first();
-    chosen = ImGui::InputTextWithHint("##name", strings::file_browser::name_hint, form.name, sizeof form.name,
+    chosen = ImGui::InputTextWithHint("##name", "a name or a full path", form.name, sizeof form.name,
                                       ImGuiInputTextFlags_EnterReturnsTrue) ||
              chosen;
     ui::mark("browse", "name");
@@ -175,20 +173,20 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     ui::mark("browse", "choose");
     ImGui::EndDisabled();
     ImGui::SameLine();
-    const bool cancelled = ui::button(strings::common::cancel);
+    const bool cancelled = ui::button("Cancel");
     ui::mark("browse", "cancel");
     if (cancelled && !form.nested) commands.push(ShowDialog{Dialog::none});
     form.cancelled = cancelled;
     ImGui::SameLine();
     bool all = state.files.browser.all();
-    if (ImGui::Checkbox(strings::file_browser::all_files, &all)) commands.push(BrowseAllKinds{all});
+    if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAllKinds{all});
     ui::mark("browse", "all");
-    ui::tip(strings::file_browser::about_all_files);
+    ui::tip("Lists files of other kinds as well.");
     return chosen && choose(state, commands, form);
 }
 
 bool draw_overwrite(FileBrowserForm& form) {
-    constexpr const char* title = strings::file_browser::overwrite_question;
+    constexpr const char* title = "Overwrite?";
     if (!form.asks) return false;
     if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
     const float em = ImGui::GetFontSize();
@@ -197,13 +195,13 @@ bool draw_overwrite(FileBrowserForm& form) {
     ImGui::SetNextWindowSize({std::min(24 * em, size.x), 0});
     if (!ImGui::BeginPopupModal(title, &form.asks, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings))
         return false;
-    ImGui::TextWrapped(strings::file_browser::exists_already, form.name);
+    ImGui::TextWrapped("%s already exists.", form.name);
     ImGui::Spacing();
-    const bool yes = ui::button(strings::file_browser::overwrite_button);
+    const bool yes = ui::button("Overwrite");
     ui::mark("overwrite", "yes");
     ImGui::SameLine();
     const bool escaped = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-    if (ui::button(strings::file_browser::choose_another_name, true) || yes || escaped) {
+    if (ui::button("Choose another name", true) || yes || escaped) {
         form.asks = false;
         ImGui::CloseCurrentPopup();
     }

@@ -5,7 +5,6 @@
 
 #include "editor/panels/file_browser.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -42,7 +41,7 @@ void add_extension(const char* extension) {
 bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
              const char* extension) {
     begin_file_browser(browser_form, state, own.empty() ? otherwise : last_part(own));
-    if (draw_file_browser(state, commands, browser_form, strings::common::save)) {
+    if (draw_file_browser(state, commands, browser_form, "Save")) {
         add_extension(extension);
         const std::string path = state.files.browser.path_of(browser_form.name);
         browser_form.asks = exists(path) && path != own;
@@ -56,13 +55,13 @@ void draw_sample_progress(const State& state, Commands& commands) {
     if (job.kind != JobKind::bake || !job.running) return;
     ImGui::Spacing();
     ImGui::ProgressBar(static_cast<float>(job.share), {-1, 0}, job.stage.c_str());
-    if (ImGui::Button(strings::common::cancel)) commands.push(CancelJob{});
+    if (ImGui::Button("Cancel")) commands.push(CancelJob{});
     ui::mark("start", "cancel");
 }
 
 void draw_recent_packs(const State& state, Commands& commands) {
-    ui::heading(strings::file_dialogs::recent_packs);
-    if (state.interface.recent.empty()) ImGui::TextDisabled(strings::file_dialogs::none_yet);
+    ui::heading("Recent packs");
+    if (state.interface.recent.empty()) ImGui::TextDisabled("None yet.");
     for (const std::string& pack : state.interface.recent) {
         ImGui::PushID(&pack);
         if (ImGui::Selectable(last_part(pack))) commands.push(OpenFile{pack});
@@ -73,8 +72,8 @@ void draw_recent_packs(const State& state, Commands& commands) {
 }
 
 void draw_differences(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::file_dialogs::differences,
-                       state.document.compared_path().empty() ? strings::file_dialogs::the_saved_profile
+    ImGui::TextWrapped("Compared with %s: %zu keys differ.",
+                       state.document.compared_path().empty() ? "the saved profile"
                                                               : state.document.compared_path().c_str(),
                        state.files.differences.size());
     const float below = ImGui::GetFrameHeightWithSpacing();
@@ -82,11 +81,10 @@ void draw_differences(const State& state, Commands& commands) {
     constexpr ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_BordersOuter | ImGuiTableFlags_RowBg;
     if (!ImGui::BeginTable("differences", 4, flags, {0, height})) return;
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn(strings::file_dialogs::key, ImGuiTableColumnFlags_WidthStretch, 2);
-    ImGui::TableSetupColumn(strings::file_dialogs::mine, ImGuiTableColumnFlags_WidthStretch, 1.2F);
-    ImGui::TableSetupColumn(strings::file_dialogs::theirs, ImGuiTableColumnFlags_WidthStretch, 1.2F);
-    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed,
-                            ImGui::CalcTextSize(strings::file_dialogs::take_theirs_column).x);
+    ImGui::TableSetupColumn("Key", ImGuiTableColumnFlags_WidthStretch, 2);
+    ImGui::TableSetupColumn("Mine", ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn("Theirs", ImGuiTableColumnFlags_WidthStretch, 1.2F);
+    ImGui::TableSetupColumn("##take", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("Take theirs   ").x);
     ImGui::TableHeadersRow();
     for (const Difference& d : state.files.differences) {
         char name[64];
@@ -101,7 +99,7 @@ void draw_differences(const State& state, Commands& commands) {
         ImGui::TextUnformatted(d.theirs.c_str());
         ImGui::TableNextColumn();
         ImGui::PushID(d.key);
-        if (ImGui::SmallButton(strings::file_dialogs::take_theirs)) commands.push(SetKey{d.key, d.theirs_value, false});
+        if (ImGui::SmallButton("Take theirs")) commands.push(SetKey{d.key, d.theirs_value, false});
         ui::mark("take", name);
         ImGui::PopID();
     }
@@ -119,22 +117,23 @@ bool answer(const char* label, const char* name, bool first) {
 } // namespace
 
 void draw_start(const State& state, Commands& commands) {
-    ImGui::TextWrapped(strings::file_dialogs::welcome);
+    ImGui::TextWrapped("Fjell draws large terrains with a bounded screen-space error. This editor tunes its thresholds "
+                       "and budgets, by eye and by number.");
     ImGui::Spacing();
-    if (wide_button(strings::common::open_the_sample, "sample")) commands.push(OpenSample{});
-    ui::tip(strings::file_dialogs::about_sample);
-    if (wide_button(strings::file_dialogs::open_a_file, "open")) commands.push(ShowDialog{Dialog::open_file});
-    ui::tip(strings::file_dialogs::about_open_a_file);
-    if (wide_button(strings::menu::bake_heights, "bake")) commands.push(ShowDialog{Dialog::bake});
-    ui::tip(strings::file_dialogs::about_bake);
-    ImGui::TextDisabled(strings::file_dialogs::or_drop_a_file);
+    if (wide_button("Open the sample", "sample")) commands.push(OpenSample{});
+    ui::tip("A small synthetic landscape. It is baked when first used, which takes a few seconds.");
+    if (wide_button("Open a file...", "open")) commands.push(ShowDialog{Dialog::open_file});
+    ui::tip("A pack (.fjell), a profile, or heights to be baked, in any format that GDAL reads.");
+    if (wide_button("Bake heights...", "bake")) commands.push(ShowDialog{Dialog::bake});
+    ui::tip("Makes a pack from a DEM: GeoTIFF, PNG, ASCII grid or any other format that GDAL reads.");
+    ImGui::TextDisabled("Or drop a file onto the window.");
     draw_sample_progress(state, commands);
     draw_recent_packs(state, commands);
 }
 
 void draw_open_file(const State& state, Commands& commands) {
     begin_file_browser(browser_form, state, "");
-    if (draw_file_browser(state, commands, browser_form, strings::common::open))
+    if (draw_file_browser(state, commands, browser_form, "Open"))
         commands.push(OpenFile{state.files.browser.path_of(browser_form.name)});
 }
 
@@ -151,65 +150,62 @@ void draw_save_path(const State& state, Commands& commands) {
 void draw_compare(const State& state, Commands& commands) {
     if (state.document.compared() == nullptr) {
         begin_file_browser(browser_form, state, "");
-        if (ui::button(strings::file_dialogs::with_the_saved_profile)) commands.push(CompareProfile{});
+        if (ui::button("With the saved profile")) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
-        ImGui::TextUnformatted(strings::file_dialogs::or_another_profile);
-        if (draw_file_browser(state, commands, browser_form, strings::file_dialogs::compare))
+        ImGui::TextUnformatted("or with another profile:");
+        if (draw_file_browser(state, commands, browser_form, "Compare"))
             commands.push(CompareProfile{state.files.browser.path_of(browser_form.name)});
         return;
     }
     draw_differences(state, commands);
-    if (ui::button(strings::file_dialogs::compare_another)) commands.push(StopComparing{});
+    if (ui::button("Compare another")) commands.push(StopComparing{});
     ui::mark("compare", "another");
-    ui::tip(strings::file_dialogs::about_compare_another);
+    ui::tip("Compares with another profile.");
     ImGui::SameLine();
-    if (ui::button(strings::file_dialogs::stop_comparing)) {
+    if (ui::button("Stop comparing")) {
         commands.push(StopComparing{});
         commands.push(ShowDialog{Dialog::none});
     }
     ui::mark("compare", "off");
     ImGui::SameLine();
-    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("compare", "close");
-    ui::tip(strings::file_dialogs::about_close_comparison);
+    ui::tip("The other profile's values stay visible in the Tune panel.");
 }
 
 void draw_unsaved(const State& state, Commands& commands) {
     if (state.document.unsaved())
-        ImGui::TextWrapped(strings::file_dialogs::unsaved_profile, state.document.path().empty()
-                                                                       ? strings::file_dialogs::no_file_yet
-                                                                       : state.document.path().c_str());
+        ImGui::TextWrapped("The profile has unsaved changes: %s.",
+                           state.document.path().empty() ? "it has no file yet" : state.document.path().c_str());
     if (state.route.unsaved())
-        ImGui::TextWrapped(strings::file_dialogs::unsaved_path, state.route.path().empty()
-                                                                    ? strings::file_dialogs::no_file_yet
-                                                                    : state.route.path().c_str());
+        ImGui::TextWrapped("The camera path has unsaved changes: %s.",
+                           state.route.path().empty() ? "it has no file yet" : state.route.path().c_str());
     ImGui::Spacing();
     ImGui::BeginDisabled(!state.files.waiting);
-    if (answer(strings::common::save, "save", true)) commands.push(AnswerUnsaved{Answer::save});
-    if (answer(strings::file_dialogs::discard, "discard", false)) commands.push(AnswerUnsaved{Answer::discard});
+    if (answer("Save", "save", true)) commands.push(AnswerUnsaved{Answer::save});
+    if (answer("Discard", "discard", false)) commands.push(AnswerUnsaved{Answer::discard});
     ImGui::EndDisabled();
-    if (answer(strings::common::cancel, "cancel", false)) commands.push(ShowDialog{Dialog::none});
+    if (answer("Cancel", "cancel", false)) commands.push(ShowDialog{Dialog::none});
 }
 
 void draw_recover(const State& state, Commands& commands) {
     const std::optional<Unsaved>& found = state.files.recovery.found();
     if (!found) {
-        ImGui::TextWrapped(strings::file_dialogs::nothing_to_recover);
-        if (answer(strings::common::close, "close", true)) commands.push(ShowDialog{Dialog::none});
+        ImGui::TextWrapped("There is nothing to recover.");
+        if (answer("Close", "close", true)) commands.push(ShowDialog{Dialog::none});
         return;
     }
-    ImGui::TextWrapped(strings::file_dialogs::earlier_run);
+    ImGui::TextWrapped("The editor ended before these changes were saved.");
     if (found->profile_changed)
-        ImGui::BulletText(strings::file_dialogs::of_the_profile,
-                          found->path.empty() ? strings::file_dialogs::profile_without_file : last_part(found->path));
-    if (!found->points.empty()) ImGui::BulletText(strings::file_dialogs::recovered_path, found->points.size());
-    if (!found->pack.empty()) ImGui::BulletText(strings::file_dialogs::over_terrain, last_part(found->pack));
+        ImGui::BulletText("of the profile %s", found->path.empty() ? "that had no file yet" : last_part(found->path));
+    if (!found->points.empty()) ImGui::BulletText("a camera path of %zu points", found->points.size());
+    if (!found->pack.empty()) ImGui::BulletText("over %s", last_part(found->pack));
     ImGui::Spacing();
-    if (answer(strings::common::restore, "restore", true)) commands.push(RecoverChanges{true});
-    if (answer(strings::file_dialogs::discard, "discard", false)) commands.push(RecoverChanges{false});
+    if (answer("Restore", "restore", true)) commands.push(RecoverChanges{true});
+    if (answer("Discard", "discard", false)) commands.push(RecoverChanges{false});
     ImGui::SameLine();
-    ImGui::TextDisabled(strings::file_dialogs::about_later);
+    ImGui::TextDisabled("close this dialog to be asked again next time");
 }
 
 } // namespace fjell::editor

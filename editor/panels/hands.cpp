@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 #include "flight/profile_keys.h"
 
 namespace fjell::editor {
@@ -97,7 +96,10 @@ void drag_point(const State& state, const ui::Rect& view, bool ends, Commands& c
 // What a point that could be taken, or is, does: below the picture's middle, where it hides nothing that is aimed at.
 void explain_point(const ui::Rect& view, std::size_t point, ImVec2 at) {
     char text[160];
-    std::snprintf(text, sizeof text, strings::hands::point_drag, point);
+    std::snprintf(
+        text, sizeof text,
+        "Point %zu. Drag: move it level; with Shift: up and down. Click twice: look from there. Delete: remove it.",
+        point);
     const float em = ImGui::GetFontSize();
     const ImVec2 size = ImGui::CalcTextSize(text), pad{0.6F * em, 0.3F * em};
     const ImVec2 from{view.x + std::max((view.width - size.x) / 2 - pad.x, 0.0F),

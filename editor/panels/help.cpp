@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -13,47 +12,50 @@ struct Key {
     const char *keys, *what; // what null: a heading
 };
 constexpr Key all_keys[] = {
-    {strings::common::camera, nullptr},
-    {strings::help::fly_keys, strings::help::about_fly_keys},
-    {strings::help::height_keys, strings::help::about_height_keys},
-    {strings::help::shift_key, strings::help::about_shift_key},
-    {strings::help::look_keys, strings::help::about_look_keys},
-    {strings::help::wheel, strings::help::about_wheel},
-    {strings::help::pan_drag, strings::help::about_pan_drag},
-    {"1  2  3", strings::help::about_navigation_keys},
-    {strings::keys::home, strings::help::about_home},
-    {strings::help::overview_click, strings::help::about_overview_click},
-    {strings::keys::f, strings::help::about_freeze},
-    {strings::common::camera_path, nullptr},
-    {strings::keys::r, strings::help::about_record},
-    {strings::keys::n, strings::help::about_add_point},
-    {strings::hands::point_keys, strings::hands::about_point_keys},
-    {strings::help::point_drag, strings::help::about_point_drag},
-    {strings::help::timeline_keys, strings::help::about_timeline_keys},
-    {strings::keys::p, strings::help::about_play},
-    {strings::common::picture, nullptr},
-    {strings::help::mode_keys, strings::help::about_mode_keys},
-    {strings::keys::g, strings::help::about_wireframe},
-    {strings::help::sun_drag, strings::help::about_sun_drag},
-    {strings::keys::i, strings::help::about_probe},
-    {strings::keys::t, strings::help::about_pause},
-    {strings::help::window, nullptr},
-    {strings::keys::tab, strings::help::about_tab},
-    {strings::keys::f11, strings::help::about_picture_only},
-    {strings::keys::f6, strings::help::about_panel_keys},
-    {strings::help::panel_turn_keys, strings::help::about_panel_turn_keys},
-    {strings::help::floating_keys, strings::help::about_floating_keys},
-    {strings::help::menu_keys, strings::help::about_menu_keys},
-    {strings::help::dialog_keys, strings::help::about_dialog_keys},
-    {strings::help::profile_and_program, nullptr},
-    {"[  ]", strings::help::about_threshold_keys},
-    {strings::help::undo_keys, strings::help::about_undo_keys},
-    {strings::keys::ctrl_o, strings::help::about_open},
-    {strings::keys::ctrl_s, strings::help::about_save},
-    {strings::help::slider_click, strings::help::about_slider_click},
-    {strings::help::scroll_keys, strings::help::about_scroll_keys},
-    {strings::keys::f1, strings::help::about_keys},
-    {strings::keys::ctrl_q, strings::help::about_quit},
+    {"Camera", nullptr},
+    {"W S, A D", "fly forwards and back, left and right; in orbit: pan"},
+    {"E Q", "up and down"},
+    {"Shift", "five times as fast"},
+    {"Arrows, left drag", "look around; in orbit: turn around the centre"},
+    {"Wheel", "speed; in orbit: zoom"},
+    {"Right drag, Shift+drag", "in orbit: pan"},
+    {"1  2  3", "fly, orbit, follow the path"},
+    {"Home", "look at the whole terrain"},
+    {"Click on the overview", "fly there, at the same height above the ground"},
+    {"F", "freeze refinement, to look at the mesh from elsewhere"},
+    {"Camera path", nullptr},
+    {"R", "record the flight; again: stop recording"},
+    {"N", "add a point where the camera is"},
+    {"Insert  Delete", "add a point where the path is being played; remove the selected point"},
+    {"Left drag on a point", "move it, in the picture (Shift: up and down) or on the overview; a click selects it"},
+    {"Arrows on the timeline", "select a point; Enter: look from there; Insert, Delete"},
+    {"P", "play; again: pause"},
+    {"Picture", nullptr},
+    {"M, Shift+M", "next and previous picture mode"},
+    {"G", "wireframe"},
+    {"L and left drag", "the sun: across its azimuth, up and down its elevation"},
+    {"I", "probe the ground under the pointer, or where the camera looks; a click or Enter marks a place, another one "
+          "measures from there"},
+    {"T", "pause graphs and times; again: go on"},
+    {"Window", nullptr},
+    {"Tab", "hide the panels, or show them"},
+    {"F11", "the picture alone; again or Esc: all of it"},
+    {"F6", "move in the panels by keys: Tab and arrows move, Enter presses, Space changes a value; again: the next "
+           "panel, after the last one the camera; Shift+F6: the one before; Esc: the camera"},
+    {"Ctrl+Page Up, Page Down", "turn to the panel before or after"},
+    {"Ctrl+Tab and arrows", "with F6: move a floating panel; with Shift: resize it"},
+    {"F10, Alt+F, Alt+E, ...",
+     "the first menu; again: the next one; Alt and its first letter: any; arrows move, Enter chooses"},
+    {"Enter, Esc", "in a dialog: its main button, or close it"},
+    {"Profile and program", nullptr},
+    {"[  ]", "lower, raise the threshold"},
+    {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+    {"Ctrl+O", "open a pack, a DEM, a profile or a camera path"},
+    {"Ctrl+S", "save the profile"},
+    {"Ctrl+click on a slider", "type a value"},
+    {"Page Up, Page Down", "scroll this list"},
+    {"F1", "this list of keys"},
+    {"Ctrl+Q", "quit"},
 };
 
 // Arrows stay the camera's beside these lists.
@@ -71,7 +73,7 @@ void draw_keys(const State&, Commands& commands) {
     scroll_by_keys();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
         ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
-                                ImGui::CalcTextSize(strings::help::timeline_keys).x + ImGui::GetFontSize());
+                                ImGui::CalcTextSize("Arrows on the timeline").x + ImGui::GetFontSize());
         ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
         for (const Key& key : all_keys) {
             ImGui::TableNextRow();
@@ -88,7 +90,7 @@ void draw_keys(const State&, Commands& commands) {
         ImGui::EndTable();
     }
     ImGui::EndChild();
-    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("keys", "close");
 }
 
@@ -100,7 +102,7 @@ void draw_messages(const State& state, Commands& commands) {
     const float room = 0.98F * ImGui::GetIO().DisplaySize.y - ImGui::GetCursorScreenPos().y - below;
     ImGui::BeginChild("list", {0, std::max(std::min({list_height, 24 * line, room}), 3 * line)});
     scroll_by_keys();
-    if (state.messages.all.empty()) ImGui::TextUnformatted(strings::help::no_messages_yet);
+    if (state.messages.all.empty()) ImGui::TextUnformatted("No messages yet.");
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
         const int seconds = static_cast<int>(message->at_s);
         char time[24];
@@ -110,13 +112,13 @@ void draw_messages(const State& state, Commands& commands) {
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::ColorConvertU32ToFloat4(ui::severity_colour(message->severity)));
         ImGui::PushTextWrapPos(0);
         ImGui::TextUnformatted(message->text.c_str());
-        if (message->times > 1) ImGui::Text(strings::help::times, message->times);
+        if (message->times > 1) ImGui::Text("(%u times)", message->times);
         ImGui::PopTextWrapPos();
         ImGui::PopStyleColor();
     }
     list_height = ImGui::GetCursorPosY();
     ImGui::EndChild();
-    if (ui::button(strings::common::close, true)) commands.push(ShowDialog{Dialog::none});
+    if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
     ui::mark("messages", "close");
 }
 

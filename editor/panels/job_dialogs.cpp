@@ -8,7 +8,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/fields.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -33,44 +32,48 @@ struct ScreenshotForm {
 
 void draw_snapshot(const State& state, Commands& commands) {
     static ExportForm form;
-    constexpr const char* kinds[] = {strings::job_dialogs::frames_own, strings::job_dialogs::custom_threshold};
+    constexpr const char* kinds[] = {"the frame's", "custom threshold"};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
-    fields::path(strings::job_dialogs::gltf, "export", "path", form.path, strings::job_dialogs::gltf_hint,
-                 strings::job_dialogs::about_gltf);
+    fields::path("glTF", "export", "path", form.path, "a file that ends in .glb",
+                 "Mesh, colours and camera in one file, for any viewer or modelling program.");
     fields::destination("export", form.path);
-    fields::choice(strings::common::mesh, "export", "own", form.own, kinds, 2, strings::job_dialogs::about_mesh);
-    fields::label(strings::job_dialogs::converged);
+    fields::choice(
+        "Mesh", "export", "own", form.own, kinds, 2,
+        "The frame's is written as it is drawn: the triangles that the camera sees, morphed, as fine as the budgets "
+        "allowed. A custom threshold refines the whole terrain for this view, whatever the budgets.");
+    fields::label("Converged");
     ImGui::BeginDisabled(form.own == 1);
     bool converged = form.converged || form.own == 1;
     if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
     ImGui::EndDisabled();
     ui::mark("export", "converged");
-    ui::tip(strings::job_dialogs::about_converged);
+    ui::tip(
+        "The mesh that this view settles on once it has had time and work items, instead of the frame's as it stands.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
-    fields::number(strings::job_dialogs::pixels, "export", "error_px", shown, "%.4g",
-                   strings::job_dialogs::about_pixels);
+    fields::number("Pixels", "export", "error_px", shown, "%.4g",
+                   "0.01 to 1,000 pixels: a smaller threshold makes a larger file.");
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
-    if (fields::button(strings::job_dialogs::preview, "export", "preview", can, strings::job_dialogs::about_preview))
+    if (fields::button("Preview", "export", "preview", can,
+                       "Counts, and the size of the file to the byte; nothing is written."))
         commands.push(PreviewExport{form.converged, error_px});
     ImGui::SameLine();
-    if (fields::button(strings::job_dialogs::export_, "export", "start", can && form.path[0] != '\0',
-                       strings::job_dialogs::about_export, true))
+    if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
+                       "Writes the file; an existing one is replaced only when it is complete.", true))
         commands.push(ExportMesh{form.path, form.converged, error_px});
     fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
         fields::cancel("export", commands);
     const ExportPreview& p = state.job.preview;
     if (p.bytes != 0) {
-        ui::row(strings::common::vertices, "%s", count_text(static_cast<double>(p.vertices)).text);
-        ui::row(strings::common::triangles, "%s", count_text(static_cast<double>(p.triangles)).text);
-        ui::row(strings::common::file, strings::job_dialogs::size_within, byte_text(static_cast<double>(p.bytes)).text,
-                p.error_px);
+        ui::row("Vertices", "%s", count_text(static_cast<double>(p.vertices)).text);
+        ui::row("Triangles", "%s", count_text(static_cast<double>(p.triangles)).text);
+        ui::row("File", "%s within %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
     if (!counted) fields::outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
@@ -78,16 +81,14 @@ void draw_snapshot(const State& state, Commands& commands) {
 
 void draw_screenshot(const State&, Commands& commands) {
     static ScreenshotForm form;
-    constexpr const char* kinds[] = {strings::job_dialogs::terrain_alone, strings::job_dialogs::window_with_panels};
+    constexpr const char* kinds[] = {"the terrain", "the window, with its panels"};
     ui::focus_first();
-    fields::path(strings::common::picture, "screenshot", "path", form.path, strings::common::png_hint,
-                 strings::common::about_png);
+    fields::path("Picture", "screenshot", "path", form.path, "a file that ends in .png", "Where the PNG is written.");
     fields::destination("screenshot", form.path);
-    fields::choice(strings::job_dialogs::contents, "screenshot", "what", form.what, kinds, 2,
-                   strings::job_dialogs::about_contents);
+    fields::choice("Contents", "screenshot", "what", form.what, kinds, 2, "At the current size of the window.");
     ImGui::Separator();
-    if (fields::button(strings::common::save, "screenshot", "start", form.path[0] != '\0',
-                       strings::job_dialogs::about_save, true)) {
+    if (fields::button("Save", "screenshot", "start", form.path[0] != '\0',
+                       "Closes this dialog and saves the next frame.", true)) {
         commands.push(ShowDialog{Dialog::none});
         commands.push(TakeScreenshot{form.path, form.what == 1});
     }
@@ -100,9 +101,9 @@ void draw_job_status(const State& state, Commands& commands) {
     ImGui::Text("%s: %s %.0f%%", job_names[static_cast<int>(job.kind)], job.stage.c_str(), 100 * job.share);
     ui::mark("status", "job");
     ImGui::SameLine();
-    if (ImGui::SmallButton(strings::common::cancel)) commands.push(CancelJob{});
+    if (ImGui::SmallButton("Cancel")) commands.push(CancelJob{});
     ui::mark("status", "cancel-job");
-    ui::tip(strings::job_dialogs::about_cancel);
+    ui::tip("Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
     ImGui::SameLine();
 }
 

@@ -7,7 +7,6 @@
 #include "editor/panels/panels.h"
 #include "editor/panels/runs.h"
 #include "editor/panels/tune_curve.h"
-#include "editor/strings.h"
 #include "flight/profile_keys.h"
 
 namespace fjell::editor {
@@ -17,8 +16,10 @@ namespace {
 // What will be flown.
 void draw_flight(const State& state) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::job_panels::about_flight, state.route.flight_name().text,
-                       state.document.profile().width_px, state.document.profile().height_px);
+    ImGui::TextColored(
+        ImColor(ui::quiet).Value,
+        "Flies %s as the profile says, over a terrain that is loaded once more for this, in a view of %u x %u.",
+        state.route.flight_name().text, state.document.profile().width_px, state.document.profile().height_px);
     ImGui::PopTextWrapPos();
 }
 
@@ -30,37 +31,41 @@ struct TuneForm {
     int measure = 0, frames = 0;
 };
 
-constexpr const char* measures[] = {strings::job_panels::update_cpu, strings::job_panels::whole_frame};
+constexpr const char* measures[] = {"update (CPU)", "whole frame"};
 
 void draw_tune_form(TuneForm& form) {
-    fields::number(strings::job_panels::budget_ms, "auto-tune", "budget_ms", form.budget_ms, "%.6g",
-                   strings::job_panels::about_budget);
-    fields::choice(strings::job_panels::measure, "auto-tune", "measure", form.measure, measures, 2,
-                   strings::job_panels::about_measure);
-    fields::whole(strings::job_panels::frames, "auto-tune", "frames", form.frames, strings::job_panels::about_frames);
-    fields::label(strings::job_panels::threshold_range);
+    fields::number("Budget, ms", "auto-tune", "budget_ms", form.budget_ms, "%.6g",
+                   "The time that 99% of the frames (p99) must not exceed: 0.01 to 1,000 milliseconds. A frame at 60 "
+                   "Hz has 16.7.");
+    fields::choice("Measure", "auto-tune", "measure", form.measure, measures, 2,
+                   "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing, in a picture "
+                   "as large as the profile says; slower, and dependent on the graphics driver.");
+    fields::whole("Frames, 0: auto", "auto-tune", "frames", form.frames,
+                  "Frames of a flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit if "
+                  "there is no path. Fewer frames fly the same path faster, with more changes in each.");
+    fields::label("From, to, px");
     ImGui::PushID("range");
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
     ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "least_px");
-    ui::tip(strings::job_panels::about_smallest);
+    ui::tip("The smallest threshold to try, in pixels.");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
     ui::mark("auto-tune", "most_px");
-    ui::tip(strings::job_panels::about_largest);
+    ui::tip("The largest threshold, in pixels: the search begins there.");
     ImGui::PopID();
 }
 
 void draw_tune_result(const State& state, const JobView& shown, Commands& commands) {
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
-    std::snprintf(text, sizeof text, strings::job_panels::use_threshold, shown.best_px);
+    std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
     const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
-    if (fields::button(text, "auto-tune", "use", !used, strings::job_panels::about_use_threshold))
+    if (fields::button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))
         commands.push(SetKey{key, shown.best_px, false});
 }
 
@@ -77,7 +82,8 @@ void draw_auto_tune(const State& state, Commands& commands) {
     draw_tune_form(form);
     draw_flight(state);
     const bool can = !state.job.running && state.scene.open();
-    if (fields::button(strings::job_panels::start, "auto-tune", "start", can, strings::job_panels::about_start)) {
+    if (fields::button("Start", "auto-tune", "start", can,
+                       "Flies again and again until the smallest threshold is found whose p99 keeps the budget.")) {
         TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
                       form.budget_ms * 1000,
@@ -98,14 +104,15 @@ void draw_auto_tune(const State& state, Commands& commands) {
 void draw_benchmark(const State& state, Commands& commands) {
     static CsvForm form;
     fields::suggest(form.path, form.made_for, state, ".csv");
-    fields::path(strings::job_panels::csv, "benchmark", "path", form.path, strings::job_panels::csv_hint,
-                 strings::job_panels::about_csv);
-    fields::whole(strings::job_panels::frames, "benchmark", "frames", form.frames,
-                  strings::job_panels::about_benchmark_frames);
+    fields::path("CSV", "benchmark", "path", form.path, "a file",
+                 "One line for each frame, with the columns of fjell-fly --csv.");
+    fields::whole("Frames, 0: auto", "benchmark", "frames", form.frames,
+                  "0: as many as the path has at 60 Hz, or 840 for an orbit if there is no path. Fewer frames fly the "
+                  "same path faster.");
     draw_flight(state);
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
-    if (fields::button(strings::job_panels::run, "benchmark", "start", can, strings::job_panels::about_run))
+    if (fields::button("Run", "benchmark", "start", can, "Starts at once and flies as fast as possible."))
         commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
     if (fields::runs(state, JobKind::benchmark)) fields::cancel("benchmark", commands);
     fields::outcome(state, JobKind::benchmark);

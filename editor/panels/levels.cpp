@@ -7,7 +7,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 #include "fjell/gl/palette.h"
 
 namespace fjell::editor {
@@ -39,7 +38,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);
     ImGui::Dummy({width, 1.15F * em});
     char about[96];
-    std::snprintf(about, sizeof about, strings::levels::level_bar, level, number, leg_m);
+    std::snprintf(about, sizeof about, "level %u: %s triangles with legs of %.4g m", level, number, leg_m);
     ui::tip(about);
 }
 
@@ -47,23 +46,24 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
 
 void draw_levels(const State& state, Commands& commands) {
     if (!state.scene.open()) {
-        ImGui::TextWrapped(strings::common::no_terrain_is_open);
+        ImGui::TextWrapped("No terrain is open.");
         return;
     }
     const LevelHistogram& levels = state.measures.levels();
     const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
     std::uint64_t all = 0;
     for (const std::uint32_t count : levels.triangles) all += count;
-    ui::heading(strings::levels::heading);
-    ui::tip(strings::levels::about_levels);
+    ui::heading("Triangles drawn, by level");
+    ui::tip("Level 0: the two base triangles of a tile; each further level halves them. Legs are a triangle's two "
+            "equal sides.");
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
-    ui::row(strings::common::total, "%s", count_text(static_cast<double>(all)).text);
+    ui::row("Total", "%s", count_text(static_cast<double>(all)).text);
     bool shown = state.interface.mode == flight::PictureMode::levels;
-    if (ImGui::Checkbox(strings::levels::colour_picture, &shown))
+    if (ImGui::Checkbox("Colour the picture by level", &shown))
         commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
     ui::mark("levels", "colour");
-    ui::tip(strings::levels::about_colour_picture);
+    ui::tip("Every triangle in its level's colour, as here. Costs almost nothing.");
 }
 
 } // namespace fjell::editor

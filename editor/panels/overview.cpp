@@ -9,7 +9,6 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/runs.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -163,7 +162,7 @@ void mark_points(const Frame& frame, const Route& route) {
 
 void draw_overview(const State& state, Commands& commands) {
     const Scene& scene = state.scene;
-    ui::heading(strings::overview::overview);
+    ui::heading("Overview");
     Frame frame;
     frame.size = overview_size(scene);
     frame.from = ImGui::GetCursorScreenPos();
@@ -207,9 +206,12 @@ void draw_overview(const State& state, Commands& commands) {
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
     } else if (!under) {
-        ui::tip(strings::overview::about_overview);
+        ui::tip("Click, or drag, to fly there at the same height above the ground. Yellow: the camera; blue: the "
+                "frozen camera; pink: the path.");
     } else if (ui::begin_tip()) {
-        ImGui::Text(strings::hands::map_point_drag, *under);
+        ImGui::Text(
+            "Point %zu. Drag: move it at the same height above the ground. Click: select it; twice: look from there.",
+            *under);
         ui::end_tip();
     }
 }

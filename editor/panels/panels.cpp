@@ -1,6 +1,5 @@
 #include "editor/panels/panels.h"
 #include "editor/panels/keyboard.h"
-#include "editor/strings.h"
 
 #include <algorithm>
 
@@ -11,10 +10,8 @@ namespace {
 using Draw = void (*)(const State&, Commands&);
 constexpr Draw draws[] = {draw_tune,    draw_camera,    draw_picture, draw_pictures,  draw_time,
                           draw_budgets, draw_streaming, draw_levels,  draw_auto_tune, draw_benchmark};
-constexpr const char* titles[] = {strings::panels::tune,      strings::common::camera, strings::common::view,
-                                  strings::panels::pictures,  strings::panels::time,   strings::panels::budgets,
-                                  strings::common::streaming, strings::common::levels, strings::common::auto_tune,
-                                  strings::common::benchmark};
+constexpr const char* titles[] = {"Tune",    "Camera",    "View",   "Pictures",  "Time",
+                                  "Budgets", "Streaming", "Levels", "Auto-tune", "Benchmark"};
 static_assert(std::size(draws) == panels && std::size(titles) == panels, "a panel was added: draw and title it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.
@@ -37,7 +34,8 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
         draw_detaching(panel, section.rect, state, commands);
-        ui::tip(strings::panels::about_tab);
+        ui::tip("Drag it onto the picture, or click it twice, and the panel floats there. Ctrl+Page Up and Page Down "
+                "turn to the panels beside it.");
     }
     ImGui::Separator();
 }
@@ -108,7 +106,8 @@ void draw_strip(std::size_t side, const ui::ColumnLayout& column, const State& s
     }
     if (ImGui::IsItemDeactivated() && !dragged)
         commands.push(ArrangeColumn{c, ColumnPart::folded, column.folded ? 0.0 : 1.0});
-    ui::tip(column.folded ? strings::panels::about_folded_strip : strings::panels::about_strip);
+    ui::tip(column.folded ? "Click to unfold the panels (Tab shows and hides them all)."
+                          : "Drag to resize the panels, click to fold them (Tab shows and hides them all).");
     draw_arrow(column.strip, (side == 0) != column.folded, ui::quiet);
     ImGui::End();
 }
@@ -123,14 +122,13 @@ void draw_split(std::size_t side, const ui::ColumnLayout& column, Commands& comm
         const float share = (io.MousePos.y - top - column.split.height / 2) / std::max(all, 1.0F);
         commands.push(ArrangeColumn{static_cast<Column>(side), ColumnPart::split, static_cast<double>(share)});
     }
-    ui::tip(strings::panels::about_split);
+    ui::tip("Drag to divide the column.");
     ImGui::End();
 }
 
 void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& state, Commands& commands) {
     if (!column.there) return;
-    constexpr const char* names[columns][2] = {{"left", strings::panels::left_below},
-                                               {"right", strings::panels::right_below}};
+    constexpr const char* names[columns][2] = {{"left", "left, below"}, {"right", "right, below"}};
     for (int i = 0; i < column.sections; ++i) draw_section(names[side][i], column.section[i], state, commands);
     if (column.sections == 2) draw_split(side, column, commands);
     draw_strip(side, column, state, commands);

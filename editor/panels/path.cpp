@@ -6,7 +6,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -15,11 +14,10 @@ namespace {
 void draw_name(const Route& route) {
     const std::string& path = route.path();
     const std::size_t slash = path.find_last_of('/');
-    const char* name =
-        path.empty() ? strings::path::not_saved_yet : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+    const char* name = path.empty() ? "not saved yet" : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (route.points().empty() && route.empty()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped(strings::path::no_path);
+        ImGui::TextWrapped("None. Record a flight, add points one by one, or open a file.");
         ImGui::PopStyleColor();
         return;
     }
@@ -29,7 +27,7 @@ void draw_name(const Route& route) {
     if (!path.empty()) ui::tip(path.c_str());
     if (route.as_read()) {
         ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted(strings::path::as_in_the_file);
+        ImGui::TextUnformatted("as in the file; an edit converts it to these points");
         ImGui::PopStyleColor();
     }
 }
@@ -37,17 +35,17 @@ void draw_name(const Route& route) {
 void draw_flight(const State& state, Commands& commands) {
     const Route& route = state.route;
     const bool there = !route.empty();
-    if (ui::panel_button(route.playing() ? strings::common::pause : strings::path::play, "path", "play", there,
-                         strings::path::about_play))
+    if (ui::panel_button(route.playing() ? "Pause" : "Play", "path", "play", there,
+                         "Flies along the path, or pauses (P)."))
         commands.push(PlayPath{!route.playing()});
-    ui::beside(strings::path::restart);
-    if (ui::panel_button(strings::path::restart, "path", "again", there, strings::path::about_restart)) {
+    ui::beside("Restart");
+    if (ui::panel_button("Restart", "path", "again", there, "Plays from the beginning.")) {
         commands.push(SeekPath{0});
         commands.push(PlayPath{true});
     }
-    ui::beside(strings::path::record);
-    if (ui::panel_button(route.recording() ? strings::common::stop_recording : strings::path::record, "path", "record",
-                         true, strings::path::about_record))
+    ui::beside("Record");
+    if (ui::panel_button(route.recording() ? "Stop recording" : "Record", "path", "record", true,
+                         "Records the flight as points, which then become the path (R)."))
         commands.push(RecordPath{!route.recording()});
     ImGui::BeginDisabled(!there);
     auto share = static_cast<float>(route.share());
@@ -58,28 +56,22 @@ void draw_flight(const State& state, Commands& commands) {
         commands.push(SeekPath{static_cast<double>(share)});
     ImGui::EndDisabled();
     ui::mark("path", "seek");
-    ui::tip(strings::path::about_position);
+    ui::tip("Position along the path; drag to move along it.");
     draw_timeline(state, commands);
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
-    if (ImGui::InputDouble(strings::path::duration, &seconds, 0, 0, seconds > 0 ? "%.1f s" : strings::common::auto_,
+    if (ImGui::InputDouble("Duration", &seconds, 0, 0, seconds > 0 ? "%.1f s" : "auto",
                            ImGuiInputTextFlags_EnterReturnsTrue) &&
         std::isfinite(seconds))
         commands.push(SetPathSeconds{seconds});
     ui::mark("path", "seconds");
-    ui::tip(strings::path::about_duration);
+    ui::tip("Duration of the flight in seconds, 1 to 3,600; the points' times are stretched to it. 0: no times, and a "
+            "duration chosen from the terrain's size. Enter applies it.");
     ImGui::SameLine();
     bool loops = route.loops();
-    if (ImGui::Checkbox(strings::path::loop, &loops)) commands.push(LoopPath{loops});
+    if (ImGui::Checkbox("Loop", &loops)) commands.push(LoopPath{loops});
     ui::mark("path", "loop");
-    ui::tip(strings::path::about_loop);
-    ImGui::SameLine();
-    bool closed = route.closed();
-    ImGui::BeginDisabled(route.points().size() < 2);
-    if (ImGui::Checkbox(strings::path_points::closed, &closed)) commands.push(ClosePath{closed});
-    ImGui::EndDisabled();
-    ui::mark("path", "closed");
-    ui::tip(strings::path_points::about_closed);
+    ui::tip("Starts again at the end.");
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
@@ -91,7 +83,7 @@ void draw_point(const Route& route, std::size_t i, Commands& commands) {
     char name[24];
     std::snprintf(name, sizeof name, "point.%zu", i);
     ui::mark("path", name);
-    ui::tip(strings::path::about_point);
+    ui::tip("Selects this point, and looks from there.");
     ImGui::PopID();
 }
 
@@ -112,7 +104,7 @@ void draw_points(const Route& route, Commands& commands) {
 } // namespace
 
 void draw_path(const State& state, Commands& commands) {
-    ui::heading(strings::common::camera_path);
+    ui::heading("Camera path");
     draw_name(state.route);
     draw_flight(state, commands);
     draw_points(state.route, commands);

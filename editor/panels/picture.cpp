@@ -5,7 +5,6 @@
 
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 #include "fjell/gl/palette.h"
 
 namespace fjell::editor {
@@ -16,25 +15,27 @@ struct Choice {
     const char *label, *about;
 };
 constexpr Choice modes[] = {
-    {strings::picture::shaded, strings::picture::about_shaded},
-    {strings::picture::wire, strings::picture::about_wire},
-    {strings::common::levels, strings::picture::about_levels},
-    {strings::picture::tiles, strings::picture::about_tiles},
-    {strings::picture::mips, strings::picture::about_mips},
-    {strings::picture::residency, strings::picture::about_residency},
-    {strings::common::distance, strings::picture::about_distance},
+    {"Shaded", "Colours and light, as in a game."},
+    {"Wire", "Shaded, with the edges of all triangles."},
+    {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
+    {"Tiles", "Every tile in a colour different from its neighbours."},
+    {"Mips",
+     "Coloured by the mip that is drawn: the pack's finest is red, the smallest violet. Black: not loaded yet."},
+    {"Residency", "Coloured by the finest geometry in memory, whether it is drawn or not."},
+    {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
 constexpr Choice overlay_choices[] = {
-    {strings::picture::wireframe, strings::picture::about_wireframe},
-    {strings::picture::tile_borders, strings::picture::about_tile_borders},
-    {strings::picture::page_borders, strings::picture::about_page_borders},
-    {strings::picture::bounding_spheres, strings::picture::about_bounding_spheres},
-    {strings::picture::culled, strings::picture::about_culled},
-    {strings::picture::true_error, strings::picture::about_true_error},
-    {strings::common::camera_path, strings::picture::about_camera_path},
-    {strings::picture::contours, strings::picture::about_contours},
-    {strings::common::slope, strings::picture::about_slope},
+    {"Wireframe", "Edges of all triangles."},
+    {"Tile borders", "Borders of tiles, on the ground and in the overview."},
+    {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
+    {"Bounding spheres", "Around vertices, as refinement uses them."},
+    {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
+    {"True error", "How far the mesh is from the full-resolution terrain, in pixels; hatched where it exceeds the "
+                   "bound. Takes the picture's place; all heights are read first."},
+    {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
+    {"Contours", "Lines of equal height, every fifth one wider."},
+    {"Slope", "Steep ground in bands that begin at 15, 25, 35 and 45 degrees."},
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
@@ -80,7 +81,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
 // 0 is the pack's finest.
 void mip_legend(int mips) {
     if (mips == 0) {
-        note(strings::picture::no_maps);
+        note("This pack has no maps.");
         return;
     }
     Legend legend;
@@ -96,11 +97,11 @@ void error_legend(double promised_px) {
     Legend legend;
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : strings::picture::bound, share * promised_px);
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
         legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(ui::colour(gl::error_stops[4]), strings::picture::above_bound);
-    legend.entry(ui::colour(gl::error_stops[5]), strings::picture::no_reference);
+    legend.entry(ui::colour(gl::error_stops[4]), "hatched: above the bound");
+    legend.entry(ui::colour(gl::error_stops[5]), "nothing to compare with");
 }
 
 void draw_legend(const State& state) {
@@ -117,15 +118,14 @@ void explain_relief(const State& state) {
     char text[80];
     if (state.shows(Overlay::contours)) {
         const double every_m = contour_interval_m(state.scene);
-        std::snprintf(text, sizeof text, strings::picture::contour_key, every_m, 5 * every_m);
+        std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
         note(text);
     }
     if (!state.shows(Overlay::slope)) return;
-    note(strings::picture::slope_key);
+    note("Slope, degrees:");
     Legend legend;
     for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
-        std::snprintf(text, sizeof text,
-                      i + 1 < std::size(gl::slope_rgb) ? strings::picture::from_degrees : strings::picture::and_steeper,
+        std::snprintf(text, sizeof text, i + 1 < std::size(gl::slope_rgb) ? "from %d" : "%d and steeper",
                       gl::slope_bands_deg[i]);
         legend.entry(ui::colour(gl::slope_rgb[i]), text);
     }
@@ -133,15 +133,16 @@ void explain_relief(const State& state) {
 
 void explain_overlays(const State& state) {
     explain_relief(state);
-    if (state.shows(Overlay::culled) && !state.eye.frozen) note(strings::picture::culled_is_out_of_view);
+    if (state.shows(Overlay::culled) && !state.eye.frozen)
+        note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note(strings::picture::heights_failed);
+    if (state.heights_share < 0) return note("The heights to compare with cannot be read; see Help > Messages.");
     if (state.heights_share < 1) {
         char text[48];
-        std::snprintf(text, sizeof text, strings::picture::reading_heights, 100 * state.heights_share);
+        std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
         return note(text);
     }
-    note(strings::picture::true_error_key);
+    note("True error:");
     error_legend(state.document.profile().refine.error_px);
 }
 
@@ -151,7 +152,7 @@ void second_column(int i) {
 }
 
 void draw_scale(const State& state, Commands& commands) {
-    ui::heading(strings::picture::interface);
+    ui::heading("Interface");
     constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
     constexpr const char* names[] = {"75%", "100%", "125%", "150%", "200%", "250%", "300%"};
     for (std::size_t i = 0; i < std::size(scales); ++i) {
@@ -164,7 +165,7 @@ void draw_scale(const State& state, Commands& commands) {
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
         ui::mark("scale", names[i]);
-        ui::tip(strings::picture::about_interface);
+        ui::tip("Size of text and controls.");
         if (!on) ImGui::PopStyleColor();
     }
 }
@@ -180,7 +181,7 @@ const char* label_of(Overlay overlay) {
 }
 
 void draw_picture(const State& state, Commands& commands) {
-    ui::heading(strings::picture::mode_heading);
+    ui::heading("Picture mode (M: next)");
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
@@ -191,7 +192,7 @@ void draw_picture(const State& state, Commands& commands) {
     note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
     if (state.scene.open() && !hidden) draw_legend(state);
-    ui::heading(strings::picture::overlays);
+    ui::heading("Overlays");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);

@@ -7,7 +7,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -41,22 +40,23 @@ private:
 void ground_rows(const State& state, Rows& rows) {
     char text[96];
     const ProbedGround& g = *state.probe.ground;
-    rows.row(strings::probe::place, place_text(g.position_m.x, g.position_m.y, g.position_m.z).text);
-    std::snprintf(text, sizeof text, strings::probe::away, metre_text(g.distance_m).text);
-    rows.row(strings::common::distance, text);
+    rows.row("Place", place_text(g.position_m.x, g.position_m.y, g.position_m.z).text);
+    std::snprintf(text, sizeof text, "%.20s m away", metre_text(g.distance_m).text);
+    rows.row("Distance", text);
     std::snprintf(text, sizeof text, "%.0f deg", g.slope_rad * 180 / std::numbers::pi);
-    rows.row(strings::common::slope, text);
-    std::snprintf(text, sizeof text, strings::probe::sample_place, g.sample.x, g.sample.y, g.tile_x, g.tile_y, g.page);
-    rows.row(strings::probe::sample, text);
+    rows.row("Slope", text);
+    std::snprintf(text, sizeof text, "%d, %d: tile %u, %u, page %u", g.sample.x, g.sample.y, g.tile_x, g.tile_y,
+                  g.page);
+    rows.row("Sample", text);
     if (g.finest)
-        std::snprintf(text, sizeof text, strings::probe::full_resolution);
+        std::snprintf(text, sizeof text, "full resolution");
     else
-        std::snprintf(text, sizeof text, strings::probe::pages_missing, g.error_m);
-    rows.row(strings::probe::ground, text, g.finest ? IM_COL32_WHITE : ui::warning_colour);
-    if (!g.mesh) return rows.row(strings::common::mesh, state.probe.looking ? "..." : strings::probe::nothing_drawn);
-    std::snprintf(text, sizeof text, strings::probe::mesh_place, g.mesh->level,
+        std::snprintf(text, sizeof text, "within %.3g m: pages missing", g.error_m);
+    rows.row("Ground", text, g.finest ? IM_COL32_WHITE : ui::warning_colour);
+    if (!g.mesh) return rows.row("Mesh", state.probe.looking ? "..." : "nothing is drawn here");
+    std::snprintf(text, sizeof text, "level %d, off by %.2f m: %.2f px", g.mesh->level,
                   std::abs(g.mesh->height_m - g.position_m.y), g.mesh->error_px);
-    rows.row(strings::common::mesh, text);
+    rows.row("Mesh", text);
 }
 
 void draw_profile(const HeightProfile& p, const ui::Rect& at, ImDrawList& list) {
@@ -81,11 +81,11 @@ void profile_rows(const Probe& probe, Rows& rows) {
     const Vec3 &from = probe.mark_m[0], &to = probe.mark_m[1];
     const double rise_m = to.y - from.y;
     std::snprintf(text, sizeof text, "%.20s m, %.20s m %s", metre_text(p.length_m).text,
-                  metre_text(std::abs(rise_m)).text, rise_m < 0 ? strings::probe::down : strings::probe::up);
-    rows.row(strings::probe::between_marks, text, mark_colour);
-    std::snprintf(text, sizeof text, strings::probe::height_range, metre_text(static_cast<double>(p.lowest_m)).text,
+                  metre_text(std::abs(rise_m)).text, rise_m < 0 ? "down" : "up");
+    rows.row("1 to 2", text, mark_colour);
+    std::snprintf(text, sizeof text, "%.20s to %.20s m", metre_text(static_cast<double>(p.lowest_m)).text,
                   metre_text(static_cast<double>(p.highest_m)).text);
-    rows.row(strings::common::heights, text);
+    rows.row("Heights", text);
 }
 
 // Positions in the picture, in pixels of the window.
@@ -127,7 +127,8 @@ void draw_marks(const Probe& probe, const Picture& picture, const ui::Rect& plat
 }
 
 const char* probe_help(const Probe& probe) {
-    return probe.marks == 1 ? strings::probe::click_second : strings::probe::click_first;
+    return probe.marks == 1 ? "Click: the second place. Esc or I: end."
+                            : "Click: mark a place, then another. Esc or I: end.";
 }
 
 struct ProbePlate {
@@ -178,7 +179,7 @@ void draw_probe(const State& state, const ui::Rect& view) {
     if (probe.ground) {
         ground_rows(state, rows);
     } else {
-        rows.row(strings::probe::place, probe.pointer ? strings::probe::no_ground : strings::probe::point_somewhere);
+        rows.row("Place", probe.pointer ? "no ground here" : "move the pointer over the ground");
         for (int i = 0; i < 5; ++i) rows.line("");
     }
     if (probe.marks == 2) {

@@ -9,7 +9,6 @@
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/keyboard.h"
-#include "editor/strings.h"
 #include "flight/log.h"
 
 namespace fjell::editor {
@@ -86,18 +85,18 @@ void draw_exhausted(ImDrawList& list, const FlownRun& run, ImVec2 low, ImVec2 hi
 
 void tell_place(const State& state, double share, const Strip& strip) {
     ImGui::BeginTooltip();
-    ImGui::Text(strings::runs::share_of_path, 100 * share);
+    ImGui::Text("%.0f%% of the path", 100 * share);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
         const float value = strip.value(run.places[run.place_at(share)]);
         ImGui::PushStyleColor(ImGuiCol_Text, run_colours[r]);
         if (value >= unbounded_px)
-            ImGui::Text(strings::runs::unbounded, run.name.c_str());
+            ImGui::Text("%.24s: unbounded", run.name.c_str());
         else
             ImGui::Text("%.24s: %.3g %s", run.name.c_str(), static_cast<double>(value), strip.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled(strings::runs::hand_help);
+    ImGui::TextDisabled("click: look from there");
     ImGui::EndTooltip();
 }
 
@@ -150,22 +149,22 @@ void run_column(const char* text, ImU32 colour) {
 
 void about_run(const FlownRun& run) {
     if (!ui::begin_tip()) return;
-    ImGui::Text(strings::runs::summary, run.profile.c_str(), run.error_px,
-                count_text(static_cast<double>(run.frames)).text, 100 * run.converged, count_text(run.vertices).text,
-                run.error_p99_px);
+    ImGui::Text("%s at %.3g px: %s frames, %.1f%% of them converged; %s vertices; p99 of the error %.3g px",
+                run.profile.c_str(), run.error_px, count_text(static_cast<double>(run.frames)).text,
+                100 * run.converged, count_text(run.vertices).text, run.error_p99_px);
     ui::end_tip();
 }
 
 void draw_run_table(const State& state, Commands& commands) {
     if (!ImGui::BeginTable("runs", 6, ImGuiTableFlags_SizingStretchProp)) return;
     ImGui::TableSetupColumn("run", 0, 2);
-    for (const char* name : {"px", "p50", "p99", strings::common::max}) ImGui::TableSetupColumn(name, 0, 1);
+    for (const char* name : {"px", "p50", "p99", "max"}) ImGui::TableSetupColumn(name, 0, 1);
     ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed,
                             ImGui::CalcTextSize("x").x + 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::update_ms);
-    for (const char* name : {"px", "p50", "p99", strings::common::max}) run_column(name, ui::quiet);
+    ImGui::TextColored(ImColor(ui::quiet).Value, "update, ms");
+    for (const char* name : {"px", "p50", "p99", "max"}) run_column(name, ui::quiet);
     const ImU32 text_colour = ImGui::GetColorU32(ImGuiCol_Text);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
@@ -184,7 +183,7 @@ void draw_run_table(const State& state, Commands& commands) {
         char name[32];
         std::snprintf(name, sizeof name, "forget.%zu", r);
         ui::mark("run", name);
-        ui::tip(strings::runs::about_forget);
+        ui::tip("Removes this run from the panel; its CSV stays.");
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -194,26 +193,26 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
                       const State& state, Commands& commands) {
     char text[96], error[24];
     if (place.error_px >= unbounded_px)
-        std::snprintf(error, sizeof error, strings::common::unbounded);
+        std::snprintf(error, sizeof error, "unbounded");
     else
         std::snprintf(error, sizeof error, "%.3g px", static_cast<double>(place.error_px));
     std::snprintf(text, sizeof text, "%3.0f%%  %s ms  %s%s", 100 * run.share_of(at),
                   ms_text(static_cast<double>(place.update_us)).text, error,
-                  place.exhausted != 0 ? strings::runs::budget_spent : "");
+                  place.exhausted != 0 ? "  budget spent" : "");
     ImGui::PushID(static_cast<int>(at));
     const bool chosen = state.runs.chosen && state.runs.chosen->run == index && state.runs.chosen->place == at;
     if (ImGui::Selectable(text, chosen)) commands.push(ChoosePlace{index, run.share_of(at)});
-    ui::tip(strings::runs::about_place);
+    ui::tip("How far along the path, the update's time, and the largest error there. Click: look from there.");
     ImGui::PopID();
 }
 
 void draw_worst(const State& state, Commands& commands) {
     const std::size_t index = state.runs.chosen ? state.runs.chosen->run : 0;
     const FlownRun& run = *state.runs.all[index];
-    constexpr const char* kinds[] = {strings::runs::slowest_places, strings::runs::places_beyond_the_threshold};
+    constexpr const char* kinds[] = {"Slowest places", "Places beyond the threshold"};
     for (std::size_t by = 0; by < 2; ++by) {
         ui::heading(kinds[by]);
-        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, strings::common::none);
+        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, "none");
         ImGui::PushID(kinds[by]);
         for (std::size_t i = 0; i < run.worst[by].size(); ++i) {
             const std::size_t at = run.worst[by][i];
@@ -227,14 +226,15 @@ void draw_worst(const State& state, Commands& commands) {
 }
 
 void draw_heat_choice(const State& state, Commands& commands) {
-    constexpr const char* labels[] = {strings::runs::nothing, strings::runs::time, strings::runs::error};
-    ImGui::TextUnformatted(strings::runs::overview_colour);
+    constexpr const char* labels[] = {"nothing", "time", "error"};
+    ImGui::TextUnformatted("Path on the overview coloured by");
     for (int i = 0; i < 3; ++i) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
         ui::mark("heat", heat_names[i]);
-        ui::tip(strings::runs::about_overview_colour);
+        ui::tip("Colours the latest run's path on the overview in the Camera panel: blue is fast or exact, red the "
+                "run's p99 time or its threshold, white beyond that.");
     }
 }
 
@@ -257,12 +257,12 @@ ImU32 heat_colour(double share) {
 
 void draw_runs(const State& state, Commands& commands) {
     if (state.runs.all.empty()) return;
-    ui::heading(strings::runs::runs);
+    ui::heading("Runs");
     draw_run_table(state, commands);
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::budget_mark);
+    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is spent");
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }

@@ -6,7 +6,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -23,42 +22,43 @@ struct Part {
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
     const flight::FrameEntry& e = state.measures.last();
-    Part part{"", ui::good, 1, "threshold", strings::status::about_threshold};
+    Part part{"", ui::good, 1, "threshold",
+              "The threshold that the mesh keeps now, and why it is not the requested one."};
     constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
                                       flight::exhausted_triangles | flight::exhausted_page_slots;
     const char* why = "";
     if ((e.exhausted & lasting) != 0) {
         part.colour = ui::bad;
-        why = (e.exhausted & flight::exhausted_vertices) != 0    ? strings::status::vertices_exhausted
-              : (e.exhausted & flight::exhausted_triangles) != 0 ? strings::status::triangles_exhausted
-              : (e.exhausted & flight::exhausted_indices) != 0   ? strings::status::indices_exhausted
-                                                                 : strings::status::page_slots_exhausted;
+        why = (e.exhausted & flight::exhausted_vertices) != 0    ? "vertices exhausted"
+              : (e.exhausted & flight::exhausted_triangles) != 0 ? "triangles exhausted"
+              : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
+                                                                 : "page slots exhausted";
     } else if (e.streamed && !e.stream.converged) {
         part.colour = ui::warning_colour;
-        why = strings::status::pages_missing;
+        why = "pages missing";
     } else if (!e.converged) {
         part.colour = ui::warning_colour;
-        why = (e.exhausted & flight::exhausted_items) != 0  ? strings::status::items_exhausted
-              : (e.exhausted & flight::exhausted_time) != 0 ? strings::status::time_exhausted
-              : e.morphing > 0                              ? strings::status::morphing
-                                                            : strings::common::lags;
+        why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: work items exhausted"
+              : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
+              : e.morphing > 0                              ? "morphing"
+                                                            : "lags";
     }
     if (e.error_px_effective >= 1e6)
-        std::snprintf(part.text, sizeof part.text, strings::status::error_unbounded, why);
+        std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);
     else
-        std::snprintf(part.text, sizeof part.text, strings::status::within, e.error_px_effective, *why ? ", " : "",
-                      why);
+        std::snprintf(part.text, sizeof part.text, "within %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
     return part;
 }
 
 Part stream_part(const State& state) {
     const StreamReport& r = state.measures.last().stream;
     const bool there = r.converged && r.maps_converged;
-    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming", strings::status::about_streaming};
+    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming",
+              "Whether everything that the view needs is loaded."};
     if (there)
-        std::snprintf(part.text, sizeof part.text, strings::status::streaming_complete);
+        std::snprintf(part.text, sizeof part.text, "streaming: complete");
     else
-        std::snprintf(part.text, sizeof part.text, strings::status::streaming_wanted_in_flight,
+        std::snprintf(part.text, sizeof part.text, "streaming: %.12s wanted, %.12s in flight",
                       count_text(r.pages_wanted).text, count_text(r.in_flight).text);
     return part;
 }
@@ -70,22 +70,23 @@ std::size_t make_parts(const State& state, Parts& parts) {
     const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text);
     std::size_t n = 0;
     if (!state.scene.open()) {
-        parts[n] = {"", ui::quiet, 1, "nothing", strings::status::about_no_terrain};
-        std::snprintf(parts[n].text, sizeof parts[n].text, strings::status::no_terrain_is_open);
+        parts[n] = {"", ui::quiet, 1, "nothing", "Use File > Open, or drop a file here."};
+        std::snprintf(parts[n].text, sizeof parts[n].text, "no terrain is open");
         return 1;
     }
     parts[n++] = threshold_part(state);
     if (m.ring(Series::update_us).size() != 0) {
-        Part& update = parts[n++] = {"", plain, 2, "update", strings::status::about_update};
-        std::snprintf(update.text, sizeof update.text, strings::status::update,
+        Part& update = parts[n++] = {"", plain, 2, "update",
+                                     "The longest of the last 512 updates, without the slowest hundredth."};
+        std::snprintf(update.text, sizeof update.text, "update p99 %s ms",
                       ms_text(static_cast<double>(m.ring(Series::update_us).quantiles().p99)).text);
-        Part& fps = parts[n++] = {"", plain, 3, "fps", strings::status::about_fps};
+        Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};
         const float frame_us = m.ring(Series::frame_us).quantiles().p50;
         std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
     }
     if (m.last().streamed) parts[n++] = stream_part(state);
-    Part& drawn = parts[n++] = {"", plain, 5, "triangles", strings::status::about_triangles};
-    std::snprintf(drawn.text, sizeof drawn.text, strings::status::triangles, count_text(m.last().triangles_drawn).text);
+    Part& drawn = parts[n++] = {"", plain, 5, "triangles", "Triangles drawn in this frame."};
+    std::snprintf(drawn.text, sizeof drawn.text, "%s triangles", count_text(m.last().triangles_drawn).text);
     return n;
 }
 

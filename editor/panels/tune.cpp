@@ -6,7 +6,6 @@
 #include "editor/panels/panels.h"
 #include "editor/panels/slider.h"
 #include "editor/panels/tune_cost.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -38,9 +37,9 @@ struct Row {
 
 const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case flight::Rebuild::nothing: return strings::tune::about_next_frame;
-    case flight::Rebuild::method: return strings::tune::about_method_memory;
-    case flight::Rebuild::session: return strings::tune::about_reopening;
+    case flight::Rebuild::nothing: return "A change takes effect in the next frame.";
+    case flight::Rebuild::method: return "A change reallocates the method's memory.";
+    case flight::Rebuild::session: return "A change reopens the pack; the view stays.";
     }
     return "";
 }
@@ -51,11 +50,12 @@ void tip(const Row& row) {
     const ShownUnit unit = shown_unit(key);
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
-        (void)std::snprintf(range, sizeof range, strings::tune::range, key.least * unit.share, key.most * unit.share,
-                            *unit.name != '\0' ? " " : "", unit.name);
+        (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least * unit.share,
+                            key.most * unit.share, *unit.name != '\0' ? " " : "", unit.name);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s%s", key.about, range,
-                        unit.share != 1 ? strings::tune::about_shown_ms : "", rebuilds(key.rebuild),
-                        row.idle != nullptr ? strings::tune::not_used_now : "", row.idle != nullptr ? row.idle : "");
+                        unit.share != 1 ? "Shown in milliseconds; a profile's file has microseconds.\n" : "",
+                        rebuilds(key.rebuild), row.idle != nullptr ? "\n\nNot used now: " : "",
+                        row.idle != nullptr ? row.idle : "");
     ImGui::TextUnformatted(text);
     ui::end_tip();
 }
@@ -78,15 +78,15 @@ void draw_label(const Row& row) {
     }
     if (!changed) return;
     const ImGuiStyle& style = ImGui::GetStyle();
-    const float width = ImGui::CalcTextSize(strings::tune::reset).x + 2 * style.FramePadding.x;
+    const float width = ImGui::CalcTextSize("reset").x + 2 * style.FramePadding.x;
     ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-    if (ImGui::Button(strings::tune::reset)) row.commands.push(SetKey{&row.key, saved, false});
+    if (ImGui::Button("reset")) row.commands.push(SetKey{&row.key, saved, false});
     ui::mark("reset", row.name);
     if (!ui::begin_tip()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
-    (void)std::snprintf(text, sizeof text, strings::tune::about_reset,
+    (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ImGui::TextUnformatted(text);
     ui::end_tip();
@@ -151,8 +151,7 @@ void draw_choices(const Row& row) {
 
 void draw_flag(const Row& row) {
     bool on = row.value != 0;
-    if (ImGui::Checkbox(on ? strings::tune::on : strings::common::off, &on))
-        row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
+    if (ImGui::Checkbox(on ? "on" : "off", &on)) row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
     ui::mark(row.key.table, row.key.name);
     tip(row);
 }
@@ -171,9 +170,9 @@ void draw_notes(const Row& row) {
         write_value(row.key, theirs, text, sizeof text);
         const bool choice = row.key.kind == flight::KeyKind::choice, flag = row.key.kind == flight::KeyKind::flag;
         ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.55F, 0.74F, 0.95F, 1));
-        ImGui::Text(strings::tune::compared, choice ? row.key.choices[static_cast<std::size_t>(theirs)]
-                                             : flag ? (theirs != 0 ? strings::tune::on : strings::common::off)
-                                                    : text);
+        ImGui::Text("compared: %s", choice ? row.key.choices[static_cast<std::size_t>(theirs)]
+                                    : flag ? (theirs != 0 ? "on" : "off")
+                                           : text);
         ImGui::PopStyleColor();
     }
     ImGui::PopTextWrapPos();

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "editor/number_text.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -47,9 +46,9 @@ void vertices(const State& state, Text& text, double value) {
                (incremental ? page_state_bytes(state, value) : 0));
     text.add(" + ");
     text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
-    text.add(strings::tune_cost::gpu);
-    text.count(strings::tune_cost::used, e.vertices);
-    if (incremental) text.count(strings::tune_cost::peak, e.vertices_peak);
+    text.add(" GPU");
+    text.count(", used ", e.vertices);
+    if (incremental) text.count(", peak ", e.vertices_peak);
 }
 
 void triangles(const State& state, Text& text, double value) {
@@ -57,73 +56,72 @@ void triangles(const State& state, Text& text, double value) {
     text.bytes(value * static_cast<double>(cut_triangle_bytes));
     text.add(" + ");
     text.bytes(value * 12);
-    text.count(strings::tune_cost::gpu_used, e.triangles);
-    text.count(strings::tune_cost::peak, e.triangles_peak);
+    text.count(" GPU, used ", e.triangles);
+    text.count(", peak ", e.triangles_peak);
 }
 
 void indices(const State&, Text& text, double value) {
     text.bytes(value * 4);
     text.add(" + ");
     text.bytes(value * 4);
-    text.add(strings::tune_cost::gpu);
+    text.add(" GPU");
 }
 
 void items(const State& state, Text& text, double) {
-    text.count(strings::tune_cost::last_frame, state.measures.last().items);
+    text.count("last frame ", state.measures.last().items);
 }
 
 void time(const State& state, Text& text, double) {
-    text.add(strings::tune_cost::last_update, ms_text(state.measures.last().update_us).text);
+    text.add("last update %s ms", ms_text(state.measures.last().update_us).text);
 }
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
     if (e.error_px_effective >= 1e6)
-        text.add(strings::common::lags);
+        text.add("lags");
     else
-        text.add(strings::tune_cost::keeps_px, e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
+        text.add("keeps %.*f px", e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
     text.count(", ", e.triangles_drawn);
-    text.add(strings::tune_cost::triangles_drawn);
+    text.add(" triangles drawn");
 }
 
 void page_slots(const State& state, Text& text, double value) {
     text.bytes(value * 12.5e3);
-    if (state.scene.pages != 0) text.count(strings::tune_cost::the_pack_has, state.scene.pages);
+    if (state.scene.pages != 0) text.count(", the pack has ", state.scene.pages);
     const FrameEntry& e = state.measures.last();
     if (!e.streamed) return;
-    text.count(strings::tune_cost::used, e.stream.page_slots.used);
-    text.count(strings::tune_cost::peak, e.stream.page_slots.peak);
+    text.count(", used ", e.stream.page_slots.used);
+    text.count(", peak ", e.stream.page_slots.peak);
 }
 
 void page_requests(const State& state, Text& text, double value) {
     text.bytes(value * 16e3);
-    if (state.measures.last().streamed)
-        text.add(strings::tune_cost::in_flight_with_mips, state.measures.last().stream.in_flight);
+    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.in_flight);
 }
 
 void map_requests(const State&, Text& text, double value) {
-    text.add(strings::tune_cost::up_to);
+    text.add("up to ");
     text.bytes(value * 525e3);
 }
 
 void map_mb(const State& state, Text& text, double value) {
     text.bytes(value * 1048576);
-    text.add(strings::tune_cost::gpu);
+    text.add(" GPU");
     const FrameEntry& e = state.measures.last();
     if (!e.streamed) return;
-    text.add(strings::tune_cost::used);
+    text.add(", used ");
     text.bytes(static_cast<double>(e.stream.map_bytes_used));
 }
 
 void pages(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    if (e.streamed) text.add(strings::tune_cost::last_frame_left, e.stream.pages_inserted, e.stream.pages_left);
+    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_inserted, e.stream.pages_left);
 }
 
 void map_kb(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
     if (!e.streamed) return;
-    text.add(strings::tune_cost::last_frame);
+    text.add("last frame ");
     text.bytes(static_cast<double>(e.stream.map_upload_bytes));
 }
 
@@ -167,16 +165,17 @@ const char* why_idle(const flight::ProfileKey& key, const State& state) {
     switch (key.used_by) {
     case flight::UsedBy::any: break;
     case flight::UsedBy::incremental:
-        if (profile.method != flight::Method::incremental) return strings::tune_cost::incremental_only;
+        if (profile.method != flight::Method::incremental) return "for the incremental method only.";
         break;
     case flight::UsedBy::recursive:
-        if (profile.method != flight::Method::recursive) return strings::tune_cost::recursive_only;
+        if (profile.method != flight::Method::recursive) return "for the recursive method only.";
         break;
     case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
-        if (!state.scene.streamed && !is(key, "stream", "page_slots")) return strings::tune_cost::streaming_only;
+        if (!state.scene.streamed && !is(key, "stream", "page_slots"))
+            return "for streaming only: a pack is streamed when it has more pages than the profile has page slots.";
         break;
     }
-    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return strings::tune_cost::morph_time_only;
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "for morph \"time\" only.";
     return nullptr;
 }
 

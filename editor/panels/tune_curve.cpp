@@ -8,7 +8,6 @@
 #include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
 #include "editor/panels/ui.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -121,14 +120,13 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
         list.AddLine({a->x(p.error_px), a->low.y}, {a->x(p.error_px), a->high.y}, best_colour);
     ImGui::BeginTooltip();
     ImGui::Text("%.3g px", p.error_px);
-    ImGui::Text(strings::tune_curve::times, fine_ms_text(p.p50_us).text, fine_ms_text(p.p99_us).text,
+    ImGui::Text("p50 %s ms, p99 %s ms, max %s ms", fine_ms_text(p.p50_us).text, fine_ms_text(p.p99_us).text,
                 fine_ms_text(p.max_us).text);
-    ImGui::Text(strings::tune_curve::flights, count_text(p.vertices).text, p.flights, p.frames);
-    if (p.reached < 0.9999) ImGui::Text(strings::tune_curve::reached, 100 * p.reached);
+    ImGui::Text("%s vertices; %u flights of %u frames", count_text(p.vertices).text, p.flights, p.frames);
+    if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached the threshold", 100 * p.reached);
     if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
-        ImGui::Text(strings::tune_curve::limit, 100 * limit.share, limit.name);
-    ImGui::TextUnformatted(p.keeps ? strings::tune_curve::keeps_the_budget
-                                   : strings::tune_curve::does_not_keep_the_budget);
+        ImGui::Text("slowest frames: %.0f%% %s", 100 * limit.share, limit.name);
+    ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
     ImGui::EndTooltip();
 }
 
@@ -141,7 +139,7 @@ void draw_tune_curve(const JobView& job, float height) {
     ui::mark("job", "curve");
     ImDrawList& list = *ImGui::GetWindowDrawList();
     if (job.curve.empty()) {
-        list.AddText({at.x, at.y + height / 2}, ui::quiet, strings::tune_curve::no_curve_yet);
+        list.AddText({at.x, at.y + height / 2}, ui::quiet, "The curve appears here, flight by flight.");
         return;
     }
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
@@ -157,10 +155,10 @@ void draw_tune_curve(const JobView& job, float height) {
                                   {right, split + font * 1.7F + plots * 0.38F});
     draw_grid(list, time, false);
     draw_grid(list, vertices, true);
-    float x = draw_legend(list, left, at.y, p99_colour, strings::tune_curve::p99_axis);
-    x = draw_legend(list, x, at.y, p50_colour, strings::tune_curve::p50_axis);
-    (void)draw_legend(list, x, at.y, budget_colour, strings::common::budget);
-    (void)draw_legend(list, left, split + font * 0.35F, vertex_colour, strings::common::vertices_unit);
+    float x = draw_legend(list, left, at.y, p99_colour, "p99, ms");
+    x = draw_legend(list, x, at.y, p50_colour, "p50, ms");
+    (void)draw_legend(list, x, at.y, budget_colour, "budget");
+    (void)draw_legend(list, left, split + font * 0.35F, vertex_colour, "vertices");
     const float budget_y = time.y(job.tuned.budget_us);
     list.AddLine({left, budget_y}, {right, budget_y}, budget_colour, font / 8);
     if (job.best_px > 0)
@@ -171,7 +169,7 @@ void draw_tune_curve(const JobView& job, float height) {
     draw_line(
         list, time, job, [](const TunePoint& p) { return p.p99_us; }, p99_colour);
     draw_line(list, vertices, job, vertices_of, vertex_colour);
-    constexpr const char* name = strings::tune_curve::threshold_axis;
+    constexpr const char* name = "threshold, px (finer to the right)";
     list.AddText({(left + right - ImGui::CalcTextSize(name).x) / 2, vertices.high.y + font * 1.2F}, ui::quiet, name);
     if (const TunePoint* const p = hovered(job, time, time.low.y, vertices.high.y))
         draw_hover(list, *p, time, vertices);

@@ -5,7 +5,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -115,19 +114,19 @@ void write_over(const State& state, const ui::Rect& view) {
     const Eye& eye = state.eye;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    if (eye.frozen) plate(beside_probe(state, view), 0.5F, 0, ui::warning_colour, strings::view::frozen);
+    if (eye.frozen) plate(beside_probe(state, view), 0.5F, 0, ui::warning_colour, "Refinement frozen (F to release)");
     if (state.now_s < eye.speed_shown_until_s) {
         plate(view, 1, 1, IM_COL32_WHITE, speed_text(eye.free.speed_m_s).text);
     }
     if (state.route.recording()) {
-        std::snprintf(text, sizeof text, strings::view::recording, state.route.recorded());
+        std::snprintf(text, sizeof text, "Recording: %zu points (R to stop)", state.route.recorded());
         plate(view, 0, 1, ui::bad, text);
     } else if (state.route.playing()) {
-        std::snprintf(text, sizeof text, strings::view::playing, state.route.share() * state.route.seconds(),
-                      state.route.seconds());
+        std::snprintf(text, sizeof text, "Path: %.1f of %.1f s (P to pause)",
+                      state.route.share() * state.route.seconds(), state.route.seconds());
         plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
-        plate(view, 0, 1, IM_COL32_WHITE, strings::view::orbiting);
+        plate(view, 0, 1, IM_COL32_WHITE, "Orbit (1 to fly)");
     }
     list.PopClipRect();
 }
@@ -144,10 +143,10 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
     }
     if (!state.opening.empty()) {
         char text[600];
-        std::snprintf(text, sizeof text, strings::view::opening, state.opening.c_str());
+        std::snprintf(text, sizeof text, "Opening %.500s", state.opening.c_str());
         plate(layout.view, 0.5F, 0.5F, IM_COL32_WHITE, text);
     } else if (!state.scene.open() && state.interface.dialog == Dialog::none) { // a dialog would lie half over it
-        plate(layout.view, 0.5F, 0.5F, ui::quiet, strings::view::no_terrain);
+        plate(layout.view, 0.5F, 0.5F, ui::quiet, "No terrain is open: use File > Open, or drop a file here");
     }
     if (!state.scene.open()) return;
     MoveCamera move;
