@@ -65,7 +65,7 @@ void draw_flight(const State& state, Commands& commands) {
         std::isfinite(seconds))
         commands.push(SetPathSeconds{seconds});
     ui::mark("path", "seconds");
-    ui::tip("Duration of the flight in seconds, 1 to 3,600; the points' times are stretched to it. 0: no times, and a "
+    ui::tip("Duration of the flight in seconds, 1 to 3,600; 0: a "
             "duration chosen from the terrain's size. Enter applies it.");
     ImGui::SameLine();
     bool loops = route.loops();

@@ -33,7 +33,8 @@ std::string script_of(const std::vector<Sight>& panels, const std::vector<Sight>
         show(sight.commands);
         show({"frames 4", "dump " + folder + "/" + std::to_string(dumps++) + ".json", "frames 1"});
     };
-    show({"home", "wait", "circle-path", "compare " FJELL_SOURCE_DIR "/profiles/laptop.toml", "freeze on"});
+    show({"home", "wait", "add-point", "jump 9000 9000", "add-point",
+          "compare " FJELL_SOURCE_DIR "/profiles/laptop.toml", "freeze on"});
     for (const Sight& sight : panels) dump(sight);
     show({"dialog none", "freeze off", "navigate fly"});
     show(flown_runs(folder, rounds(60, 600)));
