@@ -16,7 +16,7 @@
 #include "editor/dump.h"
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
-#include "editor/jobs/factories.h"
+#include "editor/jobs/work.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"

@@ -11,21 +11,32 @@
 #include <string>
 #include <vector>
 
-#include "editor/clock.h"
 #include "editor/command.h"
 #include "editor/comparison.h"
 #include "editor/engine.h"
-#include "editor/handlers/apply.h"
-#include "editor/jobs/height_look.h"
+#include "editor/handlers/handlers.h"
+#include "editor/jobs/heights.h"
 #include "editor/jobs/jobs.h"
-#include "editor/options.h"
-#include "editor/scene/gpu_timer.h"
-#include "editor/scene/overview.h"
-#include "editor/scene/preview_texture.h"
+#include "editor/measures.h"
+#include "editor/scene/textures.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
 namespace fjell::editor {
+
+// The command line's.
+struct Options {
+    std::string pack, profile, path;   // may be empty
+    std::string materials, layers;     // of detail layers: both or neither
+    std::string screenshot;            // of the last of so many frames
+    std::size_t frames = 0;            // then it quits; 0: until it is closed
+    std::string script;                // a file of commands, "-": standard input
+    std::vector<std::string> commands; // --do: before the script's
+    bool headless = false;
+    std::uint32_t width = 0, height = 0; // 0: as last time, or 1280x720
+    double scale = 0;                    // 0: the desktop's
+    bool vsync = true;
+};
 
 // A command of --do or --script, or what is wrong with it.
 struct ScriptLine {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "editor/app.h"
-#include "editor/files/file_kind.h"
+#include "editor/files/listing.h"
 #include "editor/handlers/handlers.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"

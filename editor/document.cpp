@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "editor/edit_stamp.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 

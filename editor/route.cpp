@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "editor/edit_stamp.h"
+#include "editor/document.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 

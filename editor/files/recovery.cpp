@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "editor/files/unusable.h"
+#include "editor/files/settings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"

@@ -1,9 +1,36 @@
-// One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
+// Applies commands: the one place, beside the frame itself, that changes the state.
+//
+// Failure: none gets out. What a command cannot do becomes a message and the state stays as it was.
 #pragma once
 
-#include "editor/handlers/apply.h"
+#include <string>
+#include <string_view>
+
+#include "editor/command.h"
+#include "editor/engine.h"
+#include "editor/jobs/jobs.h"
+#include "editor/state.h"
 
 namespace fjell::editor {
+
+// What commands act on.
+struct HandlerContext {
+    State& state;
+    Engine& engine;
+    Jobs& jobs;
+};
+
+void apply(const Command& command, HandlerContext context);
+
+// Brings the engine in line with the document, unless a control is still held; what cannot be had is reverted.
+void follow_document(HandlerContext context);
+// After a pack was opened: scene, camera, measures.
+void start_at_scene(HandlerContext context);
+// What a frame does to the camera of itself: the path that is played or recorded goes on, and Eye::view and ground_m
+// follow. A pack must be open, and Interface know the picture's size.
+void move_camera(HandlerContext context, double seconds);
+
+// --- One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
 
 // profile.cpp
 void handle(const SetKey& c, HandlerContext context);
@@ -16,6 +43,11 @@ void handle(const CompareProfile& c, HandlerContext context);
 void handle(const StopComparing& c, HandlerContext context);
 
 // files.cpp
+// The sample terrain: a small synthetic landscape (content/terrain/mountains-small.json), baked at its first use.
+[[nodiscard]] std::string_view sample_landscape(); // JSON, as fjell-bake takes it
+[[nodiscard]] std::string sample_pack(const std::string& cache_folder);
+// What bakes it: the landscape is written to the folder, which is made. Throws io::Failure.
+[[nodiscard]] BakePack bake_sample(const std::string& cache_folder);
 // Reads the pack while the caller waits. What the engine has opened, as the scene: camera, measures, recent files.
 void open_now(const std::string& pack, HandlerContext context);
 void show_opened(const std::string& pack, HandlerContext context);

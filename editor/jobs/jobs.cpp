@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "editor/clock.h"
+#include "editor/measures.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {

@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "editor/jobs/tune_settings.h"
+#include "editor/command.h"
 #include "editor/runs.h"
 #include "flight/path.h"
 #include "flight/profile.h"

@@ -1,10 +1,13 @@
 // Used, peak and capacity of every budget, which one is exhausted, the knob that raises it, and where the memory is.
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdio>
 
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
+#include "fjell/gl/palette.h"
 
 namespace fjell::editor {
 
@@ -170,6 +173,171 @@ void draw_budgets(const State& state, Commands& commands) {
     draw_method(state, commands);
     draw_stream(state, commands);
     draw_memory(state);
+}
+
+// --- What streams: what is wanted, under way, failed and read, and how far the picture is from all of it.
+
+namespace {
+
+void flag(const char* label, bool good, const char* yes, const char* no, const char* about) {
+    ImGui::PushStyleColor(ImGuiCol_Text, good ? ui::good : ui::warning_colour);
+    ui::row(label, "%s", good ? yes : no);
+    ImGui::PopStyleColor();
+    ui::tip(about);
+}
+
+void bytes_row(const char* label, double bytes, const char* about) {
+    ui::row(label, "%s", byte_text(bytes).text);
+    ui::tip(about);
+}
+
+void draw_not_streamed(const State& state, Commands& commands) {
+    ImGui::TextWrapped("The whole terrain is in memory: all of its %s pages were read when it was opened.",
+                       count_text(state.scene.pages).text);
+    ImGui::Spacing();
+    ImGui::TextWrapped(
+        "To stream it, give the profile fewer page slots than the pack has pages (stream.page_slots in the Tune "
+        "panel), and at least one for each tile. Pages are then read when the view wants them.");
+    const std::uint32_t tiles = state.scene.tiles;
+    const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
+    if (slots >= state.scene.pages) return;
+    char label[64];
+    std::snprintf(label, sizeof label, "Stream with %s page slots", count_text(slots).text);
+    if (ImGui::Button(label))
+        commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
+    ui::mark("streaming", "begin");
+    ui::tip("Half of its pages. The pack is reopened and the view stays; Undo reverts it.");
+}
+
+void draw_geometry(const StreamReport& r) {
+    ui::heading("Geometry");
+    flag("Pages for this view", r.converged, "complete", "incomplete",
+         "Complete: the threshold holds against the whole terrain.");
+    ui::row("Wanted, missing", "%s", count_text(r.pages_wanted).text);
+    ui::tip("Pages that the views want and that are not loaded, although the coarser ones above them are.");
+    ui::row("Accepted, left", "%s, %s", count_text(r.pages_inserted).text, count_text(r.pages_left).text);
+    ui::tip("Arrived pages that were accepted in this frame, and those left for the next ones (stream.pages).");
+    ui::row("Evicting", "%s", count_text(r.pages_evicting).text);
+    ui::tip("Pages that are not wanted any more, evicted as soon as the mesh does not use them.");
+    ui::row("Page slots", "%s of %s", count_text(r.page_slots.used).text, count_text(r.page_slots.capacity).text);
+    if (r.missing_px >= 1e7)
+        ui::row("Missing error", "unbounded");
+    else
+        ui::row("Missing error", "%.2f px", r.missing_px);
+    ui::tip("The largest error on screen that a missing page may hide, in pixels.");
+}
+
+void draw_maps(const StreamReport& r) {
+    ui::heading("Maps");
+    flag("Mips for this view", r.maps_converged, "complete", "incomplete", "Complete: loaded and faded in.");
+    ui::row("Accepted, left", "%s, %s", count_text(r.mips_uploaded).text, count_text(r.mips_left).text);
+    ui::row("Missing mips", "%.1f", r.missing_mips);
+    ui::tip("Mips that the blurriest tile in view lacks.");
+    ui::row("On the GPU", "%s of %s", byte_text(static_cast<double>(r.map_bytes_used)).text,
+            byte_text(static_cast<double>(r.map_bytes_capacity)).text);
+}
+
+void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader) {
+    ui::heading("Reading");
+    ui::row("In flight", "%s", count_text(r.in_flight).text);
+    ui::tip("Pages and mips that were requested and have not arrived (stream.page_requests, stream.map_requests).");
+    ui::row("Pages, mips", "%s, %s", count_text(static_cast<double>(r.pages_read)).text,
+            count_text(static_cast<double>(r.mips_read)).text);
+    bytes_row("Bytes", static_cast<double>(r.bytes_read), "Compressed, in total.");
+    ui::row("Reads", "%s", count_text(static_cast<double>(reader.reads)).text);
+    const double a_second = reader.read_s > 0 ? static_cast<double>(reader.bytes) / reader.read_s : 0;
+    ui::row("Read rate", "%s/s", byte_text(a_second).text);
+    ui::tip("Over the time that the reader's thread spent reading.");
+    ui::row("Decompression", "%.2f s", reader.provide_s);
+    ui::tip("Checking and decompressing on the reader's thread, in total.");
+    ui::row("Withdrawn", "%s", count_text(static_cast<double>(reader.unwanted)).text);
+    ui::tip("Requests that were not wanted any more when their turn came.");
+    const bool failed = r.failed > 0 || reader.errors > 0;
+    if (failed) ImGui::PushStyleColor(ImGuiCol_Text, ui::bad);
+    ui::row("Failed", "%s", count_text(r.failed).text);
+    if (failed) ImGui::PopStyleColor();
+    ui::tip("Pages and mips that are unreadable or damaged; the terrain is coarser there. See Help > Messages.");
+}
+
+} // namespace
+
+void draw_streaming(const State& state, Commands& commands) {
+    if (!state.scene.open()) {
+        ImGui::TextWrapped("No terrain is open.");
+        return;
+    }
+    if (!state.scene.streamed) {
+        draw_not_streamed(state, commands);
+        return;
+    }
+    const StreamReport& r = state.measures.last().stream;
+    flag("Streaming", r.complete, "coarse terrain loaded", "loading coarse terrain",
+         "Whether the coarsest page and the smallest mips of every tile are loaded.");
+    draw_measured_graph(
+        {"queue", "pages, mips", 7},
+        {{&state.measures.ring(Series::pages_wanted), IM_COL32(235, 160, 90, 255), "wanted", 1, true},
+         {&state.measures.ring(Series::requested), IM_COL32(125, 175, 235, 255), "in flight", 1, false}},
+        state, commands);
+    draw_geometry(r);
+    draw_maps(r);
+    draw_reading(r, state.reader);
+}
+
+// --- How many of the triangles that are drawn are of which level.
+
+namespace {
+
+// "0  64 cells": a bar as long as its share of the fullest level.
+void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2, double cell_m) {
+    const float em = ImGui::GetFontSize(), names = 6 * em, numbers = 4.8F * em;
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    const float width = std::max(ImGui::GetContentRegionAvail().x, names + numbers + em);
+    const float room = width - names - numbers;
+    const std::uint32_t count = levels.triangles[level];
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    char text[32];
+    // Legs of level 2 k are 2^(tile_log2 - k) cells long.
+    const double leg_m = cell_m * std::exp2(tile_log2 - level / 2.0);
+    if (leg_m >= 1000)
+        std::snprintf(text, sizeof text, "%2u  %.3g km", level, leg_m / 1000);
+    else
+        std::snprintf(text, sizeof text, "%2u  %.3g m", level, leg_m);
+    list.AddText(from, ImGui::GetColorU32(ImGuiCol_Text), text);
+    const float share = levels.most > 0 ? static_cast<float>(count) / static_cast<float>(levels.most) : 0;
+    const float x = from.x + names;
+    list.AddRectFilled({x, from.y + 0.1F * em}, {x + std::max(share * room, count > 0 ? 1.0F : 0.0F), from.y + em},
+                       ui::colour(gl::level_rgb(static_cast<int>(level), tile_log2)));
+    const NumberText shown = count_text(count);
+    const char* const number = shown.text;
+    list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);
+    ImGui::Dummy({width, 1.15F * em});
+    char about[96];
+    std::snprintf(about, sizeof about, "level %u: %s triangles with legs of %.4g m", level, number, leg_m);
+    ui::tip(about);
+}
+
+} // namespace
+
+void draw_levels(const State& state, Commands& commands) {
+    if (!state.scene.open()) {
+        ImGui::TextWrapped("No terrain is open.");
+        return;
+    }
+    const LevelHistogram& levels = state.measures.levels();
+    const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
+    std::uint64_t all = 0;
+    for (const std::uint32_t count : levels.triangles) all += count;
+    ui::heading("Triangles drawn, by level");
+    ui::tip("Level 0: the two base triangles of a tile; each further level halves them. Legs are a triangle's two "
+            "equal sides.");
+    for (std::uint32_t i = 0; i < levels.levels; ++i)
+        level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
+    ui::row("Total", "%s", count_text(static_cast<double>(all)).text);
+    bool shown = state.interface.mode == flight::PictureMode::levels;
+    if (ImGui::Checkbox("Colour the picture by level", &shown))
+        commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
+    ui::mark("levels", "colour");
+    ui::tip("Every triangle in its level's colour, as here. Costs almost nothing.");
 }
 
 } // namespace fjell::editor

@@ -8,7 +8,6 @@
 
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/panels/runs.h"
 
 namespace fjell::editor {
 

@@ -1,7 +1,89 @@
+// Columns, tabs, floating panels and the status line.
 #include "editor/panels/panels.h"
-#include "editor/panels/keyboard.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include <imgui_internal.h> // StartMouseMovingWindow: a tab that is dragged out goes on as the window it has become
+
+#include "editor/number_text.h"
+#include "editor/panels/keyboard.h"
+
+namespace fjell::editor::ui {
+
+namespace {
+
+constexpr float strip_px = 10, folded_strip_px = 14, stacked_from_px = 860;
+// Two columns, each as wide as by default, leave the picture two thirds.
+constexpr float two_columns_from_px = 1880;
+constexpr unsigned upper_groups = 5; // the first of the left column's, and of the right one's
+constexpr float least_view_share = 0.3F;
+
+// groups: of the panels that stand there; those that float need no room.
+ColumnLayout column_at(std::size_t side, const Rect& room, unsigned groups, const Interface& i) {
+    const auto s = static_cast<float>(i.scale);
+    const Arrangement& a = i.arrangement;
+    ColumnLayout c;
+    c.there = true;
+    c.folded = a.folded[side];
+    const float strip = (c.folded ? folded_strip_px : strip_px) * s;
+    const float width = c.folded ? 0 : room.width - strip;
+    const bool left = side == 0;
+    c.strip = {left ? room.x + width : room.x, room.y, strip, room.height};
+    if (c.folded) return c;
+    const float x = left ? room.x : room.x + strip;
+    const bool both = (groups & left_groups) != 0 && (groups & right_groups) != 0;
+    const unsigned upper = groups & (both ? left_groups : upper_groups);
+    if (room.height < stacked_from_px * s || upper == 0 || upper == groups) {
+        c.sections = 1;
+        c.section[0] = {{x, room.y, width, room.height}, groups};
+        return c;
+    }
+    c.sections = 2;
+    const float gap = 0.6F * strip_px * s, above = std::floor((room.height - gap) * a.split[side]);
+    c.section[0] = {{x, room.y, width, above}, upper};
+    c.split = {x, room.y + above, width, gap};
+    c.section[1] = {{x, room.y + above + gap, width, room.height - above - gap}, groups & ~upper};
+    return c;
+}
+
+} // namespace
+
+Layout layout(float width, float height, const Interface& i) {
+    const auto s = static_cast<float>(i.scale);
+    Layout l;
+    if (i.picture_only) {
+        l.view = {0, 0, std::max(width, 1.0F), std::max(height, 1.0F)};
+        return l;
+    }
+    l.menu_height = ImGui::GetFrameHeight();
+    l.status_height = ImGui::GetFrameHeight() + 2 * s;
+    const float top = l.menu_height, rest = std::max(height - top - l.status_height, 1.0F);
+    l.view = {0, top, std::max(width, 1.0F), rest};
+    const Arrangement& a = i.arrangement;
+    if (!a.panels) return l;
+    const unsigned all = a.docked(left_groups | right_groups);
+    const bool two = width >= two_columns_from_px * s && (all & left_groups) != 0 && (all & right_groups) != 0;
+    const unsigned groups[columns] = {two ? all & left_groups : all, two ? all & right_groups : 0};
+    const float most = (1 - least_view_share) * width / (two ? 2 : 1);
+    float taken[columns] = {};
+    for (std::size_t side = 0; side < columns; ++side) {
+        if (groups[side] == 0) continue; // all of its panels float
+        taken[side] =
+            std::floor(a.folded[side] ? folded_strip_px * s : std::min(a.width_px[side] * s + strip_px * s, most));
+        const Rect room{side == 0 ? 0 : width - taken[side], top, taken[side], rest};
+        l.column[side] = column_at(side, room, groups[side], i);
+    }
+    l.view.x = taken[0];
+    l.view.width = std::max(width - taken[0] - taken[1], 1.0F);
+    return l;
+}
+
+} // namespace fjell::editor::ui
+
+// --- Columns and their tabs.
 
 namespace fjell::editor {
 
@@ -162,6 +244,295 @@ void draw_panels(const State& state, Commands& commands) {
     draw_divider(state, layout.view, commands);
     if (layout.status_height > 0) draw_status(state, layout, commands);
     draw_dialog(state, commands);
+}
+
+// --- Panels that float over the picture. While a hand moves one, ImGui has its place, and the state follows; otherwise
+// the state has it: a command, another scale or another window may have changed it.
+
+namespace {
+
+// Of the frame before.
+struct FloatBefore {
+    bool on = false, moved = false; // by the hand that still holds it
+    FloatingPanel place;            // the state's
+    ImVec2 at, size, display;
+    double scale = 0;
+};
+std::array<FloatBefore, panels> floats_before;
+
+bool same_place(const FloatingPanel& a, const FloatingPanel& b) {
+    constexpr float rounding = 0.05F;
+    return std::abs(a.x_px - b.x_px) < rounding && std::abs(a.y_px - b.y_px) < rounding &&
+           std::abs(a.width_px - b.width_px) < rounding && std::abs(a.height_px - b.height_px) < rounding;
+}
+
+bool same_place(const ImVec2& a, const ImVec2& b) {
+    return a.x == b.x && a.y == b.y;
+}
+
+bool is_inside(const ImVec2& p, const ui::Rect& r) {
+    return p.x >= r.x && p.x < r.x + r.width && p.y >= r.y && p.y < r.y + r.height;
+}
+
+bool over_a_column(const ImVec2& p, const ui::Layout& layout) {
+    for (const ui::ColumnLayout& c : layout.column)
+        for (int i = 0; c.there && i < c.sections; ++i)
+            if (is_inside(p, c.section[i].rect)) return true;
+    return false;
+}
+
+// Where the state wants it, but all of it in the window if there is room.
+void put_float(const FloatingPanel& f, double scale, const ui::Layout& layout) {
+    const auto s = static_cast<float>(scale);
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float top = layout.menu_height, bottom = display.y - layout.status_height;
+    const ImVec2 size{std::min(f.width_px * s, display.x), std::min(f.height_px * s, bottom - top)};
+    ImGui::SetNextWindowPos({std::round(std::clamp(f.x_px * s, 0.0F, display.x - size.x)),
+                             std::round(std::clamp(f.y_px * s, top, bottom - size.y))},
+                            ImGuiCond_Always);
+    ImGui::SetNextWindowSize(size, ImGuiCond_Always);
+}
+
+// The hand that has dragged the tab out holds the window by its title.
+void go_on_dragging() {
+    ImGuiWindow* const window = ImGui::GetCurrentWindow();
+    const ImVec2 pointer = ImGui::GetIO().MousePos;
+    ImGui::StartMouseMovingWindow(window);
+    ImGui::GetCurrentContext()->ActiveIdClickOffset = {pointer.x - window->Pos.x, pointer.y - window->Pos.y};
+}
+
+// The state learns where the window has been moved, and forgets the panel's window over a column.
+void follow_float(Panel panel, FloatBefore& was, const State& state, const ui::Layout& layout, Commands& commands) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+    const auto s = static_cast<float>(state.interface.scale);
+    if (was.on && !ImGui::IsWindowCollapsed() && (!same_place(at, was.at) || !same_place(size, was.size))) {
+        was.moved = was.moved || !same_place(at, was.at);
+        was.place = {true, at.x / s, std::max(at.y / s, 0.0F), size.x / s, size.y / s};
+        const FloatingPanel& p = was.place;
+        commands.push(PlacePanel{panel, static_cast<double>(p.x_px), static_cast<double>(p.y_px),
+                                 static_cast<double>(p.width_px), static_cast<double>(p.height_px)});
+    }
+    if (!ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+        if (was.moved && over_a_column(io.MousePos, layout)) commands.push(FloatPanel{panel, false, {}});
+        was.display = was.moved ? ImVec2{} : io.DisplaySize; // let go: back into the window, if it stands out of it
+        was.moved = false;
+    }
+    was.on = true;
+    was.at = at;
+    was.size = size;
+    was.scale = state.interface.scale;
+}
+
+void draw_float(Panel panel, const State& state, const ui::Layout& layout, Commands& commands) {
+    const auto i = static_cast<std::size_t>(panel);
+    const FloatingPanel& f = state.interface.arrangement.floating[i];
+    FloatBefore& was = floats_before[i];
+    const bool appears = !was.on;
+    const bool elsewhere = !same_place(was.place, f) || was.scale != state.interface.scale ||
+                           !same_place(was.display, ImGui::GetIO().DisplaySize);
+    if (appears || elsewhere) {
+        put_float(f, state.interface.scale, layout);
+        was = {};
+        was.place = f;
+        was.display = ImGui::GetIO().DisplaySize;
+    }
+    const float em = ImGui::GetFontSize();
+    ImGui::SetNextWindowSizeConstraints({10 * em, 6 * em}, ImGui::GetIO().DisplaySize);
+    static Panel latest = Panel::tune;
+    const Panel turned_to = state.interface.arrangement.latest.front();
+    if (appears || (turned_to == panel && latest != panel)) ImGui::SetNextWindowFocus(); // on top of the others
+    if (turned_to == panel || latest == panel) latest = turned_to;
+    char name[64];
+    (void)std::snprintf(name, sizeof name, "%s###floating-%s", title_of(panel), panel_names[i]);
+    bool open = true;
+    keyboard::Pane pane(state);
+    const bool shown = ImGui::Begin(name, &open, ImGuiWindowFlags_NoSavedSettings | key_flags(state));
+    pane.began();
+    ui::mark("floating", panel_names[i]); // its title
+    if (appears && ImGui::IsMouseDown(ImGuiMouseButton_Left)) go_on_dragging();
+    if (shown) draw_panel(panel, state, commands);
+    follow_float(panel, was, state, layout, commands);
+    ImGui::End();
+    if (!open) commands.push(FloatPanel{panel, false, {}});
+}
+
+} // namespace
+
+void draw_floating(const State& state, const ui::Layout& layout, Commands& commands) {
+    const Interface& i = state.interface;
+    for (int p = 0; p < panels; ++p) {
+        const auto panel = static_cast<Panel>(p);
+        if (i.arrangement.panels && !i.picture_only && i.arrangement.floats(panel))
+            draw_float(panel, state, layout, commands);
+        else
+            floats_before[static_cast<std::size_t>(p)].on = false;
+    }
+}
+
+void draw_detaching(Panel panel, const ui::Rect& column, const State& state, Commands& commands) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool twice = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+    const bool dragged =
+        ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left) && !is_inside(io.MousePos, column);
+    if (!twice && !dragged) return;
+    const auto s = static_cast<float>(state.interface.scale);
+    const float em = ImGui::GetFontSize();
+    // Under the pointer that drags it; otherwise beside its column.
+    const bool right = column.x > io.DisplaySize.x / 2;
+    const float width = state.interface.arrangement.floating[static_cast<std::size_t>(panel)].width_px * s;
+    const ImVec2 at = dragged
+                          ? ImVec2{io.MousePos.x - 4 * em, io.MousePos.y - 0.7F * em}
+                          : ImVec2{right ? column.x - width - 2 * em : column.x + column.width + 2 * em, column.y + em};
+    commands.push(FloatPanel{panel, true, std::array{static_cast<double>(at.x / s), static_cast<double>(at.y / s)}});
+}
+
+// --- The line at the bottom: the newest message, and the figures that matter most; what has no room is left out, the
+// least important first.
+
+namespace {
+
+struct Part {
+    char text[64] = "";
+    ImU32 colour = 0;
+    int importance = 0; // 1 goes last
+    const char* name = "";
+    const char* about = "";
+};
+
+// Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
+Part threshold_part(const State& state) {
+    const flight::FrameEntry& e = state.measures.last();
+    Part part{"", ui::good, 1, "threshold",
+              "The threshold that the mesh keeps now, and why it is not the requested one."};
+    constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
+                                      flight::exhausted_triangles | flight::exhausted_page_slots;
+    const char* why = "";
+    if ((e.exhausted & lasting) != 0) {
+        part.colour = ui::bad;
+        why = (e.exhausted & flight::exhausted_vertices) != 0    ? "vertices exhausted"
+              : (e.exhausted & flight::exhausted_triangles) != 0 ? "triangles exhausted"
+              : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
+                                                                 : "page slots exhausted";
+    } else if (e.streamed && !e.stream.converged) {
+        part.colour = ui::warning_colour;
+        why = "pages missing";
+    } else if (!e.converged) {
+        part.colour = ui::warning_colour;
+        why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: work items exhausted"
+              : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
+              : e.morphing > 0                              ? "morphing"
+                                                            : "lags";
+    }
+    if (e.error_px_effective >= 1e6)
+        std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);
+    else
+        std::snprintf(part.text, sizeof part.text, "within %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
+    return part;
+}
+
+Part stream_part(const State& state) {
+    const StreamReport& r = state.measures.last().stream;
+    const bool there = r.converged && r.maps_converged;
+    Part part{"", there ? ui::good : ui::warning_colour, 4, "streaming",
+              "Whether everything that the view needs is loaded."};
+    if (there)
+        std::snprintf(part.text, sizeof part.text, "streaming: complete");
+    else
+        std::snprintf(part.text, sizeof part.text, "streaming: %.12s wanted, %.12s in flight",
+                      count_text(r.pages_wanted).text, count_text(r.in_flight).text);
+    return part;
+}
+
+using Parts = std::array<Part, 6>;
+
+std::size_t make_parts(const State& state, Parts& parts) {
+    const Measures& m = state.measures;
+    const ImU32 plain = ImGui::GetColorU32(ImGuiCol_Text);
+    std::size_t n = 0;
+    if (!state.scene.open()) {
+        parts[n] = {"", ui::quiet, 1, "nothing", "Use File > Open, or drop a file here."};
+        std::snprintf(parts[n].text, sizeof parts[n].text, "no terrain is open");
+        return 1;
+    }
+    parts[n++] = threshold_part(state);
+    if (m.ring(Series::update_us).size() != 0) {
+        Part& update = parts[n++] = {"", plain, 2, "update",
+                                     "The longest of the last 512 updates, without the slowest hundredth."};
+        std::snprintf(update.text, sizeof update.text, "update p99 %s ms",
+                      ms_text(static_cast<double>(m.ring(Series::update_us).quantiles().p99)).text);
+        Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};
+        const float frame_us = m.ring(Series::frame_us).quantiles().p50;
+        std::snprintf(fps.text, sizeof fps.text, "%.0f fps", frame_us > 0 ? 1e6 / static_cast<double>(frame_us) : 0.0);
+    }
+    if (m.last().streamed) parts[n++] = stream_part(state);
+    Part& drawn = parts[n++] = {"", plain, 5, "triangles", "Triangles drawn in this frame."};
+    std::snprintf(drawn.text, sizeof drawn.text, "%s triangles", count_text(m.last().triangles_drawn).text);
+    return n;
+}
+
+float width_of(const Parts& parts, std::size_t n, float gap) {
+    float width = 0;
+    for (std::size_t i = 0; i < n; ++i) width += ImGui::CalcTextSize(parts[i].text).x + gap;
+    return width;
+}
+
+void drop_least(Parts& parts, std::size_t& n) {
+    const auto end = parts.begin() + static_cast<std::ptrdiff_t>(n);
+    const auto least =
+        std::max_element(parts.begin(), end, [](const Part& a, const Part& b) { return a.importance < b.importance; });
+    std::move(least + 1, end, least);
+    --n;
+}
+
+// One line of it, cut with dots where it is too long; a click shows all messages.
+void draw_message(const State& state, float room, Commands& commands) {
+    const Message& newest = state.messages.all.back();
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    const float em = ImGui::GetFontSize();
+    if (ImGui::InvisibleButton("message", {std::max(room, em), em})) commands.push(ShowDialog{Dialog::messages});
+    ui::mark("status", "message");
+    ui::tip(newest.text.c_str());
+    const char* const text = newest.text.c_str();
+    const char* end = text + newest.text.size();
+    const float dots = ImGui::CalcTextSize(" ...").x;
+    const bool long_one = ImGui::CalcTextSize(text, end).x > room;
+    // A UTF-8 character's later bytes are not cut from its first.
+    while (long_one && end > text && (ImGui::CalcTextSize(text, end).x + dots > room || (*end & 0xC0) == 0x80)) --end;
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImU32 colour = ui::severity_colour(newest.severity);
+    list.AddText(from, colour, text, end);
+    if (long_one) list.AddText({from.x + ImGui::CalcTextSize(text, end).x, from.y}, colour, " ...");
+}
+
+} // namespace
+
+void draw_status(const State& state, const ui::Layout& layout, Commands& commands) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float em = ImGui::GetFontSize(), gap = 1.4F * em;
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0.7F * em, 0.5F * (layout.status_height - em) - 1});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+    ui::begin_column("status", {0, display.y - layout.status_height, display.x, layout.status_height});
+    ImGui::PopStyleVar(2);
+    draw_job_status(state, commands);
+    Parts parts;
+    std::size_t n = make_parts(state, parts);
+    const bool message = !state.messages.all.empty() && state.now_s < state.messages.shown_until_s;
+    const float all = ImGui::GetContentRegionAvail().x, least_message = message ? 16 * em : 0;
+    while (n > 1 && width_of(parts, n, gap) + least_message > all) drop_least(parts, n);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (i > 0) ImGui::SameLine(0, gap);
+        ImGui::PushStyleColor(ImGuiCol_Text, parts[i].colour);
+        ImGui::TextUnformatted(parts[i].text);
+        ImGui::PopStyleColor();
+        ui::mark("status", parts[i].name);
+        ui::tip(parts[i].about);
+    }
+    if (message) {
+        ImGui::SameLine(0, gap);
+        draw_message(state, ImGui::GetContentRegionAvail().x, commands);
+    }
+    ImGui::End();
 }
 
 } // namespace fjell::editor

@@ -1,13 +1,53 @@
-// The panels: each reads the state and pushes commands, and touches nothing else.
+// Where panels, splitters and picture are in a window of that size.
+//
+// A window that is wide enough has two columns, so that the picture keeps two thirds of it; a narrower one has one, and
+// a tall one stacks two sections in a column. Thread: the frame's. Memory: none.
 #pragma once
 
 #include "editor/command.h"
+#include "editor/jobs/jobs.h"
 #include "editor/panels/graph.h"
-#include "editor/panels/layout.h"
 #include "editor/panels/ui.h"
 #include "editor/state.h"
 
+namespace fjell::editor::ui {
+
+struct Section {
+    Rect rect;
+    unsigned groups = 0; // group_bit() of the panels that it may show
+};
+struct ColumnLayout {
+    bool there = false;
+    bool folded = false;
+    Rect strip; // beside the picture: drags the width, and a click folds
+    Rect split; // between two sections
+    int sections = 0;
+    Section section[2];
+};
+struct Layout {
+    float menu_height = 0, status_height = 0; // 0: they are hidden
+    ColumnLayout column[columns];
+    Rect view;
+};
+[[nodiscard]] Layout layout(float width, float height, const Interface& interface);
+
+} // namespace fjell::editor::ui
+
+// --- Runs of benchmarks in the benchmark panel and on the overview.
+
 namespace fjell::editor {
+
+void draw_runs(const State& state, Commands& commands); // nothing when there are none
+// Dots along the latest run's path, over an overview that lies there.
+void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size);
+
+// --- What tuning found, drawn as in the thesis' figures 6.3 and 6.4: time over the threshold with the budget's line,
+// and under it the vertices. ImPlot is no package of Debian 12's, so the axes are our own.
+
+// Over the width of the window and that height in pixels. Hovering shows a threshold's values. Allocates nothing.
+void draw_tune_curve(const JobView& job, float height);
+
+// --- The panels: each reads the state and pushes commands, and touches nothing else.
 
 // Everything of a frame: menu, columns, status line, the picture's area and whatever dialog is open.
 void draw_panels(const State& state, Commands& commands);

@@ -1,13 +1,261 @@
+// The profile: where values lie on their sliders, what they cost now, and the panel that changes them.
+#include "editor/panels/tune.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 
 #include <strings.h>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/panels/slider.h"
-#include "editor/panels/tune_cost.h"
 
 namespace fjell::editor {
+
+namespace {
+
+constexpr double zero_stretch = 0.04; // of the slider, where 0 is allowed on a logarithmic one
+
+// The smallest value above 0 that such a slider gives.
+double floor_of(const flight::ProfileKey& key) {
+    return key.kind == flight::KeyKind::number ? key.most * 1e-6 : 1;
+}
+
+double three_digits(double value) {
+    if (value == 0) return 0;
+    const double step = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+    return step < 1 ? std::round(value / step) / std::round(1 / step) : std::round(value / step) * step;
+}
+
+} // namespace
+
+double slider_share(const flight::ProfileKey& key, double value) {
+    const double v = std::clamp(value, key.least, key.most);
+    if (!key.logarithmic) return (v - key.least) / (key.most - key.least);
+    if (key.least > 0) return std::log(v / key.least) / std::log(key.most / key.least);
+    if (v == 0) return 0;
+    const double floor = floor_of(key);
+    return zero_stretch + (1 - zero_stretch) * std::max(std::log(v / floor), 0.0) / std::log(key.most / floor);
+}
+
+double slider_value(const flight::ProfileKey& key, double share) {
+    if (!(share > 0)) return key.least;
+    if (share >= 1) return key.most;
+    double value = 0;
+    if (!key.logarithmic) {
+        value = key.least + share * (key.most - key.least);
+    } else if (key.least > 0) {
+        value = key.least * std::pow(key.most / key.least, share);
+    } else {
+        if (share < zero_stretch) return 0;
+        const double floor = floor_of(key);
+        value = floor * std::pow(key.most / floor, (share - zero_stretch) / (1 - zero_stretch));
+    }
+    value = three_digits(value);
+    if (key.kind != flight::KeyKind::number) value = std::round(value);
+    return std::clamp(value, key.least, key.most);
+}
+
+ShownUnit shown_unit(const flight::ProfileKey& key) {
+    return std::strcmp(key.unit, "us") == 0 ? ShownUnit{"ms", 1e-3} : ShownUnit{key.unit, 1};
+}
+
+void write_value(const flight::ProfileKey& key, double value, char* to, int size) {
+    if (key.zero != nullptr && value == 0)
+        (void)std::snprintf(to, static_cast<std::size_t>(size), "%s", key.zero);
+    else
+        (void)std::snprintf(to, static_cast<std::size_t>(size), key.kind == flight::KeyKind::number ? "%.7g" : "%.0f",
+                            value * shown_unit(key).share);
+}
+
+bool typed_value(const flight::ProfileKey& key, std::string_view text, double& value) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    if (key.zero != nullptr && text == key.zero) {
+        value = 0;
+        return true;
+    }
+    double read = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), read);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(read)) return false;
+    const double share = shown_unit(key).share;
+    value = share == 1 ? read : std::round(read / share * 1e3) / 1e3; // or 16.667 ms would be 16667.000000000002 us
+    return true;
+}
+
+namespace {
+
+using flight::FrameEntry;
+
+struct Text {
+    char* to;
+    std::size_t size, used = 0;
+
+    void add(const char* format, ...) IM_FMTARGS(2) {
+        if (used + 1 >= size) return;
+        va_list values;
+        va_start(values, format);
+        const int n = std::vsnprintf(to + used, size - used, format, values);
+        va_end(values);
+        if (n > 0) used += static_cast<std::size_t>(n);
+    }
+    void count(const char* before, double number) { add("%s%s", before, count_text(number).text); }
+    void bytes(double bytes) { add("%s", byte_text(bytes).text); }
+};
+
+// Of the states of pages that a cut with so many vertices has for the terrain that is shown.
+double page_state_bytes(const State& state, double vertices) {
+    const Scene& scene = state.scene;
+    const std::uint32_t slots =
+        scene.streamed ? std::min(scene.pages, state.document.profile().page_slots) : scene.pages;
+    return static_cast<double>(cut_pages({.vertices = static_cast<std::uint32_t>(vertices)}, slots, scene.tiles)) *
+           static_cast<double>(cut_page_bytes);
+}
+
+// What the table above the profile's keys says of bytes, for the chosen method.
+void vertices(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    const bool incremental = state.document.profile().method == flight::Method::incremental;
+    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes) +
+               (incremental ? page_state_bytes(state, value) : 0));
+    text.add(" + ");
+    text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
+    text.add(" GPU");
+    text.count(", used ", e.vertices);
+    if (incremental) text.count(", peak ", e.vertices_peak);
+}
+
+void triangles(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    text.bytes(value * static_cast<double>(cut_triangle_bytes));
+    text.add(" + ");
+    text.bytes(value * 12);
+    text.count(" GPU, used ", e.triangles);
+    text.count(", peak ", e.triangles_peak);
+}
+
+void indices(const State&, Text& text, double value) {
+    text.bytes(value * 4);
+    text.add(" + ");
+    text.bytes(value * 4);
+    text.add(" GPU");
+}
+
+void items(const State& state, Text& text, double) {
+    text.count("last frame ", state.measures.last().items);
+}
+
+void time(const State& state, Text& text, double) {
+    text.add("last update %s ms", ms_text(state.measures.last().update_us).text);
+}
+
+void threshold(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (e.error_px_effective >= 1e6)
+        text.add("lags");
+    else
+        text.add("keeps %.*f px", e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
+    text.count(", ", e.triangles_drawn);
+    text.add(" triangles drawn");
+}
+
+void page_slots(const State& state, Text& text, double value) {
+    text.bytes(value * 12.5e3);
+    if (state.scene.pages != 0) text.count(", the pack has ", state.scene.pages);
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.count(", used ", e.stream.page_slots.used);
+    text.count(", peak ", e.stream.page_slots.peak);
+}
+
+void page_requests(const State& state, Text& text, double value) {
+    text.bytes(value * 16e3);
+    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.in_flight);
+}
+
+void map_requests(const State&, Text& text, double value) {
+    text.add("up to ");
+    text.bytes(value * 525e3);
+}
+
+void map_mb(const State& state, Text& text, double value) {
+    text.bytes(value * 1048576);
+    text.add(" GPU");
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add(", used ");
+    text.bytes(static_cast<double>(e.stream.map_bytes_used));
+}
+
+void pages(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_inserted, e.stream.pages_left);
+}
+
+void map_kb(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add("last frame ");
+    text.bytes(static_cast<double>(e.stream.map_upload_bytes));
+}
+
+struct Cost {
+    const char *table, *name;
+    void (*write)(const State&, Text&, double value);
+};
+constexpr Cost costs[] = {
+    {"refine", "error_px", threshold},
+    {"budget", "vertices", vertices},
+    {"budget", "triangles", triangles},
+    {"budget", "items", items},
+    {"budget", "budget_us", time},
+    {"budget", "indices", indices},
+    {"stream", "page_slots", page_slots},
+    {"stream", "page_requests", page_requests},
+    {"stream", "map_requests", map_requests},
+    {"stream", "map_mb", map_mb},
+    {"stream", "pages", pages},
+    {"stream", "map_kb", map_kb},
+};
+
+bool is(const flight::ProfileKey& key, const char* table, const char* name) {
+    return std::strcmp(key.table, table) == 0 && std::strcmp(key.name, name) == 0;
+}
+
+} // namespace
+
+bool cost_text(const flight::ProfileKey& key, const State& state, char* to, std::size_t size) {
+    for (const Cost& cost : costs) {
+        if (!is(key, cost.table, cost.name)) continue;
+        Text text{to, size};
+        cost.write(state, text, key.get(state.document.profile()));
+        return text.used != 0;
+    }
+    return false;
+}
+
+const char* why_idle(const flight::ProfileKey& key, const State& state) {
+    const flight::Profile& profile = state.document.profile();
+    switch (key.used_by) {
+    case flight::UsedBy::any: break;
+    case flight::UsedBy::incremental:
+        if (profile.method != flight::Method::incremental) return "for the incremental method only.";
+        break;
+    case flight::UsedBy::recursive:
+        if (profile.method != flight::Method::recursive) return "for the recursive method only.";
+        break;
+    case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
+        if (!state.scene.streamed && !is(key, "stream", "page_slots"))
+            return "for streaming only: a pack is streamed when it has more pages than the profile has page slots.";
+        break;
+    }
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "for morph \"time\" only.";
+    return nullptr;
+}
 
 namespace {
 

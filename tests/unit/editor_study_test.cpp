@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "editor/bookmarks.h"
 #include "editor/command.h"
+#include "editor/files/settings.h"
 #include "editor/route.h"
 #include "editor/runs.h"
 #include "fjell/io/failure.h"
