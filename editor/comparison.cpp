@@ -19,10 +19,6 @@ bool needs_reopening(const flight::Profile& from, const flight::Profile& to) {
     return false;
 }
 
-void must(bool made, const std::string& error) {
-    if (!made) throw io::Failure(3, error);
-}
-
 } // namespace
 
 Comparison::~Comparison() = default;
@@ -36,12 +32,7 @@ flight::Profile Comparison::wanted(const State& state) const {
 }
 
 flight::FlightOptions Comparison::options(const Engine& engine) const {
-    flight::FlightOptions o;
-    o.file = engine.session().file;
-    o.pack = o.file->path();
-    o.profile = profile_;
-    o.layers = engine.layers();
-    return o;
+    return options_of(engine.session().file, profile_, engine.layers());
 }
 
 void Comparison::close(State& state) {
@@ -84,7 +75,7 @@ void Comparison::follow(State& state, const Engine& engine) {
         if (!renderer_) { // the context was lost
             std::string error;
             renderer_ = flight::make_renderer(options(engine), *session_, error);
-            must(renderer_ != nullptr, error);
+            flight::require_graphics(renderer_ != nullptr, error);
             new_ = true;
         }
         profile_ = now;
@@ -104,7 +95,7 @@ bool Comparison::update(State& state, const View& refining) {
     if (!session_ || !renderer_) return false;
     entry_ = flight::update_frame(*session_, refining, profile_, state.now_s);
     const std::string error = flight::upload_mesh(*renderer_, *session_, entry_);
-    must(error.empty(), error);
+    flight::require_graphics(error.empty(), error);
     state.compared.there = true;
     state.compared.triangles = entry_.triangles_drawn;
     state.compared.update_us = entry_.update_us + entry_.stream_us;
@@ -124,7 +115,7 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     const std::uint32_t w = target.width(), h = target.height();
     std::string error;
     if (!target_ || target_->width() != w || target_->height() != h) target_ = gl::Target::create({w, h, 1}, error);
-    must(target_ != nullptr, error);
+    flight::require_graphics(target_ != nullptr, error);
     gl::DrawOptions options = flight::draw_options(state.interface.mode, profile_, 0);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
@@ -132,10 +123,10 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
     options.slope = state.shows(Overlay::slope);
     error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
-    must(error.empty(), error);
+    flight::require_graphics(error.empty(), error);
     if (state.compared.view == CompareView::difference) {
         error = difference_.draw(target, *target_);
-        must(error.empty(), error);
+        flight::require_graphics(error.empty(), error);
         return;
     }
     glDisable(GL_FRAMEBUFFER_SRGB);

@@ -327,7 +327,6 @@ Scene Engine::scene() const {
     s.method_bytes = session.method_bytes;
     s.stream_bytes = session.streamed ? session.streamed->memory_bytes() : 0;
     s.streamed = session.streamed != nullptr;
-    s.load_s = session.load_seconds;
     return s;
 }
 

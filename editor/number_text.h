@@ -52,6 +52,12 @@ struct NumberText {
     return t;
 }
 
+// A path's last part.
+[[nodiscard]] inline const char* file_name(const std::string& path) {
+    const std::size_t slash = path.rfind('/');
+    return path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+}
+
 // A position: "235,930 E  12,345 S  1,234 m".
 struct PlaceText {
     char text[80];

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "editor/document.h"
+#include "editor/number_text.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -116,12 +117,10 @@ void Route::save(const std::string& path) {
 
 FlightName Route::flight_name() const {
     FlightName name{};
-    const std::size_t slash = now_.path.find_last_of('/');
-    const char* const file = now_.path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (empty() || now_.path.empty())
         (void)std::snprintf(name.text, sizeof name.text, "%s", empty() ? "an orbit" : "the camera path");
     else
-        (void)std::snprintf(name.text, sizeof name.text, "the path %.80s", file);
+        (void)std::snprintf(name.text, sizeof name.text, "the path %.80s", file_name(now_.path));
     return name;
 }
 

@@ -265,24 +265,18 @@ void handle(const FreezeRefinement& c, HandlerContext context) {
 
 // --- The camera path: opened, saved, recorded, played and edited.
 
-namespace {
-
-using io::Failure;
-
 // For paths, whose flight must not depend on what has been streamed in.
-flight::Ground whole_ground(HandlerContext context) {
+flight::Ground path_ground(HandlerContext context) {
     return open_engine(context).session().ground();
 }
 
 // The path has changed under a camera that follows it: it sees what is there now.
-void follow_edit(State& state) {
+void follow_path(State& state) {
     if (state.eye.navigation != Navigation::path) return;
     if (state.route.empty()) return take_from_path(state);
     state.eye.on_path = state.route.pose();
     state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
 }
-
-} // namespace
 
 // What is being recorded becomes the path: then it can be saved, asked about and restored.
 void end_recording(HandlerContext context) {
@@ -298,7 +292,7 @@ void handle(const OpenPath& c, HandlerContext context) {
     if (!c.discard && ask_about_unsaved(OpenPath{c.path, true}, context)) return;
     State& state = context.state;
     const bool lost = state.route.unsaved();
-    state.route.open(c.path, whole_ground(context));
+    state.route.open(c.path, path_ground(context));
     if (state.eye.navigation == Navigation::path) take_from_path(state);
     if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
 }
@@ -315,7 +309,7 @@ void handle(const RecordPath& c, HandlerContext context) {
     State& state = context.state;
     if (c.on) take_from_path(state);
     const bool lost = !c.on && state.route.recording() && state.route.unsaved();
-    state.route.record(c.on, state.eye.pose(), whole_ground(context));
+    state.route.record(c.on, state.eye.pose(), path_ground(context));
     if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
 }
 
@@ -335,19 +329,6 @@ void handle(const SeekPath& c, HandlerContext context) {
     state.eye.navigation = Navigation::path;
 }
 
-void handle(const AddPoint&, HandlerContext context) {
-    context.state.route.add(context.state.eye.pose(), whole_ground(context));
-}
-
-void handle(const ReplacePoint& c, HandlerContext context) {
-    context.state.route.replace(c.point, context.state.eye.pose(), whole_ground(context));
-}
-
-void handle(const RemovePoint& c, HandlerContext context) {
-    context.state.route.remove(c.point, whole_ground(context));
-    follow_edit(context.state);
-}
-
 void handle(const SelectPoint& c, HandlerContext context) {
     State& state = context.state;
     const flight::Pose pose = state.route.select(c.point);
@@ -358,10 +339,6 @@ void handle(const SelectPoint& c, HandlerContext context) {
     if (state.eye.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);
 }
 
-void handle(const MovePoint& c, HandlerContext context) {
-    context.state.route.move(c.point, c.to, whole_ground(context));
-}
-
 void handle(const ClearPath&, HandlerContext context) {
     end_recording(context);
     const bool unsaved = context.state.route.unsaved();
@@ -370,52 +347,14 @@ void handle(const ClearPath&, HandlerContext context) {
     if (unsaved) post_message(context.state, Severity::note, "the cleared path was not saved; Restore brings it back");
 }
 
-void handle(const RestorePath&, HandlerContext context) {
-    context.state.route.restore();
-    follow_edit(context.state);
-}
-
 void undo_path(HandlerContext context) {
     context.state.route.undo();
-    follow_edit(context.state);
+    follow_path(context.state);
 }
 
 void redo_path(HandlerContext context) {
     context.state.route.redo();
-    follow_edit(context.state);
-}
-
-void handle(const PlacePoint& c, HandlerContext context) {
-    context.state.route.place(c.point, c.x_m, c.z_m, c.dragging, whole_ground(context), c.y_m);
-    follow_edit(context.state);
-}
-
-void handle(const InsertPoint& c, HandlerContext context) {
-    Route& route = context.state.route;
-    route.insert(c.share.value_or(route.share()), whole_ground(context));
-    follow_edit(context.state);
-}
-
-void handle(const SetPathSeconds& c, HandlerContext context) {
-    context.state.route.set_seconds(c.seconds, whole_ground(context));
-}
-
-void handle(const LoopPath& c, HandlerContext context) {
-    context.state.route.loop(c.on);
-}
-
-// --- The probe: what is under the pointer, and the two places that are marked.
-
-void handle(const PointProbe& c, HandlerContext context) {
-    context.state.probe.pointer = std::array{c.x, c.y};
-}
-
-void handle(const MarkPlace& c, HandlerContext context) {
-    set_mark(context.state.probe, open_engine(context).session(), c.x_m, c.z_m);
-}
-
-void handle(const ClearMarks&, HandlerContext context) {
-    context.state.probe.marks = 0;
+    follow_path(context.state);
 }
 
 } // namespace fjell::editor

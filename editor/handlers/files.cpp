@@ -50,11 +50,6 @@ BakePack bake_sample(const std::string& cache_folder) {
     return bake;
 }
 
-void handle(const BrowseFolder& c, HandlerContext context) {
-    Files& files = context.state.files;
-    files.browser.look(c.folder);
-}
-
 void handle(const BrowseFor& c, HandlerContext context) {
     Files& files = context.state.files;
     std::string folder = files.browser.folder();
@@ -65,11 +60,6 @@ void handle(const BrowseFor& c, HandlerContext context) {
             folder = above.string();
     files.browser.filter(c.filter, false);
     files.browser.look(folder);
-}
-
-void handle(const BrowseAllKinds& c, HandlerContext context) {
-    FolderListing& browser = context.state.files.browser;
-    browser.filter(browser.kinds(), c.on);
 }
 
 void handle(const OpenFile& c, HandlerContext context) {

@@ -36,11 +36,8 @@ void move_camera(HandlerContext context, double seconds);
 void handle(const SetKey& c, HandlerContext context);
 void handle(const Undo& c, HandlerContext context);
 void handle(const Redo& c, HandlerContext context);
-void handle(const ResetProfile& c, HandlerContext context);
 void handle(const OpenProfile& c, HandlerContext context);
 void handle(const SaveProfile& c, HandlerContext context);
-void handle(const CompareProfile& c, HandlerContext context);
-void handle(const StopComparing& c, HandlerContext context);
 
 // files.cpp
 // The sample terrain: a small synthetic landscape (content/terrain/mountains-small.json), baked at its first use.
@@ -55,8 +52,6 @@ void show_opened(const std::string& pack, HandlerContext context);
 void bake_beside(const std::string& heights, HandlerContext context);
 void handle(const OpenFile& c, HandlerContext context);
 void handle(const OpenSample& c, HandlerContext context);
-void handle(const BrowseFolder& c, HandlerContext context);
-void handle(const BrowseAllKinds& c, HandlerContext context);
 
 void handle(const BrowseFor& c, HandlerContext context);
 
@@ -99,72 +94,45 @@ void handle(const SavePath& c, HandlerContext context);
 void handle(const RecordPath& c, HandlerContext context);
 void handle(const PlayPath& c, HandlerContext context);
 void handle(const SeekPath& c, HandlerContext context);
-void handle(const AddPoint& c, HandlerContext context);
-void handle(const ReplacePoint& c, HandlerContext context);
-void handle(const RemovePoint& c, HandlerContext context);
 void handle(const SelectPoint& c, HandlerContext context);
-void handle(const MovePoint& c, HandlerContext context);
 void handle(const ClearPath& c, HandlerContext context);
-void handle(const RestorePath& c, HandlerContext context);
-void handle(const SetPathSeconds& c, HandlerContext context);
-void handle(const LoopPath& c, HandlerContext context);
-void handle(const InsertPoint& c, HandlerContext context);
-void handle(const PlacePoint& c, HandlerContext context);
+// For paths, whose flight must not depend on what has been streamed in.
+[[nodiscard]] flight::Ground path_ground(HandlerContext context);
+// The path has changed under a camera that follows it: it sees what is there now.
+void follow_path(State& state);
 // One step of undo, or of redo, of the path.
 void undo_path(HandlerContext context);
 void redo_path(HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 
-// probe.cpp
-void handle(const PointProbe& c, HandlerContext context);
-void handle(const MarkPlace& c, HandlerContext context);
-void handle(const ClearMarks& c, HandlerContext context);
-
 // interface.cpp
-void handle(const SetPictureMode& c, HandlerContext context);
-void handle(const SetOverlay& c, HandlerContext context);
 void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const FloatPanel& c, HandlerContext context);
 void handle(const PlacePanel& c, HandlerContext context);
-void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
-void handle(const HoldMeasures& c, HandlerContext context);
 void handle(const ZoomGraphs& c, HandlerContext context);
-void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp
 void handle(const TuneThreshold& c, HandlerContext context);
 void handle(const RunBenchmark& c, HandlerContext context);
 void handle(const ExportMesh& c, HandlerContext context);
 void handle(const PreviewExport& c, HandlerContext context);
-void handle(const CancelJob& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
 void handle_job_result(HandlerContext context);
 
 // study.cpp
 void handle(const ChoosePlace& c, HandlerContext context);
 void handle(const ForgetRun& c, HandlerContext context);
-void handle(const SetHeat& c, HandlerContext context);
 void handle(const RenderPicture& c, HandlerContext context);
 void handle(const AddBookmark& c, HandlerContext context);
 void handle(const GoToBookmark& c, HandlerContext context);
 void handle(const RemoveBookmark& c, HandlerContext context);
 void handle(const ComparePictures& c, HandlerContext context);
-void handle(const SetCompareView& c, HandlerContext context);
-void handle(const SetDivider& c, HandlerContext context);
 // Looks from there, with its roll, until a hand moves the camera.
 void look_from(const flight::Pose& pose, HandlerContext context);
-
-// The app handles those of the surface and of scripts itself (editor/app.h).
-inline void handle(const TakeScreenshot&, HandlerContext) {}
-inline void handle(const ResizeWindow&, HandlerContext) {}
-inline void handle(const DumpState&, HandlerContext) {}
-inline void handle(const LoseGraphics&, HandlerContext) {}
-inline void handle(const WaitFrames&, HandlerContext) {}
-inline void handle(const WaitSettled&, HandlerContext) {}
 
 } // namespace fjell::editor

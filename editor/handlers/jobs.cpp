@@ -73,10 +73,6 @@ void handle(const PreviewExport& c, HandlerContext context) {
     context.jobs.start(JobKind::preview, export_job(export_plan(context, "", c.converged, c.error_px)));
 }
 
-void handle(const CancelJob&, HandlerContext context) {
-    context.jobs.cancel();
-}
-
 void handle_job_result(HandlerContext context) {
     State& state = context.state;
     const JobView& job = state.job;
@@ -150,10 +146,6 @@ void handle(const ForgetRun& c, HandlerContext context) {
     context.state.runs.forget(c.run);
 }
 
-void handle(const SetHeat& c, HandlerContext context) {
-    context.state.runs.heat = c.heat;
-}
-
 void handle(const RenderPicture& c, HandlerContext context) {
     State& state = context.state;
     PicturePlan plan;
@@ -205,14 +197,6 @@ void handle(const ComparePictures& c, HandlerContext context) {
     state.compared.with = c.with;
     state.compared.error_px = c.error_px;
     state.compared.there = false;
-}
-
-void handle(const SetCompareView& c, HandlerContext context) {
-    context.state.compared.view = c.view;
-}
-
-void handle(const SetDivider& c, HandlerContext context) {
-    context.state.compared.divider = std::clamp(c.share, 0.0, 1.0);
 }
 
 } // namespace fjell::editor

@@ -36,10 +36,6 @@ double thread_us() {
     return static_cast<double>(t.tv_sec) * 1e6 + static_cast<double>(t.tv_nsec) * 1e-3;
 }
 
-void require(bool made, const std::string& error) {
-    if (!made) throw io::Failure(3, error);
-}
-
 Vec3 mix(Vec3 a, Vec3 b, double share) {
     return a * (1 - share) + b * share;
 }
@@ -91,10 +87,7 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
 
 void MeasuredFlight::Impl::open() {
     control.progress("open", 0, 1);
-    flight::FlightOptions options;
-    options.pack = plan.pack->path();
-    options.file = plan.pack;
-    options.profile = plan.profile;
+    const flight::FlightOptions options = options_of(plan.pack, plan.profile);
     flight::open_session(options, session);
     control.check();
     const std::size_t frames = plan.frames != 0 ? plan.frames : flight::default_frames;
@@ -106,11 +99,11 @@ void MeasuredFlight::Impl::open() {
 void MeasuredFlight::Impl::make_graphics(const flight::FlightOptions& options) {
     std::string error;
     context = gl::Headless::create({}, error);
-    require(context != nullptr, error);
+    flight::require_graphics(context != nullptr, error);
     target = gl::Target::create({plan.profile.width_px, plan.profile.height_px, 1}, error);
-    require(target != nullptr, error);
+    flight::require_graphics(target != nullptr, error);
     renderer = flight::make_renderer(options, session, error);
-    require(renderer != nullptr, error);
+    flight::require_graphics(renderer != nullptr, error);
 }
 
 FlownTimes MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry) {
@@ -122,7 +115,7 @@ FlownTimes MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& en
         if (renderer) {
             const auto start = Clock::now();
             const std::string error = flight::upload_mesh(*renderer, session, poll);
-            require(error.empty(), error);
+            flight::require_graphics(error.empty(), error);
             times.upload_us = microseconds(Clock::now() - start);
         }
         if (times.all_us() > dearest.all_us()) dearest = times;
@@ -135,7 +128,7 @@ double MeasuredFlight::Impl::draw(const View& view) {
     const auto start = Clock::now();
     const std::string error = renderer->draw_uploaded(
         session.mesh(), view, flight::draw_options(flight::PictureMode::shaded, plan.profile, 0), *target);
-    require(error.empty(), error);
+    flight::require_graphics(error.empty(), error);
     glFinish();
     return microseconds(Clock::now() - start);
 }
@@ -264,10 +257,6 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
     });
 }
 
-std::string name_of(const std::string& path) {
-    return path.substr(path.find_last_of('/') + 1);
-}
-
 void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
     const double budget_us = plan.profile.cut.budget_us;
     const std::string profile = plan.profile_name;
@@ -282,7 +271,7 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     write(file, flight::csv(log));
     const flight::Summary s = flight::summarise(log, flight.incremental());
     auto run = std::make_shared<FlownRun>(make_run(log.frames, flight.poses()));
-    run->name = name_of(path);
+    run->name = file_name(path);
     run->profile = profile;
     run->budget_us = budget_us;
     control.publish([&](JobView& view) {

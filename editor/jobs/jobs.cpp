@@ -46,6 +46,16 @@ void run(const Jobs::Body& body, JobControl& control) {
 
 } // namespace
 
+flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
+                                 std::shared_ptr<const flight::GroundLayers> layers) {
+    flight::FlightOptions options;
+    options.pack = file->path();
+    options.file = std::move(file);
+    options.profile = profile;
+    options.layers = std::move(layers);
+    return options;
+}
+
 void JobControl::check() const {
     if (cancelled()) throw Cancelled{};
 }

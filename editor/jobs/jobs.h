@@ -22,6 +22,9 @@
 
 #include "editor/command.h"
 #include "editor/runs.h"
+#include "fjell/io/pack_file.h"
+#include "flight/layers_file.h"
+#include "flight/options.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 
@@ -45,6 +48,10 @@ struct TunePoint {
     CostParts dearest_us{};    // the mean of frames at p99 and above
     bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
+
+// Of a session of a job's own over the file that is shown.
+[[nodiscard]] flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
+                                               std::shared_ptr<const flight::GroundLayers> layers = {});
 
 struct ExportPreview {
     double error_px = 0;

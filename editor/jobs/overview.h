@@ -70,8 +70,6 @@ public:
     // writing them, or there is none.
     using Take = void (*)(void* to, OverviewSize size, double share, std::span<const std::uint32_t> texels);
     bool take(Take give, void* to);
-    // Threads that were told to stop and are not known to have stopped yet.
-    [[nodiscard]] std::size_t leaving() const { return leaving_.size(); }
 
 private:
     struct Sheet;

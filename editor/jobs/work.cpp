@@ -142,7 +142,7 @@ Jobs::Body bake_job(BakePack bake) {
 
 namespace {
 
-gltf::SnapshotOptions options_of(const ExportPlan& plan, JobControl& control) {
+gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& control) {
     gltf::SnapshotOptions options;
     options.write = !plan.path.empty();
     options.progress = [&control, write = options.write](std::uint64_t done, std::uint64_t total) {
@@ -154,7 +154,7 @@ gltf::SnapshotOptions options_of(const ExportPlan& plan, JobControl& control) {
 }
 
 gltf::SnapshotResult write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
-    return flight::write_snapshot(*plan.pack, snapshot, plan.path, options_of(plan, control),
+    return flight::write_snapshot(*plan.pack, snapshot, plan.path, snapshot_options(plan, control),
                                   {plan.layers, plan.profile.layers});
 }
 
@@ -164,11 +164,8 @@ gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
 
 // A session that is as the frame's; of a streamed one with as much as the view wants and the page slots hold.
 gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) {
-    flight::FlightOptions options;
-    options.pack = plan.pack->path();
-    options.file = plan.pack;
+    flight::FlightOptions options = options_of(plan.pack, plan.profile);
     options.streaming = plan.streamed ? flight::Streaming::on : flight::Streaming::off;
-    options.profile = plan.profile;
     options.profile.stream.fade_s = options.profile.stream.lookahead_s = 0; // time stands still
     const bool own = plan.error_px > 0;
     if (own) {
@@ -226,39 +223,31 @@ Jobs::Body export_job(ExportPlan plan) {
 
 namespace {
 
-void need(bool made, const std::string& error) {
-    if (!made) throw io::Failure(3, error);
-}
-
 void draw_picture_of(const PicturePlan& plan, JobControl& control) {
     control.progress("open", 0, 1);
     // In the order of destruction, last first: GL objects need their context, and all the terrain.
-    flight::FlightOptions options;
+    const flight::FlightOptions options = options_of(plan.pack, plan.profile, plan.layers);
     flight::Session session;
-    options.pack = plan.pack->path();
-    options.file = plan.pack;
-    options.profile = plan.profile;
-    options.layers = plan.layers;
     flight::open_session(options, session);
     std::string error;
     const auto context = gl::Headless::create({}, error);
-    need(context != nullptr, error);
+    flight::require_graphics(context != nullptr, error);
     const auto target = flight::make_target(plan.profile.width_px, plan.profile.height_px, plan.profile, error);
-    need(target != nullptr, error);
+    flight::require_graphics(target != nullptr, error);
     const auto renderer = flight::make_renderer(options, session, error);
-    need(renderer != nullptr, error);
+    flight::require_graphics(renderer != nullptr, error);
     const View view = flight::view_of(plan.pose, session.terrain(), plan.profile);
     (void)flight::update_until_there(session, view, plan.profile, 0, [&](const flight::FrameEntry& poll) {
         control.check();
         error = flight::upload_mesh(*renderer, session, poll);
-        need(error.empty(), error);
+        flight::require_graphics(error.empty(), error);
     });
     error = renderer->draw_uploaded(session.mesh(), view, flight::draw_options(plan.mode, plan.profile, 0), *target);
-    need(error.empty(), error);
+    flight::require_graphics(error.empty(), error);
     gl::Image image;
     target->read_colour(image);
     error = gl::write_png(image, plan.path);
-    need(error.empty(), error);
+    flight::require_graphics(error.empty(), error);
     control.publish([&](JobView& shown) {
         shown.output = plan.path;
         shown.result = fmt::format("{}: {} x {} pixels", plan.path, plan.profile.width_px, plan.profile.height_px);

@@ -25,19 +25,6 @@ inline constexpr int usual_control = 1; // fjell-bake's default
 // 0 where the name is none of them.
 [[nodiscard]] std::size_t index_of(const std::string& name, std::span<const char* const> names);
 
-struct Form {
-    std::uint64_t given = ~std::uint64_t{0}; // BakeDraft::given that it holds
-    fields::PathText input = "", output = "", texture = "", ramp = "", rules = "", voids = "", crs = "", bbox = "";
-    std::vector<std::string> more; // heights, beside the first
-    bool output_is_chosen = false;
-    int tile = 0, order = 0, nodata = 0, control = usual_control, horizons = 0, encoding = 0;
-    double spacing_m = 0, height_scale = 1, height_offset_m = 0;
-    BakePack sent;
-    BakeField browsing = BakeField::none; // for this one's file
-    bool browsing_another = false;
-    FileBrowserForm browser, overwrite;
-};
-
 namespace {
 
 constexpr const char* tile_names[] = {"auto", "64", "128", "256", "512", "1024", "2048"};
@@ -53,7 +40,7 @@ std::size_t index_of(const std::string& name, std::span<const char* const> names
     return found == names.end() ? 0 : static_cast<std::size_t>(found - names.begin());
 }
 
-void load(Form& form, const BakeDraft& draft) {
+void load(BakeForm& form, const BakeDraft& draft) {
     const BakePack& b = draft.pack;
     form.given = draft.given;
     fields::copy(form.input, b.inputs.empty() ? "" : b.inputs.front());
@@ -78,7 +65,7 @@ void load(Form& form, const BakeDraft& draft) {
     form.sent = b;
 }
 
-BakePack pack_of(const Form& form) {
+BakePack pack_of(const BakeForm& form) {
     BakePack b;
     if (form.input[0] != '\0') b.inputs = {form.input};
     b.inputs.insert(b.inputs.end(), form.more.begin(), form.more.end());
@@ -162,7 +149,7 @@ void begin_row(const char* label, float room) {
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F - room);
 }
 
-void browse(Form& form, BakeField field, bool another, const char* beside, Commands& commands) {
+void browse(BakeForm& form, BakeField field, bool another, const char* beside, Commands& commands) {
     constexpr FileFilter filters[] = {FileFilter::everything, FileFilter::heights, FileFilter::packs,
                                       FileFilter::images,     FileFilter::ramps,   FileFilter::rules};
     form.browsing = field;
@@ -171,7 +158,7 @@ void browse(Form& form, BakeField field, bool another, const char* beside, Comma
 }
 
 // True: it was edited.
-bool path_field(const char* label, Form& form, BakeField field, fields::PathText& text, const char* hint,
+bool path_field(const char* label, BakeForm& form, BakeField field, fields::PathText& text, const char* hint,
                 const char* about, const State& state, Commands& commands) {
     const bool heights = field == BakeField::heights;
     const float room = width_of_button("Browse") + (heights ? width_of_button("Add") : 0);
@@ -184,8 +171,7 @@ bool path_field(const char* label, Form& form, BakeField field, fields::PathText
         edited = ImGui::InputTextWithHint("##path", hint, text, fields::path_bytes);
         ImGui::PopID();
     }
-    ui::mark("bake", name);
-    ui::tip(about);
+    ui::control("bake", name, about);
     const char* const beside = text[0] != '\0' ? text : form.input;
     if (side_button("Browse", "browse", field, nullptr)) browse(form, field, false, beside, commands);
     if (heights && side_button("Add", "add", field, "Adds a file: several make a mosaic."))
@@ -202,18 +188,16 @@ void number_field(const char* label, BakeField field, const char* name, double& 
         ImGui::InputDouble("##number", &value, 0, 0, "%.6g");
         ImGui::PopID();
     }
-    ui::mark("bake", name);
-    ui::tip(about);
+    ui::control("bake", name, about);
     if (draw_proposal(state.bake, field)) value = std::strtod(state.bake.facts.proposed.c_str(), nullptr);
 }
 
-void draw_more_heights(Form& form) {
+void draw_more_heights(BakeForm& form) {
     for (std::size_t i = 0; i < form.more.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));
         begin_row("", width_of_button("Remove"));
         const std::string& file = form.more[i];
-        const std::size_t slash = file.rfind('/');
-        ImGui::TextUnformatted(file.c_str() + (slash == std::string::npos ? 0 : slash + 1));
+        ImGui::TextUnformatted(file_name(file));
         ui::tip(file.c_str());
         ImGui::SameLine(ImGui::GetContentRegionMax().x - width_of_button("Remove"));
         const bool gone = ImGui::SmallButton("Remove");
@@ -235,11 +219,10 @@ void text_row(const char* label, BakeField field, fields::PathText& text, const 
         ImGui::InputTextWithHint("##text", hint, text, fields::path_bytes);
         ImGui::PopID();
     }
-    ui::mark("bake", name);
-    ui::tip(about);
+    ui::control("bake", name, about);
 }
 
-void draw_options(Form& form, const State& state) {
+void draw_options(BakeForm& form, const State& state) {
     const BakeField at = state.bake.looking ? BakeField::none : state.bake.facts.at;
     // What has to be decided is seen.
     if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs || at == BakeField::encoding ||
@@ -253,9 +236,9 @@ void draw_options(Form& form, const State& state) {
         const Marked warn(state.bake, BakeField::nodata);
         ImGui::Combo("##nodata", &form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)));
     }
-    ui::mark("bake", "nodata");
-    ui::tip("What becomes of samples without a height: they stay a hole, are filled from their neighbours, or are "
-            "refused.");
+    ui::control("bake", "nodata",
+                "What becomes of samples without a height: they stay a hole, are filled from their neighbours, or are "
+                "refused.");
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
     text_row("Voids", BakeField::voids, form.voids, "what the file marks",
              "Numbers that mean \"no height\" although the file does not say so, such as -9999; separate several by "
@@ -272,21 +255,20 @@ void draw_options(Form& form, const State& state) {
     {
         const Marked warn(state.bake, BakeField::encoding);
         fields::choice("Encoding", "bake", "encoding", form.encoding, encoding_names,
-                       static_cast<int>(std::size(encoding_names)),
                        "How heights are packed into red, green and blue: terrarium or terrain-rgb (Mapbox). none: one "
                        "band of heights.");
     }
-    fields::choice("Tile", "bake", "tile", form.tile, tile_names, static_cast<int>(std::size(tile_names)),
+    fields::choice("Tile", "bake", "tile", form.tile, tile_names,
                    "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
                    "more draw calls; auto chooses 512, or what suits the extents.");
-    fields::choice("Order", "bake", "order", form.order, order_names, static_cast<int>(std::size(order_names)),
+    fields::choice("Order", "bake", "order", form.order, order_names,
                    "Order of the vertices in a page: planar and hz (hierarchical Z) suit both methods; linear, as in "
                    "the thesis, suits the recursive method alone.");
 }
 
 } // namespace
 
-void draw_form(Form& form, const State& state, Commands& commands) {
+void draw_form(BakeForm& form, const State& state, Commands& commands) {
     ui::focus_first();
     (void)path_field("Heights", form, BakeField::heights, form.input, "a file, or drop one here",
                      "GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT; or a recipe (.json).", state,
@@ -315,12 +297,11 @@ void draw_form(Form& form, const State& state, Commands& commands) {
                      state, commands);
     ImGui::BeginDisabled(form.rules[0] == '\0');
     fields::choice("Control maps", "bake", "control", form.control, control_names,
-                   static_cast<int>(std::size(control_names)),
                    "How fine the rules' control maps are: full has a texel for each sample, half one for 2 x 2 "
                    "samples, quarter one for 4 x 4.");
     ImGui::EndDisabled();
     fields::choice(
-        "Horizons", "bake", "horizons", form.horizons, horizon_names, static_cast<int>(std::size(horizon_names)),
+        "Horizons", "bake", "horizons", form.horizons, horizon_names,
         "Horizon maps, for shadows at any time of day: half has a texel for 2 x 2 samples, quarter one for 4 x 4.");
     draw_options(form, state);
 }
@@ -359,10 +340,11 @@ void draw_pictures(const BakeDraft& draft) {
         const auto w = static_cast<float>(f.width_px), h = static_cast<float>(f.height_px);
         const float scale = std::min(room / w, most / h);
         ImGui::Image(reinterpret_cast<ImTextureID>(std::uintptr_t{draft.texture}), {w * scale, h * scale});
-        ui::mark("bake", "picture");
-        ui::tip(f.image_px != 0 ? "The heights in the colours of the ramp, and beside them the texture."
-                                : "The heights in the colours that the terrain will have; where rules lay materials, "
-                                  "in the colours of the list below.");
+        ui::control("bake", "picture",
+                    f.image_px != 0
+                        ? "The heights in the colours of the ramp, and beside them the texture."
+                        : "The heights in the colours that the terrain will have; where rules lay materials, "
+                          "in the colours of the list below.");
     }
     ImGui::SetCursorPosY(top + most + ImGui::GetStyle().ItemSpacing.y);
 }
@@ -435,11 +417,6 @@ void draw_facts(const BakeDraft& draft) {
     ImGui::PopTextWrapPos();
 }
 
-const char* name_in(const std::string& path) {
-    const std::size_t slash = path.rfind('/');
-    return path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
-}
-
 namespace {
 
 // What control maps and horizons add to the pack, a sample.
@@ -486,12 +463,12 @@ void draw_plan(const State& state) {
                                 seconds < 90 ? "seconds" : "minutes");
         else
             (void)std::snprintf(time, sizeof time, "a few seconds");
-        ImGui::Text("Writes %s: %s to %s, in %s, in the background.%s %s%s%s", name_in(d.pack.output),
+        ImGui::Text("Writes %s: %s to %s, in %s, in the background.%s %s%s%s", file_name(d.pack.output),
                     byte_text(samples * (bytes_a_sample[0] + maps_bytes(d.pack))).text,
                     byte_text(samples * (bytes_a_sample[1] + maps_bytes(d.pack))).text, time,
                     d.output_exists ? " A pack of that name is there; you are asked before it is replaced." : "",
                     state.scene.open() ? "When it is done, you are asked whether to leave " : "Then it is opened.",
-                    state.scene.open() ? name_in(state.scene.path) : "", state.scene.open() ? "." : "");
+                    state.scene.open() ? file_name(state.scene.path) : "", state.scene.open() ? "." : "");
     }
     ImGui::PopTextWrapPos();
     ui::mark("bake", "plan");
@@ -505,7 +482,7 @@ namespace fjell::editor {
 
 namespace {
 
-void draw_browser(bake_dialog::Form& form, const State& state, Commands& commands) {
+void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     if (form.browsing == BakeField::none) return;
     constexpr const char* title = "Choose a file";
     if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
@@ -518,7 +495,7 @@ void draw_browser(bake_dialog::Form& form, const State& state, Commands& command
     if (!ImGui::BeginPopupModal(title, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
     form.browser.nested = true;
     const bool output = form.browsing == BakeField::output;
-    begin_file_browser(form.browser, state, output ? bake_dialog::name_in(state.bake.pack.output) : "");
+    begin_file_browser(form.browser, state, output ? file_name(state.bake.pack.output) : "");
     const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
         const keyboard::TabStops stops;
         return draw_file_browser(state, commands, form.browser, "Choose");
@@ -536,7 +513,7 @@ void draw_browser(bake_dialog::Form& form, const State& state, Commands& command
     ImGui::EndPopup();
 }
 
-void start(bake_dialog::Form& form, const State& state, Commands& commands) {
+void start(BakeForm& form, const State& state, Commands& commands) {
     BakePack pack = bake_dialog::pack_of(form);
     pack.asks = state.scene.open();
     commands.push(std::move(pack));
@@ -544,8 +521,8 @@ void start(bake_dialog::Form& form, const State& state, Commands& commands) {
 
 } // namespace
 
-void draw_bake(const State& state, Commands& commands) {
-    static bake_dialog::Form form;
+void draw_bake(const State& state, PanelState& own, Commands& commands) {
+    BakeForm& form = own.bake;
     const BakeDraft& draft = state.bake;
     if (form.given != draft.given) bake_dialog::load(form, draft);
     if (!form.output_is_chosen && draft.pack.output != form.output) {
@@ -574,8 +551,7 @@ void draw_bake(const State& state, Commands& commands) {
                      (draft.looking || draft.facts.problem.empty());
     if (fields::button("Bake", "bake", "start", can, "Bakes in the background with 512 MB of memory (Enter).", true)) {
         if (draft.output_exists) {
-            (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s",
-                                bake_dialog::name_in(form.output));
+            (void)std::snprintf(form.overwrite.name, sizeof form.overwrite.name, "%.500s", file_name(form.output));
             form.overwrite.asks = true;
         } else {
             start(form, state, commands);
@@ -588,16 +564,14 @@ void draw_bake(const State& state, Commands& commands) {
     draw_browser(form, state, commands);
 }
 
-void draw_baked(const State& state, Commands& commands) {
-    ImGui::TextWrapped("%s is ready. Fly it, and leave %s?", bake_dialog::name_in(state.bake.ready),
-                       bake_dialog::name_in(state.scene.path));
+void draw_baked(const State& state, PanelState&, Commands& commands) {
+    ImGui::TextWrapped("%s is ready. Fly it, and leave %s?", file_name(state.bake.ready), file_name(state.scene.path));
     ImGui::Spacing();
     if (ui::button("Fly it", true)) commands.push(OpenBaked{true});
     ui::mark("baked", "open");
     ImGui::SameLine();
     if (ui::button("Not now")) commands.push(OpenBaked{false});
-    ui::mark("baked", "stay");
-    ui::tip("The pack stays on the disk: open it with File > Open.");
+    ui::control("baked", "stay", "The pack stays on the disk: open it with File > Open.");
 }
 
 } // namespace fjell::editor

@@ -55,9 +55,9 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
     ImGui::PushID(line.key);
     if (now > 0 && more > now) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
-        ui::mark("budget.double", line.key);
-        ui::tip(key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
-                                                         : "Twice as much. Memory is reallocated; the view stays.");
+        ui::control("budget.double", line.key,
+                    key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
+                                                             : "Twice as much. Memory is reallocated; the view stays.");
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
@@ -165,11 +165,7 @@ void draw_memory(const State& state) {
 
 } // namespace
 
-void draw_budgets(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
+void draw_budgets(const State& state, PanelState&, Commands& commands) {
     draw_method(state, commands);
     draw_stream(state, commands);
     draw_memory(state);
@@ -205,8 +201,7 @@ void draw_not_streamed(const State& state, Commands& commands) {
     std::snprintf(label, sizeof label, "Stream with %s page slots", count_text(slots).text);
     if (ImGui::Button(label))
         commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
-    ui::mark("streaming", "begin");
-    ui::tip("Half of its pages. The pack is reopened and the view stays; Undo reverts it.");
+    ui::control("streaming", "begin", "Half of its pages. The pack is reopened and the view stays; Undo reverts it.");
 }
 
 void draw_geometry(const StreamReport& r) {
@@ -261,11 +256,7 @@ void draw_reading(const StreamReport& r, const io::StreamReaderCounters& reader)
 
 } // namespace
 
-void draw_streaming(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
+void draw_streaming(const State& state, PanelState&, Commands& commands) {
     if (!state.scene.streamed) {
         draw_not_streamed(state, commands);
         return;
@@ -318,11 +309,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
 
 } // namespace
 
-void draw_levels(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
+void draw_levels(const State& state, PanelState&, Commands& commands) {
     const LevelHistogram& levels = state.measures.levels();
     const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
     std::uint64_t all = 0;
@@ -336,8 +323,7 @@ void draw_levels(const State& state, Commands& commands) {
     bool shown = state.interface.mode == flight::PictureMode::levels;
     if (ImGui::Checkbox("Colour the picture by level", &shown))
         commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
-    ui::mark("levels", "colour");
-    ui::tip("Every triangle in its level's colour, as here. Costs almost nothing.");
+    ui::control("levels", "colour", "Every triangle in its level's colour, as here. Costs almost nothing.");
 }
 
 } // namespace fjell::editor

@@ -15,12 +15,9 @@ namespace {
 
 void draw_name(const Route& route) {
     const std::string& path = route.path();
-    const std::size_t slash = path.find_last_of('/');
-    const char* name = path.empty() ? "not saved yet" : path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+    const char* const name = path.empty() ? "not saved yet" : file_name(path);
     if (route.points().empty() && route.empty()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped("None. Record a flight, add points one by one, or open a file.");
-        ImGui::PopStyleColor();
+        ui::note("None. Record a flight, add points one by one, or open a file.");
         return;
     }
     ImGui::PushStyleColor(ImGuiCol_Text, route.unsaved() ? ui::warning_colour : ImGui::GetColorU32(ImGuiCol_Text));
@@ -28,13 +25,11 @@ void draw_name(const Route& route) {
     ImGui::PopStyleColor();
     if (!path.empty()) ui::tip(path.c_str());
     if (route.as_read()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextUnformatted("as in the file; an edit converts it to these points");
-        ImGui::PopStyleColor();
+        ui::note("as in the file; an edit converts it to these points");
     }
 }
 
-void draw_flight(const State& state, Commands& commands) {
+void draw_flight(const State& state, PanelState& own, Commands& commands) {
     const Route& route = state.route;
     const bool there = !route.empty();
     if (ui::panel_button(route.playing() ? "Pause" : "Play", "path", "play", there,
@@ -57,23 +52,21 @@ void draw_flight(const State& state, Commands& commands) {
     if (ImGui::SliderFloat("##seek", &share, 0, 1, text, ImGuiSliderFlags_NoInput))
         commands.push(SeekPath{static_cast<double>(share)});
     ImGui::EndDisabled();
-    ui::mark("path", "seek");
-    ui::tip("Position along the path; drag to move along it.");
-    draw_timeline(state, commands);
+    ui::control("path", "seek", "Position along the path; drag to move along it.");
+    draw_timeline(state, own, commands);
     double seconds = route.requested_seconds();
     ImGui::SetNextItemWidth(6.5F * ImGui::GetFontSize());
     if (ImGui::InputDouble("Duration", &seconds, 0, 0, seconds > 0 ? "%.1f s" : "auto",
                            ImGuiInputTextFlags_EnterReturnsTrue) &&
         std::isfinite(seconds))
         commands.push(SetPathSeconds{seconds});
-    ui::mark("path", "seconds");
-    ui::tip("Duration of the flight in seconds, 1 to 3,600; 0: a "
-            "duration chosen from the terrain's size. Enter applies it.");
+    ui::control("path", "seconds",
+                "Duration of the flight in seconds, 1 to 3,600; 0: a "
+                "duration chosen from the terrain's size. Enter applies it.");
     ImGui::SameLine();
     bool loops = route.loops();
     if (ImGui::Checkbox("Loop", &loops)) commands.push(LoopPath{loops});
-    ui::mark("path", "loop");
-    ui::tip("Starts again at the end.");
+    ui::control("path", "loop", "Starts again at the end.");
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
@@ -84,8 +77,7 @@ void draw_point(const Route& route, std::size_t i, Commands& commands) {
     if (ImGui::Selectable(text, route.selected() == i)) commands.push(SelectPoint{i});
     char name[24];
     std::snprintf(name, sizeof name, "point.%zu", i);
-    ui::mark("path", name);
-    ui::tip("Selects this point, and looks from there.");
+    ui::control("path", name, "Selects this point, and looks from there.");
     ImGui::PopID();
 }
 
@@ -105,10 +97,10 @@ void draw_points(const Route& route, Commands& commands) {
 
 } // namespace
 
-void draw_path(const State& state, Commands& commands) {
+void draw_path(const State& state, PanelState& own, Commands& commands) {
     ui::heading("Camera path");
     draw_name(state.route);
-    draw_flight(state, commands);
+    draw_flight(state, own, commands);
     draw_points(state.route, commands);
     draw_path_edits(state, commands);
 }
@@ -214,13 +206,13 @@ void follow_keys(const Route& route, bool enter, Commands& commands) {
 
 } // namespace
 
-void draw_timeline(const State& state, Commands& commands) {
-    static bool seeks = false;
+void draw_timeline(const State& state, PanelState& own, Commands& commands) {
+    bool& seeks = own.timeline_seeks;
     const Route& route = state.route;
     if (route.poses().size() < 2) return;
     const float em = ImGui::GetFontSize(), width = std::max(ImGui::GetContentRegionAvail().x, 4 * em);
-    const ImVec2 low = ImGui::GetCursorScreenPos(), high{low.x + width, low.y + 2.6F * em};
-    const float lane = low.y + 1.2F * em; // of the points, below it
+    const ImVec2 low = ImGui::GetCursorScreenPos(), high{low.x + width, low.y + 3.4F * em};
+    const float lane = low.y + 2 * em; // of the points, below it
     ImGui::InvisibleButton("timeline", {width, high.y - low.y});
     const float edge = std::min(0.7F * em, width / 4); // where half of the first and the last mark have room
     ui::mark("path", "timeline", {low.x + edge, low.y, width - 2 * edge, high.y - low.y});
@@ -291,8 +283,7 @@ bool number(const char* name, double& value, const char* format, const char* abo
     ImGui::SetNextItemWidth(-FLT_MIN);
     const bool given = ImGui::InputDouble("##value", &value, 0, 0, format, ImGuiInputTextFlags_EnterReturnsTrue) &&
                        std::isfinite(value);
-    ui::mark("camera", name);
-    ui::tip(about);
+    ui::control("camera", name, about);
     ImGui::PopID();
     return given;
 }
@@ -341,13 +332,11 @@ void draw_navigation(const State& state, Commands& commands) {
         const auto navigation = static_cast<Navigation>(i);
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(names[i], state.eye.navigation == navigation)) commands.push(SetNavigation{navigation});
-        ui::mark("navigate", navigation_names[i]);
-        ui::tip(abouts[i]);
+        ui::control("navigate", navigation_names[i], abouts[i]);
     }
     ImGui::SameLine();
     if (ImGui::Button("View all")) commands.push(ViewAll{});
-    ui::mark("camera", "home");
-    ui::tip("Look at the whole terrain from the south (Home).");
+    ui::control("camera", "home", "Look at the whole terrain from the south (Home).");
     labelled("Speed");
     double speed = state.eye.free.speed_m_s;
     const double least = 0.1, most = std::max(1000.0, 0.2 * std::max(state.scene.width_m(), state.scene.depth_m()));
@@ -355,26 +344,23 @@ void draw_navigation(const State& state, Commands& commands) {
     if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &least, &most,
                             speed < 1000 ? "%.4g m/s" : "%.0f m/s", ImGuiSliderFlags_Logarithmic))
         commands.push(SetSpeed{speed});
-    ui::mark("camera", "speed");
-    ui::tip("Flying speed in metres per second; with Shift five times as fast. The wheel over the picture changes it "
-            "too; Ctrl+click to type a value.");
+    ui::control(
+        "camera", "speed",
+        "Flying speed in metres per second; with Shift five times as fast. The wheel over the picture changes it "
+        "too; Ctrl+click to type a value.");
     bool frozen = state.eye.frozen;
     if (ImGui::Checkbox("Freeze refinement (F)", &frozen)) commands.push(FreezeRefinement{frozen});
-    ui::mark("camera", "freeze");
-    ui::tip("The mesh stays refined and culled for the current camera while you look at it from elsewhere. The "
-            "overview shows both cameras.");
+    ui::control("camera", "freeze",
+                "The mesh stays refined and culled for the current camera while you look at it from elsewhere. The "
+                "overview shows both cameras.");
 }
 
 } // namespace
 
-void draw_camera(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
+void draw_camera(const State& state, PanelState& own, Commands& commands) {
     draw_navigation(state, commands);
-    draw_overview(state, commands);
-    draw_path(state, commands);
+    draw_overview(state, own, commands);
+    draw_path(state, own, commands);
     ui::heading("Position");
     draw_place(state, commands);
 }

@@ -15,19 +15,11 @@ namespace fjell::editor {
 
 namespace {
 
-// One file dialog is open at a time.
-FileBrowserForm browser_form;
-
 // As wide as the longest of some, so that they stand in a column.
 bool wide_button(const char* label, const char* name) {
     const bool pressed = ImGui::Button(label, {13 * ImGui::GetFontSize(), 0});
     ui::mark("start", name);
     return pressed;
-}
-
-const char* last_part(const std::string& path) {
-    const char* const slash = std::strrchr(path.c_str(), '/');
-    return slash != nullptr ? slash + 1 : path.c_str();
 }
 
 bool exists(const std::string& path) {
@@ -36,23 +28,23 @@ bool exists(const std::string& path) {
 }
 
 // What is opened again is told by it.
-void add_extension(const char* extension) {
-    const std::size_t length = std::strlen(browser_form.name), added = std::strlen(extension);
-    if (length >= added && std::strcmp(browser_form.name + length - added, extension) == 0) return;
-    if (length + added < sizeof browser_form.name) std::memcpy(browser_form.name + length, extension, added + 1);
+void add_extension(FileBrowserForm& form, const char* extension) {
+    const std::size_t length = std::strlen(form.name), added = std::strlen(extension);
+    if (length >= added && std::strcmp(form.name + length - added, extension) == 0) return;
+    if (length + added < sizeof form.name) std::memcpy(form.name + length, extension, added + 1);
 }
 
-// Saving under a name; own: the file it came from, which is overwritten without a word. True: at that name, now.
-bool save_as(const State& state, Commands& commands, const std::string& own, const char* otherwise,
-             const char* extension) {
-    begin_file_browser(browser_form, state, own.empty() ? otherwise : last_part(own));
-    if (draw_file_browser(state, commands, browser_form, "Save")) {
-        add_extension(extension);
-        const std::string path = state.files.browser.path_of(browser_form.name);
-        browser_form.asks = exists(path) && path != own;
-        if (!browser_form.asks) return true;
+// Saving under a name; file: the one it came from, which is overwritten without a word. True: at that name, now.
+bool save_as(FileBrowserForm& form, const State& state, Commands& commands, const std::string& file,
+             const char* otherwise, const char* extension) {
+    begin_file_browser(form, state, file.empty() ? otherwise : file_name(file));
+    if (draw_file_browser(state, commands, form, "Save")) {
+        add_extension(form, extension);
+        const std::string path = state.files.browser.path_of(form.name);
+        form.asks = exists(path) && path != file;
+        if (!form.asks) return true;
     }
-    return draw_overwrite(browser_form);
+    return draw_overwrite(form);
 }
 
 void draw_sample_progress(const State& state, Commands& commands) {
@@ -69,10 +61,9 @@ void draw_recent_packs(const State& state, Commands& commands) {
     if (state.interface.recent.empty()) ImGui::TextDisabled("None yet.");
     for (const std::string& pack : state.interface.recent) {
         ImGui::PushID(&pack);
-        if (ImGui::Selectable(last_part(pack))) commands.push(OpenFile{pack});
+        if (ImGui::Selectable(file_name(pack))) commands.push(OpenFile{pack});
         ImGui::PopID();
-        ui::mark("recent", last_part(pack));
-        ui::tip(pack.c_str());
+        ui::control("recent", file_name(pack), pack.c_str());
     }
 }
 
@@ -121,7 +112,7 @@ bool answer(const char* label, const char* name, bool first) {
 
 } // namespace
 
-void draw_start(const State& state, Commands& commands) {
+void draw_start(const State& state, PanelState&, Commands& commands) {
     ImGui::TextWrapped("Fjell draws large terrains with a bounded screen-space error. This editor tunes its thresholds "
                        "and budgets, by eye and by number.");
     ImGui::Spacing();
@@ -136,37 +127,36 @@ void draw_start(const State& state, Commands& commands) {
     draw_recent_packs(state, commands);
 }
 
-void draw_open_file(const State& state, Commands& commands) {
-    begin_file_browser(browser_form, state, "");
-    if (draw_file_browser(state, commands, browser_form, "Open"))
-        commands.push(OpenFile{state.files.browser.path_of(browser_form.name)});
+void draw_open_file(const State& state, PanelState& own, Commands& commands) {
+    begin_file_browser(own.browser, state, "");
+    if (draw_file_browser(state, commands, own.browser, "Open"))
+        commands.push(OpenFile{state.files.browser.path_of(own.browser.name)});
 }
 
-void draw_save_profile(const State& state, Commands& commands) {
-    if (save_as(state, commands, state.document.path(), "profile.toml", ".toml"))
-        commands.push(SaveProfile{state.files.browser.path_of(browser_form.name)});
+void draw_save_profile(const State& state, PanelState& own, Commands& commands) {
+    if (save_as(own.browser, state, commands, state.document.path(), "profile.toml", ".toml"))
+        commands.push(SaveProfile{state.files.browser.path_of(own.browser.name)});
 }
 
-void draw_save_path(const State& state, Commands& commands) {
-    if (save_as(state, commands, state.route.path(), "path.json", ".json"))
-        commands.push(SavePath{state.files.browser.path_of(browser_form.name)});
+void draw_save_path(const State& state, PanelState& own, Commands& commands) {
+    if (save_as(own.browser, state, commands, state.route.path(), "path.json", ".json"))
+        commands.push(SavePath{state.files.browser.path_of(own.browser.name)});
 }
 
-void draw_compare(const State& state, Commands& commands) {
+void draw_compare(const State& state, PanelState& own, Commands& commands) {
     if (state.document.compared() == nullptr) {
-        begin_file_browser(browser_form, state, "");
+        begin_file_browser(own.browser, state, "");
         if (ui::button("With the saved profile")) commands.push(CompareProfile{});
         ui::mark("compare", "saved");
         ImGui::SameLine();
         ImGui::TextUnformatted("or with another profile:");
-        if (draw_file_browser(state, commands, browser_form, "Compare"))
-            commands.push(CompareProfile{state.files.browser.path_of(browser_form.name)});
+        if (draw_file_browser(state, commands, own.browser, "Compare"))
+            commands.push(CompareProfile{state.files.browser.path_of(own.browser.name)});
         return;
     }
     draw_differences(state, commands);
     if (ui::button("Compare another")) commands.push(StopComparing{});
-    ui::mark("compare", "another");
-    ui::tip("Compares with another profile.");
+    ui::control("compare", "another", "Compares with another profile.");
     ImGui::SameLine();
     if (ui::button("Stop comparing")) {
         commands.push(StopComparing{});
@@ -175,11 +165,10 @@ void draw_compare(const State& state, Commands& commands) {
     ui::mark("compare", "off");
     ImGui::SameLine();
     if (ui::button("Close", true)) commands.push(ShowDialog{Dialog::none});
-    ui::mark("compare", "close");
-    ui::tip("The other profile's values stay visible in the Tune panel.");
+    ui::control("compare", "close", "The other profile's values stay visible in the Tune panel.");
 }
 
-void draw_unsaved(const State& state, Commands& commands) {
+void draw_unsaved(const State& state, PanelState&, Commands& commands) {
     if (state.document.unsaved())
         ImGui::TextWrapped("The profile has unsaved changes: %s.",
                            state.document.path().empty() ? "it has no file yet" : state.document.path().c_str());
@@ -194,7 +183,7 @@ void draw_unsaved(const State& state, Commands& commands) {
     if (answer("Cancel", "cancel", false)) commands.push(ShowDialog{Dialog::none});
 }
 
-void draw_recover(const State& state, Commands& commands) {
+void draw_recover(const State& state, PanelState&, Commands& commands) {
     const std::optional<Unsaved>& found = state.files.recovery.found();
     if (!found) {
         ImGui::TextWrapped("There is nothing to recover.");
@@ -203,9 +192,9 @@ void draw_recover(const State& state, Commands& commands) {
     }
     ImGui::TextWrapped("The editor ended before these changes were saved.");
     if (found->profile_changed)
-        ImGui::BulletText("of the profile %s", found->path.empty() ? "that had no file yet" : last_part(found->path));
+        ImGui::BulletText("of the profile %s", found->path.empty() ? "that had no file yet" : file_name(found->path));
     if (!found->points.empty()) ImGui::BulletText("a camera path of %zu points", found->points.size());
-    if (!found->pack.empty()) ImGui::BulletText("over %s", last_part(found->pack));
+    if (!found->pack.empty()) ImGui::BulletText("over %s", file_name(found->pack));
     ImGui::Spacing();
     if (answer("Restore", "restore", true)) commands.push(RecoverChanges{true});
     if (answer("Discard", "discard", false)) commands.push(RecoverChanges{false});
@@ -277,7 +266,7 @@ void scroll_by_keys() {
 
 } // namespace
 
-void draw_keys(const State&, Commands& commands) {
+void draw_keys(const State&, PanelState&, Commands& commands) {
     ImGui::BeginChild("list", {0, -ImGui::GetFrameHeightWithSpacing()});
     scroll_by_keys();
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
@@ -303,9 +292,9 @@ void draw_keys(const State&, Commands& commands) {
     ui::mark("keys", "close");
 }
 
-void draw_messages(const State& state, Commands& commands) {
+void draw_messages(const State& state, PanelState& own, Commands& commands) {
     // As high as they are, as far as the button stays in the window.
-    static float list_height = 0;
+    float& list_height = own.messages_height;
     const float line = ImGui::GetTextLineHeight();
     const float below = ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetStyle().WindowPadding.y;
     const float room = 0.98F * ImGui::GetIO().DisplaySize.y - ImGui::GetCursorScreenPos().y - below;
@@ -338,7 +327,7 @@ namespace {
 struct Window {
     const char* title;
     double width, height; // unscaled pixels; height 0: as its content
-    void (*draw)(const State&, Commands&);
+    void (*draw)(const State&, PanelState&, Commands&);
 };
 constexpr Window windows[] = {
     {"", 0, 0, nullptr},
@@ -362,25 +351,14 @@ constexpr ImGuiWindowFlags dialog_flags =
     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings;
 constexpr float top_share = 0.12F; // of the window, above a dialog
 
-// As the last frame left it: ImGui has handled Escape itself before a frame's panels are drawn.
-struct Before {
-    Dialog dialog = Dialog::none;
-    ImVec2 display;
-    double scale = 0;
-    bool list = false;            // a list was dropped down over the dialog, or a question asked
-    bool typing = false;          // an item was active
-    std::uint64_t characters = 0; // that were typed before it was
-};
-Before before;
-
 // Escape belongs to a list that is dropped down first, then to what has been typed.
-bool escapes(const State& state) {
+bool escapes(const DialogBefore& before, const State& state) {
     const bool typed = before.typing && state.input.characters != before.characters;
     return ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false) && !before.list && !typed;
 }
 
 // Where it is stays the user's affair once it is open: its top is fixed, and what it says grows downwards.
-void place(const Window& window, const State& state) {
+void place(const Window& window, const DialogBefore& before, const State& state) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const bool opens = before.dialog != state.interface.dialog || before.scale != state.interface.scale ||
                        before.display.x != display.x || before.display.y != display.y;
@@ -396,7 +374,8 @@ void place(const Window& window, const State& state) {
 
 } // namespace
 
-void draw_dialog(const State& state, Commands& commands) {
+void draw_dialog(const State& state, PanelState& own, Commands& commands) {
+    DialogBefore& before = own.dialog;
     const Dialog dialog = state.interface.dialog;
     const Window& window = windows[static_cast<std::size_t>(dialog)];
     const bool modal = is_modal(dialog);
@@ -406,7 +385,7 @@ void draw_dialog(const State& state, Commands& commands) {
         before.dialog = dialog;
         return;
     }
-    place(window, state);
+    place(window, before, state);
     bool open = true;
     if (modal && !is_open(dialog)) ImGui::OpenPopup(window.title);
     if (modal ? !ImGui::BeginPopupModal(window.title, &open, dialog_flags)
@@ -414,11 +393,11 @@ void draw_dialog(const State& state, Commands& commands) {
         if (!modal) ImGui::End();
         return;
     }
-    const bool escaped = escapes(state);
+    const bool escaped = escapes(before, state);
     if (ImGui::IsWindowAppearing()) keyboard::show_focus();
     {
         const keyboard::TabStops stops;
-        window.draw(state, commands);
+        window.draw(state, own, commands);
     }
     const bool list = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId), active = ImGui::IsAnyItemActive();
     before = {dialog,

@@ -30,8 +30,7 @@ void path(const char* text, const char* group, const char* name, PathText& text_
     ImGui::PushID(name);
     ImGui::InputTextWithHint("##path", hint, text_of, path_bytes);
     ImGui::PopID();
-    ui::mark(group, name);
-    ui::tip(about);
+    ui::control(group, name, about);
 }
 
 void number(const char* text, const char* group, const char* name, double& value, const char* format,
@@ -40,8 +39,7 @@ void number(const char* text, const char* group, const char* name, double& value
     ImGui::PushID(name);
     ImGui::InputDouble("##number", &value, 0, 0, format);
     ImGui::PopID();
-    ui::mark(group, name);
-    ui::tip(about);
+    ui::control(group, name, about);
 }
 
 void whole(const char* text, const char* group, const char* name, int& value, const char* about) {
@@ -50,18 +48,16 @@ void whole(const char* text, const char* group, const char* name, int& value, co
     ImGui::InputInt("##whole", &value, 0);
     ImGui::PopID();
     value = std::max(value, 0);
-    ui::mark(group, name);
-    ui::tip(about);
+    ui::control(group, name, about);
 }
 
-void choice(const char* text, const char* group, const char* name, int& value, const char* const* names, int count,
+void choice(const char* text, const char* group, const char* name, int& value, std::span<const char* const> names,
             const char* about) {
     label(text);
     ImGui::PushID(name);
-    ImGui::Combo("##choice", &value, names, count);
+    ImGui::Combo("##choice", &value, names.data(), static_cast<int>(names.size()));
     ImGui::PopID();
-    ui::mark(group, name);
-    ui::tip(about);
+    ui::control(group, name, about);
 }
 
 // True when it is pressed; grey while it cannot be.
@@ -69,8 +65,7 @@ bool button(const char* text, const char* group, const char* name, bool enabled,
     ImGui::BeginDisabled(!enabled);
     const bool pressed = ui::button(text, primary);
     ImGui::EndDisabled();
-    ui::mark(group, name);
-    ui::tip(about);
+    ui::control(group, name, about);
     return pressed;
 }
 
@@ -319,8 +314,7 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     ImGui::SameLine();
     bool all = state.files.browser.all();
     if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAllKinds{all});
-    ui::mark("browse", "all");
-    ui::tip("Lists files of other kinds as well.");
+    ui::control("browse", "all", "Lists files of other kinds as well.");
     return chosen && choose(state, commands, form);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "editor/command.h"
@@ -24,7 +25,7 @@ void path(const char* text, const char* group, const char* name, PathText& text_
 void number(const char* text, const char* group, const char* name, double& value, const char* format,
             const char* about);
 void whole(const char* text, const char* group, const char* name, int& value, const char* about); // at least 0
-void choice(const char* text, const char* group, const char* name, int& value, const char* const* names, int count,
+void choice(const char* text, const char* group, const char* name, int& value, std::span<const char* const> names,
             const char* about);
 // True when it is pressed; grey while it cannot be.
 [[nodiscard]] bool button(const char* text, const char* group, const char* name, bool enabled, const char* about,

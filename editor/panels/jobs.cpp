@@ -13,27 +13,8 @@
 
 namespace fjell::editor {
 
-namespace {
-
-// ---- export
-
-struct ExportForm {
-    std::string made_for = fields::nothing_yet;
-    fields::PathText path = "";
-    bool converged = false;
-    int own = 0; // a threshold of its own
-    double error_px = 1;
-};
-
-struct ScreenshotForm {
-    fields::PathText path = "fjell.png";
-    int what = 0;
-};
-
-} // namespace
-
-void draw_snapshot(const State& state, Commands& commands) {
-    static ExportForm form;
+void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
+    ExportForm& form = own.mesh_export;
     constexpr const char* kinds[] = {"the frame's", "custom threshold"};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
@@ -41,7 +22,7 @@ void draw_snapshot(const State& state, Commands& commands) {
                  "Mesh, colours and camera in one file, for any viewer or modelling program.");
     fields::destination("export", form.path);
     fields::choice(
-        "Mesh", "export", "own", form.own, kinds, 2,
+        "Mesh", "export", "own", form.own, kinds,
         "The frame's is written as it is drawn: the triangles that the camera sees, morphed, as fine as the budgets "
         "allowed. A custom threshold refines the whole terrain for this view, whatever the budgets.");
     fields::label("Converged");
@@ -49,8 +30,8 @@ void draw_snapshot(const State& state, Commands& commands) {
     bool converged = form.converged || form.own == 1;
     if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
     ImGui::EndDisabled();
-    ui::mark("export", "converged");
-    ui::tip(
+    ui::control(
+        "export", "converged",
         "The mesh that this view settles on once it has had time and work items, instead of the frame's as it stands.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
@@ -81,13 +62,13 @@ void draw_snapshot(const State& state, Commands& commands) {
     if (!counted) fields::outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
 }
 
-void draw_screenshot(const State&, Commands& commands) {
-    static ScreenshotForm form;
+void draw_screenshot(const State&, PanelState& own, Commands& commands) {
+    ScreenshotForm& form = own.screenshot;
     constexpr const char* kinds[] = {"the terrain", "the window, with its panels"};
     ui::focus_first();
     fields::path("Picture", "screenshot", "path", form.path, "a file that ends in .png", "Where the PNG is written.");
     fields::destination("screenshot", form.path);
-    fields::choice("Contents", "screenshot", "what", form.what, kinds, 2, "At the current size of the window.");
+    fields::choice("Contents", "screenshot", "what", form.what, kinds, "At the current size of the window.");
     ImGui::Separator();
     if (fields::button("Save", "screenshot", "start", form.path[0] != '\0',
                        "Closes this dialog and saves the next frame.", true)) {
@@ -104,8 +85,8 @@ void draw_job_status(const State& state, Commands& commands) {
     ui::mark("status", "job");
     ImGui::SameLine();
     if (ImGui::SmallButton("Cancel")) commands.push(CancelJob{});
-    ui::mark("status", "cancel-job");
-    ui::tip("Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
+    ui::control("status", "cancel-job",
+                "Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
     ImGui::SameLine();
 }
 
@@ -123,21 +104,13 @@ void draw_flight(const State& state) {
     ImGui::PopTextWrapPos();
 }
 
-// ---- tune
-
-struct TuneForm {
-    double budget_ms = TuneSettings{}.budget_us / 1000, least_px = TuneSettings{}.least_px,
-           most_px = TuneSettings{}.most_px;
-    int measure = 0, frames = 0;
-};
-
 constexpr const char* measures[] = {"update (CPU)", "whole frame"};
 
 void draw_tune_form(TuneForm& form) {
     fields::number("Budget, ms", "auto-tune", "budget_ms", form.budget_ms, "%.6g",
                    "The time that 99% of the frames (p99) must not exceed: 0.01 to 1,000 milliseconds. A frame at 60 "
                    "Hz has 16.7.");
-    fields::choice("Measure", "auto-tune", "measure", form.measure, measures, 2,
+    fields::choice("Measure", "auto-tune", "measure", form.measure, measures,
                    "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing, in a picture "
                    "as large as the profile says; slower, and dependent on the graphics driver.");
     fields::whole("Frames, 0: auto", "auto-tune", "frames", form.frames,
@@ -148,13 +121,11 @@ void draw_tune_form(TuneForm& form) {
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
     ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
-    ui::mark("auto-tune", "least_px");
-    ui::tip("The smallest threshold to try, in pixels.");
+    ui::control("auto-tune", "least_px", "The smallest threshold to try, in pixels.");
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
-    ui::mark("auto-tune", "most_px");
-    ui::tip("The largest threshold, in pixels: the search begins there.");
+    ui::control("auto-tune", "most_px", "The largest threshold, in pixels: the search begins there.");
     ImGui::PopID();
 }
 
@@ -169,16 +140,10 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
         commands.push(SetKey{key, shown.best_px, false});
 }
 
-struct CsvForm {
-    std::string made_for = fields::nothing_yet;
-    fields::PathText path = "";
-    int frames = 0;
-};
-
 } // namespace
 
-void draw_auto_tune(const State& state, Commands& commands) {
-    static TuneForm form;
+void draw_auto_tune(const State& state, PanelState& own, Commands& commands) {
+    TuneForm& form = own.tune;
     draw_tune_form(form);
     draw_flight(state);
     const bool can = !state.job.running && state.scene.open();
@@ -201,8 +166,8 @@ void draw_auto_tune(const State& state, Commands& commands) {
     draw_tune_curve(shown, std::max(ImGui::GetContentRegionAvail().y, 16 * ImGui::GetFontSize()));
 }
 
-void draw_benchmark(const State& state, Commands& commands) {
-    static CsvForm form;
+void draw_benchmark(const State& state, PanelState& own, Commands& commands) {
+    CsvForm& form = own.benchmark;
     fields::suggest(form.path, form.made_for, state, ".csv");
     fields::path("CSV", "benchmark", "path", form.path, "a file",
                  "One line for each frame, with the columns of fjell-fly --csv.");
@@ -223,22 +188,20 @@ void draw_benchmark(const State& state, Commands& commands) {
 
 namespace {
 
-void draw_bookmarks(const State& state, Commands& commands) {
-    static char name[61] = "";
+void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
+    auto& name = own.bookmark_name;
     ui::heading("Bookmarks");
     const float add = ImGui::CalcTextSize("Add").x + 2 * ImGui::GetStyle().FramePadding.x;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
     const bool entered =
         ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name, ImGuiInputTextFlags_EnterReturnsTrue);
-    ui::mark("bookmark", "name");
-    ui::tip("What the bookmark is called; without a name it is numbered.");
+    ui::control("bookmark", "name", "What the bookmark is called; without a name it is numbered.");
     ImGui::SameLine();
     if (ImGui::Button("Add") || entered) {
         commands.push(AddBookmark{name});
         name[0] = '\0';
     }
-    ui::mark("bookmark", "add");
-    ui::tip("Keeps the camera's place.");
+    ui::control("bookmark", "add", "Keeps the camera's place.");
     std::size_t index = 0;
     char mark[24];
     for (const Bookmark& b : state.bookmarks.all) {
@@ -246,31 +209,21 @@ void draw_bookmarks(const State& state, Commands& commands) {
         ImGui::PushID(static_cast<int>(index));
         if (ImGui::SmallButton("x")) commands.push(RemoveBookmark{index});
         std::snprintf(mark, sizeof mark, "remove.%zu", index);
-        ui::mark("bookmark", mark);
-        ui::tip("Removes this bookmark.");
+        ui::control("bookmark", mark, "Removes this bookmark.");
         ImGui::SameLine();
         if (ImGui::Selectable(b.name.c_str())) commands.push(GoToBookmark{index});
         std::snprintf(mark, sizeof mark, "go.%zu", index);
-        ui::mark("bookmark", mark);
-        ui::tip("Looks from there.");
+        ui::control("bookmark", mark, "Looks from there.");
         ImGui::PopID();
         ++index;
     }
     if (index == 0) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-        ImGui::TextWrapped("This terrain has none yet.");
-        ImGui::PopStyleColor();
+        ui::note("This terrain has none yet.");
     }
 }
 
-struct RenderForm {
-    std::string made_for = fields::nothing_yet;
-    fields::PathText file = "";
-    int width = 3840, height = 2160;
-};
-
-void draw_render(const State& state, Commands& commands) {
-    static RenderForm form;
+void draw_render(const State& state, PanelState& own, Commands& commands) {
+    RenderForm& form = own.render;
     ui::heading("Render");
     fields::suggest(form.file, form.made_for, state, ".png");
     fields::path("Picture", "render", "path", form.file, "a file that ends in .png", "Where the PNG is written.");
@@ -289,13 +242,9 @@ void draw_render(const State& state, Commands& commands) {
 
 } // namespace
 
-void draw_pictures(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
-    draw_bookmarks(state, commands);
-    draw_render(state, commands);
+void draw_pictures(const State& state, PanelState& own, Commands& commands) {
+    draw_bookmarks(state, own, commands);
+    draw_render(state, own, commands);
 }
 
 } // namespace fjell::editor

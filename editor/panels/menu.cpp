@@ -253,11 +253,11 @@ void draw_shortcuts(const State& state, Commands& commands) {
     if (pressed('Q', false)) commands.push(Quit{});
 }
 
-void draw_menu(const State& state, Commands& commands) {
+void draw_menu(const State& state, PanelState& own, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
     // F10 opens the first menu, and again the one after that which is open; Alt with its first letter opens any.
-    static int shown = -1;
+    int& shown = own.menu_shown;
     constexpr const char* labels[] = {"File", "Edit", "Camera", "View", "Tools", "Help"};
     constexpr int menus = static_cast<int>(std::size(labels));
     int opens = pressed(key::f10, false) ? (shown + 1) % menus : -1;

@@ -89,12 +89,17 @@ namespace fjell::editor {
 
 namespace {
 
-using Draw = void (*)(const State&, Commands&);
-constexpr Draw draws[] = {draw_tune,    draw_camera,    draw_picture, draw_pictures,  draw_time,
-                          draw_budgets, draw_streaming, draw_levels,  draw_auto_tune, draw_benchmark};
-constexpr const char* titles[] = {"Tune",    "Camera",    "View",   "Pictures",  "Time",
-                                  "Budgets", "Streaming", "Levels", "Auto-tune", "Benchmark"};
-static_assert(std::size(draws) == panels && std::size(titles) == panels, "a panel was added: draw and title it");
+struct PanelEntry {
+    const char* title;
+    void (*draw)(const State&, PanelState&, Commands&);
+    bool of_terrain; // nothing to be shown without one
+};
+constexpr PanelEntry entries[] = {
+    {"Tune", draw_tune, false},          {"Camera", draw_camera, true}, {"View", draw_picture, false},
+    {"Pictures", draw_pictures, true},   {"Time", draw_time, true},     {"Budgets", draw_budgets, true},
+    {"Streaming", draw_streaming, true}, {"Levels", draw_levels, true}, {"Auto-tune", draw_auto_tune, false},
+    {"Benchmark", draw_benchmark, false}};
+static_assert(std::size(entries) == panels, "a panel was added: draw and title it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.
 void draw_tabs(const ui::Section& section, Panel shown, const State& state, Commands& commands) {
@@ -103,7 +108,7 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
     for (int i = 0; i < panels; ++i) {
         const auto panel = static_cast<Panel>(i);
         if ((section.groups & group_bit(panel)) == 0 || state.interface.arrangement.floats(panel)) continue;
-        const float width = ImGui::CalcTextSize(titles[i]).x + 2 * ImGui::GetStyle().FramePadding.x;
+        const float width = ImGui::CalcTextSize(entries[i].title).x + 2 * ImGui::GetStyle().FramePadding.x;
         if (!first) {
             ImGui::SameLine(0, 0.5F * ImGui::GetStyle().ItemSpacing.x);
             if (ImGui::GetCursorPosX() + width > right) ImGui::NewLine();
@@ -112,7 +117,7 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         const bool on = panel == shown;
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         const keyboard::TabStops stop(on); // the row is one stop; arrows move in it
-        if (ImGui::Button(titles[i])) commands.push(ShowPanel{panel});
+        if (ImGui::Button(entries[i].title)) commands.push(ShowPanel{panel});
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
         draw_detaching(panel, section.rect, state, commands);
@@ -133,7 +138,8 @@ Panel neighbour(const ui::Section& section, Panel of, int way, const Arrangement
     return of;
 }
 
-void draw_section(const char* name, const ui::Section& section, const State& state, Commands& commands) {
+void draw_section(const char* name, const ui::Section& section, const State& state, PanelState& own,
+                  Commands& commands) {
     const Panel shown = state.interface.arrangement.shown(section.groups);
     ui::begin_column(name, section.rect, key_flags(state) | ImGuiWindowFlags_NoScrollbar);
     draw_tabs(section, shown, state, commands);
@@ -143,12 +149,12 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
     keyboard::Pane pane(state);
     // Each where it was scrolled to.
-    ImGui::BeginChild(titles[static_cast<int>(shown)], {width, 0}, false,
+    ImGui::BeginChild(entries[static_cast<int>(shown)].title, {width, 0}, false,
                       key_flags(state) | ImGuiWindowFlags_NavFlattened);
     pane.began();
     if (const int way = pane.turns(); way != 0)
         commands.push(ShowPanel{neighbour(section, shown, way, state.interface.arrangement)});
-    draw_panel(shown, state, commands);
+    draw_panel(shown, state, own, commands);
     ImGui::EndChild();
     ImGui::End();
 }
@@ -208,23 +214,28 @@ void draw_split(std::size_t side, const ui::ColumnLayout& column, Commands& comm
     ImGui::End();
 }
 
-void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& state, Commands& commands) {
+void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& state, PanelState& own,
+                 Commands& commands) {
     if (!column.there) return;
     constexpr const char* names[columns][2] = {{"left", "left, below"}, {"right", "right, below"}};
-    for (int i = 0; i < column.sections; ++i) draw_section(names[side][i], column.section[i], state, commands);
+    for (int i = 0; i < column.sections; ++i) draw_section(names[side][i], column.section[i], state, own, commands);
     if (column.sections == 2) draw_split(side, column, commands);
     draw_strip(side, column, state, commands);
 }
 
 } // namespace
 
-void draw_panel(Panel panel, const State& state, Commands& commands) {
+void draw_panel(Panel panel, const State& state, PanelState& own, Commands& commands) {
     const keyboard::TabStops stops;
-    draws[static_cast<int>(panel)](state, commands);
+    const PanelEntry& entry = entries[static_cast<int>(panel)];
+    if (entry.of_terrain && !state.scene.open())
+        ImGui::TextWrapped("No terrain is open.");
+    else
+        entry.draw(state, own, commands);
 }
 
 const char* title_of(Panel panel) {
-    return titles[static_cast<int>(panel)];
+    return entries[static_cast<int>(panel)].title;
 }
 
 ImGuiWindowFlags key_flags(const State& state) {
@@ -232,33 +243,24 @@ ImGuiWindowFlags key_flags(const State& state) {
     return keys ? 0 : ImGuiWindowFlags_NoNavInputs;
 }
 
-void draw_panels(const State& state, Commands& commands) {
+void draw_panels(const State& state, PanelState& own, Commands& commands) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const ui::Layout layout = ui::layout(display.x, display.y, state.interface);
     keyboard::begin_panels(state, commands);
     draw_shortcuts(state, commands);
-    if (layout.menu_height > 0) draw_menu(state, commands);
-    for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, commands);
-    draw_floating(state, layout, commands);
-    draw_view(state, layout, commands);
+    if (layout.menu_height > 0) draw_menu(state, own, commands);
+    for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, own, commands);
+    draw_floating(state, layout, own, commands);
+    draw_view(state, layout, own, commands);
     draw_divider(state, layout.view, commands);
     if (layout.status_height > 0) draw_status(state, layout, commands);
-    draw_dialog(state, commands);
+    draw_dialog(state, own, commands);
 }
 
 // --- Panels that float over the picture. While a hand moves one, ImGui has its place, and the state follows; otherwise
 // the state has it: a command, another scale or another window may have changed it.
 
 namespace {
-
-// Of the frame before.
-struct FloatBefore {
-    bool on = false, moved = false; // by the hand that still holds it
-    FloatingPanel place;            // the state's
-    ImVec2 at, size, display;
-    double scale = 0;
-};
-std::array<FloatBefore, panels> floats_before;
 
 bool same_place(const FloatingPanel& a, const FloatingPanel& b) {
     constexpr float rounding = 0.05F;
@@ -324,10 +326,10 @@ void follow_float(Panel panel, FloatBefore& was, const State& state, const ui::L
     was.scale = state.interface.scale;
 }
 
-void draw_float(Panel panel, const State& state, const ui::Layout& layout, Commands& commands) {
+void draw_float(Panel panel, const State& state, const ui::Layout& layout, PanelState& own, Commands& commands) {
     const auto i = static_cast<std::size_t>(panel);
     const FloatingPanel& f = state.interface.arrangement.floating[i];
-    FloatBefore& was = floats_before[i];
+    FloatBefore& was = own.floats[i];
     const bool appears = !was.on;
     const bool elsewhere = !same_place(was.place, f) || was.scale != state.interface.scale ||
                            !same_place(was.display, ImGui::GetIO().DisplaySize);
@@ -339,7 +341,7 @@ void draw_float(Panel panel, const State& state, const ui::Layout& layout, Comma
     }
     const float em = ImGui::GetFontSize();
     ImGui::SetNextWindowSizeConstraints({10 * em, 6 * em}, ImGui::GetIO().DisplaySize);
-    static Panel latest = Panel::tune;
+    Panel& latest = own.float_on_top;
     const Panel turned_to = state.interface.arrangement.latest.front();
     if (appears || (turned_to == panel && latest != panel)) ImGui::SetNextWindowFocus(); // on top of the others
     if (turned_to == panel || latest == panel) latest = turned_to;
@@ -351,7 +353,7 @@ void draw_float(Panel panel, const State& state, const ui::Layout& layout, Comma
     pane.began();
     ui::mark("floating", panel_names[i]); // its title
     if (appears && ImGui::IsMouseDown(ImGuiMouseButton_Left)) go_on_dragging();
-    if (shown) draw_panel(panel, state, commands);
+    if (shown) draw_panel(panel, state, own, commands);
     follow_float(panel, was, state, layout, commands);
     ImGui::End();
     if (!open) commands.push(FloatPanel{panel, false, {}});
@@ -359,14 +361,14 @@ void draw_float(Panel panel, const State& state, const ui::Layout& layout, Comma
 
 } // namespace
 
-void draw_floating(const State& state, const ui::Layout& layout, Commands& commands) {
+void draw_floating(const State& state, const ui::Layout& layout, PanelState& own, Commands& commands) {
     const Interface& i = state.interface;
     for (int p = 0; p < panels; ++p) {
         const auto panel = static_cast<Panel>(p);
         if (i.arrangement.panels && !i.picture_only && i.arrangement.floats(panel))
-            draw_float(panel, state, layout, commands);
+            draw_float(panel, state, layout, own, commands);
         else
-            floats_before[static_cast<std::size_t>(p)].on = false;
+            own.floats[static_cast<std::size_t>(p)].on = false;
     }
 }
 
@@ -491,8 +493,7 @@ void draw_message(const State& state, float room, Commands& commands) {
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const float em = ImGui::GetFontSize();
     if (ImGui::InvisibleButton("message", {std::max(room, em), em})) commands.push(ShowDialog{Dialog::messages});
-    ui::mark("status", "message");
-    ui::tip(newest.text.c_str());
+    ui::control("status", "message", newest.text.c_str());
     const char* const text = newest.text.c_str();
     const char* end = text + newest.text.size();
     const float dots = ImGui::CalcTextSize(" ...").x;
@@ -525,8 +526,7 @@ void draw_status(const State& state, const ui::Layout& layout, Commands& command
         ImGui::PushStyleColor(ImGuiCol_Text, parts[i].colour);
         ImGui::TextUnformatted(parts[i].text);
         ImGui::PopStyleColor();
-        ui::mark("status", parts[i].name);
-        ui::tip(parts[i].about);
+        ui::control("status", parts[i].name, parts[i].about);
     }
     if (message) {
         ImGui::SameLine(0, gap);

@@ -42,12 +42,6 @@ constexpr Choice overlay_choices[] = {
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
 
-void note(const char* text) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextWrapped("%s", text);
-    ImGui::PopStyleColor();
-}
-
 // One entry after the other, in as many lines as it takes.
 class Legend {
 public:
@@ -84,7 +78,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
 // 0 is the pack's finest.
 void mip_legend(int mips) {
     if (mips == 0) {
-        note("This pack has no maps.");
+        ui::note("This pack has no maps.");
         return;
     }
     Legend legend;
@@ -122,10 +116,10 @@ void explain_relief(const State& state) {
     if (state.shows(Overlay::contours)) {
         const double every_m = contour_interval_m(state.scene);
         std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
-        note(text);
+        ui::note(text);
     }
     if (!state.shows(Overlay::slope)) return;
-    note("Slope, degrees:");
+    ui::note("Slope, degrees:");
     Legend legend;
     for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
         std::snprintf(text, sizeof text, i + 1 < std::size(gl::slope_rgb) ? "from %d" : "%d and steeper",
@@ -137,15 +131,15 @@ void explain_relief(const State& state) {
 void explain_overlays(const State& state) {
     explain_relief(state);
     if (state.shows(Overlay::culled) && !state.eye.frozen)
-        note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
+        ui::note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note("The heights to compare with cannot be read; see Help > Messages.");
+    if (state.heights_share < 0) return ui::note("The heights to compare with cannot be read; see Help > Messages.");
     if (state.heights_share < 1) {
         char text[48];
         std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
-        return note(text);
+        return ui::note(text);
     }
-    note("True error:");
+    ui::note("True error:");
     error_legend(state.document.profile().refine.error_px);
 }
 
@@ -167,8 +161,7 @@ void draw_scale(const State& state, Commands& commands) {
         const bool on = std::abs(state.interface.scale - scales[i]) < 0.01;
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
-        ui::mark("scale", names[i]);
-        ui::tip("Size of text and controls.");
+        ui::control("scale", names[i], "Size of text and controls.");
         if (!on) ImGui::PopStyleColor();
     }
 }
@@ -183,16 +176,15 @@ const char* label_of(Overlay overlay) {
     return overlay_choices[static_cast<std::size_t>(overlay)].label;
 }
 
-void draw_picture(const State& state, Commands& commands) {
+void draw_picture(const State& state, PanelState& own, Commands& commands) {
     ui::heading("Picture mode (M: next)");
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
-        ui::mark("mode", flight::picture_mode_names[i]);
-        ui::tip(modes[i].about);
+        ui::control("mode", flight::picture_mode_names[i], modes[i].about);
     }
-    note(modes[static_cast<int>(state.interface.mode)].about);
+    ui::note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
     if (state.scene.open() && !hidden) draw_legend(state);
     ui::heading("Overlays");
@@ -200,11 +192,10 @@ void draw_picture(const State& state, Commands& commands) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);
         if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
-        ui::mark("overlay", overlay_names[i]);
-        ui::tip(overlay_choices[i].about);
+        ui::control("overlay", overlay_names[i], overlay_choices[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
-    if (state.scene.open()) draw_compare_picture(state, commands);
+    if (state.scene.open()) draw_compare_picture(state, own, commands);
     draw_scale(state, commands);
 }
 
@@ -212,8 +203,7 @@ void draw_picture(const State& state, Commands& commands) {
 
 namespace {
 
-void draw_choice(const State& state, Commands& commands) {
-    static double other_px = 4;
+void draw_choice(const State& state, PanelState& own, Commands& commands) {
     const ComparedPicture& c = state.compared;
     constexpr const char* labels[] = {"off", "threshold", "profile"};
     for (int i = 0; i < 3; ++i) {
@@ -221,23 +211,22 @@ void draw_choice(const State& state, Commands& commands) {
         if (i > 0) ImGui::SameLine();
         const bool can = with != CompareWith::profile || state.document.compared() != nullptr;
         ImGui::BeginDisabled(!can);
-        if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, other_px});
+        if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, own.compared_px});
         ImGui::EndDisabled();
-        ui::mark("compare-picture", compare_with_names[i]);
-        ui::tip(i == 0   ? "The profile alone."
-                : i == 1 ? "This profile at another threshold, in the same picture."
-                : can    ? "The profile chosen with File > Compare profiles, in the same picture."
-                         : "First choose a profile with File > Compare profiles.");
+        ui::control("compare-picture", compare_with_names[i],
+                    i == 0   ? "The profile alone."
+                    : i == 1 ? "This profile at another threshold, in the same picture."
+                    : can    ? "The profile chosen with File > Compare profiles, in the same picture."
+                             : "First choose a profile with File > Compare profiles.");
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
     if (ImGui::InputDouble("px", &px, 0, 0, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) {
-        other_px = std::clamp(px, flight::min_error_px, flight::max_error_px);
-        commands.push(ComparePictures{CompareWith::threshold, other_px});
+        own.compared_px = std::clamp(px, flight::min_error_px, flight::max_error_px);
+        commands.push(ComparePictures{CompareWith::threshold, own.compared_px});
     }
-    ui::mark("compare-picture", "error_px");
-    ui::tip("The other threshold, in pixels. Enter applies it.");
+    ui::control("compare-picture", "error_px", "The other threshold, in pixels. Enter applies it.");
 }
 
 // Its text with room around it; where there is too little on the divider's side, as near as it fits.
@@ -282,27 +271,28 @@ void name_sides(const State& state, const ui::Rect& view, float x) {
 
 } // namespace
 
-void draw_compare_picture(const State& state, Commands& commands) {
+void draw_compare_picture(const State& state, PanelState& own, Commands& commands) {
     ui::heading("Compare in the picture");
-    draw_choice(state, commands);
+    draw_choice(state, own, commands);
     if (state.compared.with == CompareWith::nothing) return;
     constexpr const char* labels[] = {"side by side", "difference"};
     for (int i = 0; i < 2; ++i) {
         if (i > 0) ImGui::SameLine();
         const auto view = static_cast<CompareView>(i);
         if (ImGui::RadioButton(labels[i], state.compared.view == view)) commands.push(SetCompareView{view});
-        ui::mark("compare-picture", compare_view_names[i]);
-        ui::tip(i == 0 ? "On the left the profile, on the right the other one; drag the divider in the picture."
-                       : "Black where both pictures are the same, through blue and yellow to white where they differ "
-                         "by an eighth of full brightness or more.");
+        ui::control("compare-picture", compare_view_names[i],
+                    i == 0
+                        ? "On the left the profile, on the right the other one; drag the divider in the picture."
+                        : "Black where both pictures are the same, through blue and yellow to white where they differ "
+                          "by an eighth of full brightness or more.");
     }
     if (state.compared.view == CompareView::difference) return;
     auto percent = static_cast<float>(100 * state.compared.divider);
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
     if (ImGui::SliderFloat("Divider", &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
         commands.push(SetDivider{static_cast<double>(percent) / 100});
-    ui::mark("compare-picture", "divider");
-    ui::tip("Where the divider stands, in percent of the picture's width. Or drag it.");
+    ui::control("compare-picture", "divider",
+                "Where the divider stands, in percent of the picture's width. Or drag it.");
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {

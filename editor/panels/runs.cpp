@@ -308,11 +308,7 @@ void draw_strip(const Strip& strip, const State& state, Commands& commands) {
 
 void run_column(const char* text, ImU32 colour) {
     ImGui::TableNextColumn();
-    const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
-    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, room));
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(text);
-    ImGui::PopStyleColor();
+    ui::right_text(text, colour);
 }
 
 void about_run(const FlownRun& run) {
@@ -350,8 +346,7 @@ void draw_run_table(const State& state, Commands& commands) {
         if (ImGui::SmallButton("x")) commands.push(ForgetRun{r});
         char name[32];
         std::snprintf(name, sizeof name, "forget.%zu", r);
-        ui::mark("run", name);
-        ui::tip("Removes this run from the panel; its CSV stays.");
+        ui::control("run", name, "Removes this run from the panel; its CSV stays.");
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -400,9 +395,9 @@ void draw_heat_choice(const State& state, Commands& commands) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
-        ui::mark("heat", heat_names[i]);
-        ui::tip("Colours the latest run's path on the overview in the Camera panel: blue is fast or exact, red the "
-                "run's p99 time or its threshold, white beyond that.");
+        ui::control("heat", heat_names[i],
+                    "Colours the latest run's path on the overview in the Camera panel: blue is fast or exact, red the "
+                    "run's p99 time or its threshold, white beyond that.");
     }
 }
 

@@ -31,21 +31,8 @@ void quantiles(const char* label, const State& state, Series series, const char*
     ui::tip(about);
     for (const float us : {q.p50, q.p99, q.max, q.last}) {
         ImGui::TableNextColumn();
-        const NumberText ms = ms_text(static_cast<double>(us));
-        const char* const text = ms.text;
-        const float width = ImGui::CalcTextSize(text).x;
-        ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, ImGui::GetContentRegionAvail().x - width));
-        ImGui::TextUnformatted(text);
+        ui::right_text(ms_text(static_cast<double>(us)).text, ImGui::GetColorU32(ImGuiCol_Text));
     }
-}
-
-void right_aligned(const char* text) {
-    ImGui::TableNextColumn();
-    const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
-    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, room));
-    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextUnformatted(text);
-    ImGui::PopStyleColor();
 }
 
 void draw_table(const State& state) {
@@ -55,7 +42,10 @@ void draw_table(const State& state) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::quiet), "ms");
-    for (const char* name : {"p50", "p99", "max", "last"}) right_aligned(name);
+    for (const char* name : {"p50", "p99", "max", "last"}) {
+        ImGui::TableNextColumn();
+        ui::right_text(name, ui::quiet);
+    }
     quantiles("Frame", state, Series::frame_us,
               "All that the editor does for a frame whose terrain has changed. Waiting for input does not count.");
     quantiles("Update", state, Series::update_us, "The method's update on the CPU.");
@@ -80,9 +70,7 @@ void draw_table(const State& state) {
             "What the GPU took by its own clock, some frames ago: beside the CPU, so it is none of the parts above.");
     ImGui::EndTable();
     if (!state.software) return;
-    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextWrapped("GPU: not measured; software draws, in Present.");
-    ImGui::PopStyleColor();
+    ui::note("GPU: not measured; software draws, in Present.");
 }
 
 // The clicked frame, or the mean of all.
@@ -136,19 +124,16 @@ void draw_report(const State& state, Commands& commands) {
         commands.push(PlayPath{false});
         commands.push(PlaceCamera{camera.position_m, camera.heading, camera.pitch});
     }
-    ui::mark("frame", "camera");
-    ui::tip("Puts the camera where this frame was drawn from.");
+    ui::control("frame", "camera", "Puts the camera where this frame was drawn from.");
     ImGui::SameLine();
     if (ImGui::Button("All frames")) commands.push(ChooseFrame{});
-    ui::mark("frame", "all");
-    ui::tip("Shows the mean of all measured frames again.");
+    ui::control("frame", "all", "Shows the mean of all measured frames again.");
     const auto step = [&](const char* label, const char* name, bool can, std::size_t to, const char* about) {
         ImGui::SameLine();
         ImGui::BeginDisabled(!can);
         if (ImGui::Button(label)) commands.push(ChooseFrame{true, to});
         ImGui::EndDisabled();
-        ui::mark("frame", name);
-        ui::tip(about);
+        ui::control("frame", name, about);
     };
     const std::size_t size = state.measures.ring(Series::frame_us).size();
     step("<", "older", ago + 1 < size, ago + 1, "The report of the frame before it.");
@@ -169,18 +154,17 @@ void zoom_in(const State& state, Commands& commands) {
 void draw_hold(const State& state, Commands& commands) {
     const bool held = state.measures.held();
     if (ImGui::Button(held ? "Continue###hold" : "Pause###hold")) commands.push(HoldMeasures{!held});
-    ui::mark("graphs", "hold");
-    ui::tip(held ? "Measures all frames again (T)." : "Holds graphs and times still, to be looked at (T).");
+    ui::control("graphs", "hold",
+                held ? "Measures all frames again (T)." : "Holds graphs and times still, to be looked at (T).");
     ImGui::SameLine();
     ImGui::BeginDisabled(state.graphs.whole());
     if (ImGui::Button("Zoom out")) commands.push(ZoomGraphs{measured_frames - 1, 0});
     ImGui::EndDisabled();
-    ui::mark("graphs", "whole");
-    ui::tip("Shows all frames again. Drag over a graph to zoom in.");
+    ui::control("graphs", "whole", "Shows all frames again. Drag over a graph to zoom in.");
     ImGui::SameLine();
     if (ImGui::Button("Zoom in")) zoom_in(state, commands);
-    ui::mark("graphs", "zoom-in");
-    ui::tip("Pauses, and shows half as many frames, around the chosen one. Or drag over a graph.");
+    ui::control("graphs", "zoom-in",
+                "Pauses, and shows half as many frames, around the chosen one. Or drag over a graph.");
     if (!held) return;
     ImGui::SameLine();
     ImGui::AlignTextToFramePadding();
@@ -205,11 +189,7 @@ void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> l
     if (input.released) commands.push(ZoomGraphs{std::min(input.oldest, size - 1), input.newest});
 }
 
-void draw_time(const State& state, Commands& commands) {
-    if (!state.scene.open()) {
-        ImGui::TextWrapped("No terrain is open.");
-        return;
-    }
+void draw_time(const State& state, PanelState&, Commands& commands) {
     const Measures& m = state.measures;
     const auto ring = [&](Series series) { return &m.ring(series); };
     if (ring(Series::frame_us)->size() == 0) {

@@ -261,22 +261,17 @@ namespace {
 
 constexpr float field_px = 106; // unscaled; ten digits
 
-// The field that is being typed into, and whether what is there so far is no value: it turns red.
-struct TypingField {
-    const flight::ProfileKey* key = nullptr;
-    bool wrong = false;
-};
-TypingField typing;
-
 struct Row {
     const flight::ProfileKey& key;
     const State& state;
+    TypingField& typing;
     Commands& commands;
     char name[64] = {}; // refine.error_px
     double value = 0;
     const char* idle = nullptr; // why it does not count now
 
-    Row(const flight::ProfileKey& k, const State& s, Commands& c) : key(k), state(s), commands(c) {
+    Row(const flight::ProfileKey& k, const State& s, TypingField& t, Commands& c)
+        : key(k), state(s), typing(t), commands(c) {
         (void)std::snprintf(name, sizeof name, "%s.%s", key.table, key.name);
         value = key.get(state.document.profile());
         idle = why_idle(key, state);
@@ -343,7 +338,7 @@ void draw_label(const Row& row) {
 void draw_field(Row& row) {
     char text[48];
     write_value(row.key, row.value, text, sizeof text);
-    const bool wrong = typing.key == &row.key && typing.wrong;
+    const bool wrong = row.typing.key == &row.key && row.typing.wrong;
     if (wrong) ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4(0.45F, 0.12F, 0.11F, 1));
     ImGui::SetNextItemWidth(-1);
     const bool entered = ImGui::InputText("##field", text, sizeof text,
@@ -353,9 +348,9 @@ void draw_field(Row& row) {
     double typed = row.value;
     const bool read = typed_value(row.key, text, typed);
     if (ImGui::IsItemActive())
-        typing = {&row.key, !read || typed < row.key.least || typed > row.key.most};
-    else if (typing.key == &row.key)
-        typing = {};
+        row.typing = {&row.key, !read || typed < row.key.least || typed > row.key.most};
+    else if (row.typing.key == &row.key)
+        row.typing = {};
     if (entered && read) row.commands.push(SetKey{&row.key, typed, false});
     tip(row);
 }
@@ -426,8 +421,8 @@ void draw_notes(const Row& row) {
     ImGui::PopTextWrapPos();
 }
 
-void draw_key(const flight::ProfileKey& key, const State& state, Commands& commands) {
-    Row row(key, state, commands);
+void draw_key(const flight::ProfileKey& key, const State& state, TypingField& typing, Commands& commands) {
+    Row row(key, state, typing, commands);
     ImGui::PushID(&key);
     ImGui::BeginDisabled(row.idle != nullptr);
     draw_label(row);
@@ -445,11 +440,11 @@ void draw_key(const flight::ProfileKey& key, const State& state, Commands& comma
 
 } // namespace
 
-void draw_tune(const State& state, Commands& commands) {
+void draw_tune(const State& state, PanelState& own, Commands& commands) {
     for (const flight::ProfileTable& table : flight::profile_tables()) {
         ui::heading(table.label);
         for (const flight::ProfileKey& key : flight::profile_keys())
-            if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, commands);
+            if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, own.typing, commands);
     }
 }
 

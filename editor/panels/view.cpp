@@ -18,17 +18,6 @@ constexpr double sun_deg_a_pixel = 0.25;
 constexpr float drag_begins_px = 4;
 constexpr std::size_t most_looked_at = 2000; // points, in every frame and not only when the button is pressed
 
-struct Held {
-    std::optional<std::size_t> point; // of the path
-    ImVec2 apart;                     // from the pointer to it, when it was taken
-    double height_m = 0;              // that it keeps while it is moved level
-    bool moved = false;
-    const flight::ProfileKey* key = nullptr; // of the sun
-    double value = 0;                        // of the key, when it was taken
-    bool sun = false;                        // taken, but whether along or across is not clear yet
-};
-Held taken;
-
 // Where a point of the path is in the window; none: behind the eye.
 std::optional<ImVec2> seen_at(const State& state, const ui::Rect& view, std::size_t point) {
     const flight::ControlPoint& p = state.route.points()[point];
@@ -56,7 +45,7 @@ std::optional<std::size_t> point_under(const State& state, const ui::Rect& view)
     return found;
 }
 
-void take_point(const State& state, const ui::Rect& view, std::size_t point, Commands& commands) {
+void take_point(PictureHand& taken, const State& state, const ui::Rect& view, std::size_t point, Commands& commands) {
     const ImVec2 at = *seen_at(state, view, point), mouse = ImGui::GetIO().MousePos;
     taken.apart = {at.x - mouse.x, at.y - mouse.y};
     taken.height_m = state.route.points()[point][1];
@@ -66,7 +55,7 @@ void take_point(const State& state, const ui::Rect& view, std::size_t point, Com
 }
 
 // Under the pointer: at the height that it has or, with Shift, over the place that it has.
-void drag_point(const State& state, const ui::Rect& view, bool ends, Commands& commands) {
+void drag_point(PictureHand& taken, const State& state, const ui::Rect& view, bool ends, Commands& commands) {
     const auto& points = state.route.points();
     if (*taken.point >= points.size()) return;
     const flight::ControlPoint& p = points[*taken.point];
@@ -128,7 +117,7 @@ void mark_points_in(const State& state, const ui::Rect& view) {
 }
 
 // Across: around; along: up and down. By the clock there is only the hour.
-void drag_sun(const State& state, bool ends, Commands& commands) {
+void drag_sun(PictureHand& taken, const State& state, bool ends, Commands& commands) {
     const ImVec2 moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
     const flight::Profile& profile = state.document.profile();
     const bool by_time = profile.light.sun == gl::SunBy::time;
@@ -147,9 +136,8 @@ void drag_sun(const State& state, bool ends, Commands& commands) {
     commands.push(SetKey{taken.key, std::min(value, taken.key->most), !ends});
 }
 
-} // namespace
-
-bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
+// Points of the path, and the sun with L, follow the mouse. True: it is not the camera's.
+bool draw_hands(const State& state, const ui::Rect& view, PictureHand& taken, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     mark_points_in(state, view);
     auto under = taken.point;
@@ -159,7 +147,7 @@ bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
         if (io.KeysDown[static_cast<int>('L')] && !io.WantTextInput)
             taken.sun = true;
         else if (const auto point = point_under(state, view))
-            take_point(state, view, *point, commands);
+            take_point(taken, state, view, *point, commands);
     }
     if (under && *under < state.route.points().size() && !taken.sun)
         if (const auto at = seen_at(state, view, *under)) {
@@ -173,16 +161,18 @@ bool draw_hands(const State& state, const ui::Rect& view, Commands& commands) {
         return false;
     }
     if (taken.sun) {
-        if (!ends || taken.key != nullptr) drag_sun(state, ends, commands);
+        if (!ends || taken.key != nullptr) drag_sun(taken, state, ends, commands);
     } else {
         const ImVec2 moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
         taken.moved = taken.moved || std::max(std::abs(moved.x), std::abs(moved.y)) >= drag_begins_px;
         if (taken.moved && (ends || io.MouseDelta.x != 0 || io.MouseDelta.y != 0))
-            drag_point(state, view, ends, commands);
+            drag_point(taken, state, view, ends, commands);
     }
     if (ends) taken = {};
     return true;
 }
+
+} // namespace
 
 // --- What the probe knows, in the picture's corner, and where it was measured: drawn over the picture, and no window,
 // so that the mouse goes through it.
@@ -495,7 +485,7 @@ void write_over(const State& state, const ui::Rect& view) {
 
 } // namespace
 
-void draw_view(const State& state, const ui::Layout& layout, Commands& commands) {
+void draw_view(const State& state, const ui::Layout& layout, PanelState& own, Commands& commands) {
     const ImGuiIO& io = ImGui::GetIO();
     const bool modal = is_modal(state.interface.dialog), panel_keys = state.interface.panel_keys;
     const bool is_typing = modal || panel_keys || io.WantTextInput || io.WantCaptureKeyboard;
@@ -517,7 +507,7 @@ void draw_view(const State& state, const ui::Layout& layout, Commands& commands)
         steer(move);
         handle_key_presses(state, commands);
     }
-    if (!io.WantCaptureMouse && !draw_hands(state, layout.view, commands)) point(state, move);
+    if (!io.WantCaptureMouse && !draw_hands(state, layout.view, own.hand, commands)) point(state, move);
     if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);

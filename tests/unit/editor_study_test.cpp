@@ -49,9 +49,6 @@ flight::Ground slope() {
 Vec3 position(const flight::ControlPoint& p) {
     return {p[0], p[1], p[2]};
 }
-Vec3 direction(const flight::ControlPoint& p) {
-    return {p[3], p[4], p[5]};
-}
 
 Route two_points() {
     Route route;
