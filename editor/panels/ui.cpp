@@ -240,9 +240,8 @@ void row(const char* label, const char* format, ...) {
     std::vsnprintf(value, sizeof value, format, arguments);
     va_end(arguments);
     ImGui::TextUnformatted(label);
-    const float width = ImGui::CalcTextSize(value).x;
-    ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - width, ImGui::CalcTextSize(label).x));
-    ImGui::TextUnformatted(value);
+    ImGui::SameLine(0, 0);
+    right_text(value, ImGui::GetColorU32(ImGuiCol_Text));
 }
 
 } // namespace fjell::editor::ui
