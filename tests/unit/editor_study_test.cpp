@@ -1,4 +1,4 @@
-// Runs of benchmarks by place, edits that shape a camera path, bookmarks and their thumbnails, and their verbs.
+// Runs of benchmarks by place, points that are added to a camera path, bookmarks, and their verbs.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
