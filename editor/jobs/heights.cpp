@@ -228,10 +228,11 @@ void add_image(HeightFacts& f, const std::string& path, std::uint32_t rows) {
     f.image_px = std::max(static_cast<std::uint32_t>(w * scale), 1u);
     const std::uint32_t high = std::max(static_cast<std::uint32_t>(h * scale), 1u);
     std::vector<std::uint8_t> rgb(std::size_t{3} * f.image_px * high);
-    int order[3] = {1, bands >= 3 ? 2 : 1, bands >= 3 ? 3 : 1};
-    if (file->RasterIO(GF_Read, 0, 0, w, h, rgb.data(), static_cast<int>(f.image_px), static_cast<int>(high), GDT_Byte,
-                       3, order, 3, 3 * static_cast<GSpacing>(f.image_px), 1, nullptr) != CE_None)
-        throw Failure(1, fmt::format("{}: cannot be read{}", path, messages.said()));
+    for (int band = 0; band < 3; ++band)
+        if (file->GetRasterBand(bands >= 3 ? band + 1 : 1)
+                ->RasterIO(GF_Read, 0, 0, w, h, rgb.data() + band, static_cast<int>(f.image_px), static_cast<int>(high),
+                           GDT_Byte, 3, 3 * static_cast<GSpacing>(f.image_px), nullptr) != CE_None)
+            throw Failure(1, fmt::format("{}: cannot be read{}", path, messages.said()));
     const std::uint32_t before = f.width_px;
     std::vector<std::uint32_t> both(std::size_t{before + f.image_px} * f.height_px, 0xff2a2520u);
     for (std::uint32_t y = 0; y < f.height_px; ++y) {

@@ -29,7 +29,7 @@ int c_abi_is_compiled(void) {
         AT(max_error_m, 136) AT(colour_log2, 140) AT(normal_log2, 144) AT(crs_bytes, 148) AT(error_floor_m, 152)
         AT(error_ratio, 156) AT(error_nesting_steps, 160) AT(height_steps, 164) AT(voids, 168) AT(level_radius_m, 176)
         AT(crs_step, 272) AT(notes_offset, 288) AT(notes_hash, 296) AT(notes_bytes, 304) AT(horizon_log2, 312)
-        AT(tiles_held, 316) AT(control_log2, 320) AT(layer_bytes, 324) AT(reserved, 328) AT(header_hash, 504))
+        AT(tiles_held, 316) AT(control_log2, 320) AT(layer_bytes, 324) AT(features, 328) AT(reserved, 336) AT(header_hash, 504))
     TYPE(FjellPageBound, 8, AT(low, 0) AT(high, 2) AT(error, 4) AT(radius, 5) AT(reserved, 6))
     TYPE(FjellChunkEntry, 32, AT(offset, 0) AT(hash, 8) AT(stored_bytes, 16) AT(raw_bytes, 20) AT(bound, 24))
     TYPE(FjellChunkId, 12, AT(kind, 0) AT(tile, 4) AT(item, 8))
