@@ -9,6 +9,7 @@ struct CrsLabel {
     std::string name; // empty: none
     int epsg = 0;     // 0: not known
 };
+// wkt: as packs and sources have it.
 [[nodiscard]] CrsLabel crs_label(const std::string& wkt);
 // "WGS 84 / UTM zone 30N (EPSG:32630)"; empty: none.
 [[nodiscard]] std::string crs_text(const CrsLabel& label);

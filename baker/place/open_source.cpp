@@ -340,8 +340,4 @@ std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths,
     return std::make_unique<FileSource>(make_plan(paths, options));
 }
 
-void limit_gdal_cache(std::size_t bytes) {
-    GDALSetCacheMax64(static_cast<GIntBig>(bytes));
-}
-
 } // namespace fjell::baker

@@ -23,7 +23,4 @@ namespace fjell::baker {
 [[nodiscard]] std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths,
                                                         const ReadOptions& options);
 
-// GDAL keeps decoded blocks of all open files in at most this many bytes (default: 5% of the machine's memory).
-void limit_gdal_cache(std::size_t bytes);
-
 } // namespace fjell::baker

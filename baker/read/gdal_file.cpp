@@ -1,6 +1,7 @@
 #include "baker/read/gdal_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <filesystem>
 #include <mutex>
@@ -12,12 +13,15 @@
 #include <fmt/format.h>
 
 #include "baker/read/netcdf_length.h"
+#include "baker/read/options.h"
 #include "baker/read/raster_files.h"
 #include "io/file.h"
 
 namespace fjell::baker {
 
 namespace {
+
+std::atomic<std::int64_t> cache_limit{-1}; // still to be told to GDAL, if not negative
 
 std::string one_line(const char* text) {
     std::string line(text ? text : "");
@@ -67,10 +71,16 @@ bool is_gdal_name(const std::string& path) {
 void register_drivers() {
     static std::once_flag once;
     std::call_once(once, [] {
+        load_gdal();
         // Files of a VRT are opened for it alone, so that every thread has its own.
         if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
         GDALAllRegister();
     });
+    if (const std::int64_t bytes = cache_limit.exchange(-1); bytes >= 0) GDALSetCacheMax64(bytes);
+}
+
+void limit_gdal_cache(std::size_t bytes) {
+    cache_limit = static_cast<std::int64_t>(bytes);
 }
 
 void GdalMessages::take(CPLErr level, CPLErrorNum, const char* text) {

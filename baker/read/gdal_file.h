@@ -13,10 +13,15 @@ namespace fjell::baker {
 
 using io::Failure;
 
+// Before anything else of GDAL, once for the whole process; safe to repeat. Whoever has GdalMessages has called it.
+// Throws Failure 3: GDAL is not installed.
+void load_gdal();
+void register_drivers(); // and loads it
+
 // While it lives, this thread's GDAL messages come here: the first error and the first warning are kept, one line each.
 class GdalMessages {
 public:
-    GdalMessages() { CPLPushErrorHandlerEx(&GdalMessages::take, this); }
+    GdalMessages() { load_gdal(), CPLPushErrorHandlerEx(&GdalMessages::take, this); }
     ~GdalMessages() { CPLPopErrorHandler(); }
     GdalMessages(const GdalMessages&) = delete;
     GdalMessages& operator=(const GdalMessages&) = delete;
@@ -36,8 +41,6 @@ struct GdalClose {
     void operator()(GDALDataset* dataset) const { GDALClose(GDALDataset::ToHandle(dataset)); }
 };
 using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
-
-void register_drivers(); // once for the whole process; safe to repeat
 
 // A name for one of GDAL's drivers or file systems, not a file's: NETCDF:"a.nc":height, /vsizip/..., and so on.
 [[nodiscard]] bool is_gdal_name(const std::string& path);

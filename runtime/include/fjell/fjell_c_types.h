@@ -49,10 +49,10 @@ typedef struct FjellCoord {
 
 // --- fjell/pack.h ---
 
-#define FJELL_PACK_VERSION 4
-#define FJELL_PACK_VERSION_WITH_HORIZONS 5
-#define FJELL_PACK_VERSION_SPARSE 6
-#define FJELL_PACK_VERSION_WITH_CONTROL 7
+#define FJELL_PACK_VERSION 8
+
+typedef uint64_t FjellPackFeatures;
+enum { FJELL_PACK_HAS_HORIZONS = 1, FJELL_PACK_HAS_CONTROL = 2, FJELL_PACK_IS_SPARSE = 4 };
 #define FJELL_MAX_LAYER_BYTES 512
 #define FJELL_PACK_LAYOUT_HASH 0x46a1000400041020ull
 #define FJELL_MIN_TILE_LOG2 1
@@ -118,7 +118,8 @@ typedef struct FjellPackHeader {
     uint32_t tiles_held;
     uint32_t control_log2;
     uint32_t layer_bytes;
-    uint64_t reserved[22];
+    uint64_t features;
+    uint64_t reserved[21];
     uint64_t header_hash;
 } FjellPackHeader;
 
