@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "baker/bake/bake.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 
 namespace fjell::baker {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "baker/place/crs_label.h"
+#include "baker/georeference/crs_label.h"
 #include "io/json.h"
 
 namespace fjell::baker {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "baker/cli/describe.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/synth/synth.h"
 
 namespace fjell::baker {

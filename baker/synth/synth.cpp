@@ -22,7 +22,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/read/windows.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"

@@ -11,7 +11,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/synth/synth.h"
 #include "editor/jobs/factories.h"
 #include "editor/number_text.h"

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "baker/georeference/crs_label.h"
+#include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
-#include "baker/place/crs_label.h"
-#include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
 #include "editor/jobs/factories.h"
 #include "editor/strings.h"

@@ -7,8 +7,8 @@
 
 #include <gdalwarper.h>
 
-#include "baker/place/placed_dataset.h"
-#include "baker/place/projection.h"
+#include "baker/georeference/placed_dataset.h"
+#include "baker/georeference/projection.h"
 #include "baker/read/mosaic.h"
 
 namespace fjell::baker {

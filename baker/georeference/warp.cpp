@@ -2,7 +2,7 @@
 // at a time, always the same ones, with a fixed resampling ratio and fixed bounds of transformation, so that a sample
 // depends on nothing but its place. Cubic interpolation keeps crests and valleys that bilinear flattens; beside a void,
 // where it lacks one of its 16 samples, GDAL falls back to the bilinear of those that there are.
-#include "baker/place/warp.h"
+#include "baker/georeference/warp.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "baker/place/placed_dataset.h"
+#include "baker/georeference/placed_dataset.h"
 
 #include <exception>
 #include <limits>
