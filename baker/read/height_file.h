@@ -24,7 +24,7 @@ struct FileFacts {
     std::string identity;    // names, sizes and times of everything it is read from
 };
 
-// An open file. One thread at a time. Throws Failure (place/open_source.h).
+// An open file. One thread at a time. Throws Failure (georeference/open_source.h).
 class HeightFile {
 public:
     HeightFile(const std::string& path, const ReadOptions& options);

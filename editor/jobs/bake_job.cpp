@@ -27,7 +27,7 @@ using io::Failure;
 
 void set_word(std::optional<std::string>& word, const std::string& value, const char* key) {
     if (value.empty()) return;
-    const std::vector<std::string> known = baker::words_of(key);
+    const std::vector<std::string>& known = baker::recipe_key(key).words;
     if (!known.empty() && std::ranges::find(known, value) == known.end())
         throw Failure(2, fmt::format(strings::refusals::bad_word, key, value, fmt::join(known, ", ")));
     word = value;
