@@ -12,7 +12,6 @@
 
 #include "baker/maps/control.h"
 #include "baker/read/gdal_file.h"
-#include "baker/read/raster_files.h"
 #include "io/file.h"
 #include "io/json.h"
 

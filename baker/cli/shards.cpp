@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/cli/progress.h"
 #include "baker/cli/summary.h"
 #include "baker/georeference/open_source.h"
 #include "baker/shard/launch.h"

@@ -2,7 +2,7 @@
 // comes to the same bytes.
 #include "bake_faults.h"
 
-#include "baker/store/digest.h"
+#include "baker/store/store.h"
 #include "support/rounds.h"
 
 using namespace fjell::test;
