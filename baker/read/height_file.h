@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "baker/read/decode.h"
-#include "baker/read/placement.h"
+#include "baker/read/gdal_file.h"
 #include "baker/read/windows.h"
 #include "baker/store/memory.h"
 

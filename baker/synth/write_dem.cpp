@@ -18,7 +18,6 @@
 #include "baker/georeference/open_source.h"
 #include "baker/heights/fill.h"
 #include "baker/read/gdal_file.h"
-#include "baker/read/placement.h"
 #include "baker/store/parallel.h"
 #include "baker/store/store.h"
 #include "io/file.h"
