@@ -81,7 +81,8 @@ std::uint64_t assemble_pack(PackHeader header, const ChunkSource& chunks, const 
                             const std::string& notes, io::AtomicFile& file,
                             const std::function<void(std::uint64_t)>& moved) {
     std::memcpy(header.magic, pack_magic, sizeof pack_magic);
-    header.version = version_of(header);
+    header.version = pack_version;
+    header.features = features_of(header);
     header.header_bytes = sizeof(PackHeader);
     header.layout_hash = pack_layout_hash;
     const PackHeader empty{}; // no magic number until the pack is complete

@@ -8,7 +8,8 @@ const char* message(Code code) {
     case Code::truncated: return "the pack ends too early; copy or bake it again";
     case Code::not_a_pack: return "this is not a Fjell pack; bake the height field with fjell-bake first";
     case Code::wrong_version:
-        return "the pack was written by another version of fjell-bake; bake it again with this one";
+        return "the pack was written by another version of fjell-bake; bake it again with this one: "
+               "fjell-bake HEIGHTS -o PACK";
     case Code::wrong_layout:
         return "the pack's record layout is not this build's; bake it again on this kind of machine";
     case Code::corrupt: return "the pack is damaged here; copy or bake it again";

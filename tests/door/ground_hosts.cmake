@@ -86,7 +86,7 @@ must_end(3 ".*none.fjell: cannot be opened; give a pack that fjell-bake has writ
 must_end(3 "TerrainBudget::page_slots \\(one a tile\\): the budget cannot hold the coarsest mesh; raise the field"
   ${FOLDER}/${host} ${PACK} 1 3)
 must("another version" bash -c "cp '${PACK}' '${FOLDER}/old.fjell' && printf '\\003' | dd of='${FOLDER}/old.fjell' bs=1 seek=8 conv=notrunc status=none")
-must_end(3 ".*/old.fjell: version: the pack was written by another version of fjell-bake; bake it again with this one"
+must_end(3 ".*/old.fjell: version: the pack was written by another version of fjell-bake; bake it again with this one: fjell-bake HEIGHTS -o PACK"
   ${FOLDER}/${host} ${FOLDER}/old.fjell)
 must_end(0 "tile [0-9]+: the file could not be read there. .*" ${CMAKE_COMMAND} -E env LD_PRELOAD=${FAULTS}
   "FJELL_FAULT=pread ${PACK} EIO ${lost}" ${FOLDER}/${host} ${PACK} ${while})

@@ -45,7 +45,8 @@ void repair(std::vector<std::byte>& bytes, bool directory_too) {
     PackHeader h;
     std::memcpy(&h, bytes.data(), sizeof h);
     std::memcpy(h.magic, pack_magic, sizeof pack_magic);
-    h.version = h.tiles_held ? pack_version_sparse : version_of(h);
+    h.version = pack_version;
+    h.features = features_of(h);
     h.header_bytes = sizeof h;
     h.layout_hash = pack_layout_hash;
     h.file_bytes = size;

@@ -393,7 +393,7 @@ TEST_CASE("packs of another version, cut or damaged are refused by info and veri
     bytes[300] = static_cast<char>(bytes[300] ^ 1);
     spit(folder / "flipped.fjell", bytes);
     spit(folder / "empty.fjell", "");
-    refused(folder, bake + "info version.fjell", 1, "another version");
+    refused(folder, bake + "info version.fjell", 1, "bake it again with this one: fjell-bake HEIGHTS -o PACK");
     refused(folder, bake + "info cut.fjell", 1, "too early");
     refused(folder, bake + "verify flipped.fjell", 1, "damaged");
     refused(folder, bake + "verify empty.fjell", 1, "not a Fjell pack");

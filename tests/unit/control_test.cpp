@@ -165,7 +165,7 @@ TEST_CASE("a baked control map shows what its rules say of each texel's place, e
         options.control_spacing = spacing;
         const auto loaded = bake_and_load(dem, options);
         const Pack& pack = loaded.pack;
-        CHECK(pack.header.version == pack_version_with_control);
+        CHECK(pack.header.features == pack_has_control);
         const MapsReport report = check_maps(pack);
         CAPTURE(spacing, report.first);
         CHECK(report.ok());

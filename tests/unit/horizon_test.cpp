@@ -215,7 +215,7 @@ TEST_CASE("a window's horizons are those of a larger one") {
     }
 }
 
-TEST_CASE("a baked pack holds horizon maps that verify finds sound, with holes too, and tells its version") {
+TEST_CASE("a baked pack holds horizon maps that verify finds sound, with holes too, and tells that it has them") {
     std::mt19937 random(10);
     for (const int spacing : {2, 4}) {
         Dem dem = random_dem(random, 150, 101, Shape::fractal);
@@ -223,10 +223,10 @@ TEST_CASE("a baked pack holds horizon maps that verify finds sound, with holes t
         BakeOptions options = small_bake(5);
         options.max_texture_log2 = 5;
         const auto without = bake_and_load(dem, options);
-        CHECK(without.pack.header.version == pack_version);
+        CHECK(without.pack.header.features == 0);
         options.horizon_spacing = spacing;
         const auto pack = bake_and_load(dem, options);
-        CHECK(pack.pack.header.version == pack_version_with_horizons);
+        CHECK(pack.pack.header.features == pack_has_horizons);
         CHECK(1u << pack.pack.header.horizon_log2 == 32u / static_cast<unsigned>(spacing));
         CHECK(io::check_all_chunks(pack.pack, pack.path) == pack.pack.header.directory_count);
         const MapsReport report = check_maps(pack.pack);

@@ -190,6 +190,7 @@ TEST_CASE("a header whose hash is right is still not believed") {
     REQUIRE(with_header(whole, [](PackHeader&) {}).ok());
     const auto code = [&](auto change) { return with_header(whole, change).code; };
     CHECK(code([](PackHeader& h) { h.version = 99; }) == Code::wrong_version);
+    CHECK(code([](PackHeader& h) { h.version = pack_version - 1; }) == Code::wrong_version);
     CHECK(code([](PackHeader& h) { h.layout_hash ^= 1; }) == Code::wrong_layout);
     CHECK(code([](PackHeader& h) { h.tile_log2 = 31; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.tile_log2 = 0; }) == Code::out_of_range);
@@ -206,11 +207,11 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.normal_log2 = 3; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.version = pack_version_with_horizons; }) == Code::corrupt);
+    CHECK(code([](PackHeader& h) { h.features = pack_has_horizons; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.control_log2 = 3; }) == Code::out_of_range); // without names
     CHECK(code([](PackHeader& h) { h.layer_bytes = 5; }) == Code::out_of_range);
     CHECK(code([](PackHeader& h) { h.control_log2 = 3, h.layer_bytes = 5; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.version = pack_version_with_control + 1; }) == Code::wrong_version);
+    CHECK(code([](PackHeader& h) { h.features = 8; }) == Code::wrong_version);
     CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
     CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);

@@ -119,7 +119,8 @@ typedef struct FjellPackHeader {
     uint32_t tiles_held;
     uint32_t control_log2;
     uint32_t layer_bytes;
-    uint64_t reserved[22];
+    uint64_t features;
+    uint64_t reserved[21];
     uint64_t header_hash;
 } FjellPackHeader;
 

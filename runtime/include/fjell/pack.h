@@ -18,13 +18,13 @@ FJELL_API_BEGIN
 namespace fjell {
 
 inline constexpr char pack_magic[8] = {'F', 'J', 'E', 'L', 'L', 'P', 'K', '\n'};
-inline constexpr std::uint32_t pack_version = 4;
-// Of a pack with horizon maps, which is otherwise the same; readers that know none of them refuse it by its version.
-inline constexpr std::uint32_t pack_version_with_horizons = 5;
-// Of a pack set that does not cover its terrain (fjell/pack_set.h): tiles are missing. In memory only, never in a file.
-inline constexpr std::uint32_t pack_version_sparse = 6;
-// Of one with control maps, with or without horizons.
-inline constexpr std::uint32_t pack_version_with_control = 7;
+inline constexpr std::uint32_t pack_version = 8;
+// Bits of PackHeader::features: what not every pack has. A reader refuses those that it does not know.
+enum PackFeatures : std::uint64_t {
+    pack_has_horizons = 1,
+    pack_has_control = 2,
+    pack_is_sparse = 4 // a pack set that does not cover its terrain (fjell/pack_set.h): in memory only, never in a file
+};
 inline constexpr std::uint32_t max_layer_bytes = 512; // 16 names of 31 characters and their newlines
 // Changes with every stored layout; also detects a byte-swapped file.
 inline constexpr std::uint64_t pack_layout_hash = 0x46a1'0004'0004'1020ull;
@@ -89,7 +89,8 @@ struct PackHeader {
     std::uint32_t tiles_held;                // of a sparse terrain: tiles that are there; 0: all of them
     std::uint32_t control_log2;              // texels a side of mip 0; 0: no control map
     std::uint32_t layer_bytes;               // of the materials' names; 0: no control map
-    std::uint64_t reserved[22];              // zero
+    std::uint64_t features;                  // PackFeatures
+    std::uint64_t reserved[21];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
 };
 static_assert(sizeof(PackHeader) == 512 && offsetof(PackHeader, header_hash) == 504,
@@ -199,12 +200,11 @@ inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);
-// The version that a pack with these maps has.
-[[nodiscard]] constexpr std::uint32_t version_of(const PackHeader& header) {
-    if (header.tiles_held != 0) return pack_version_sparse;
-    return header.control_log2 != 0   ? pack_version_with_control
-           : header.horizon_log2 != 0 ? pack_version_with_horizons
-                                      : pack_version;
+// The features that a pack with these maps and tiles has.
+[[nodiscard]] constexpr std::uint64_t features_of(const PackHeader& header) {
+    return (header.horizon_log2 != 0) * std::uint64_t{pack_has_horizons} +
+           (header.control_log2 != 0) * std::uint64_t{pack_has_control} +
+           (header.tiles_held != 0) * std::uint64_t{pack_is_sparse};
 }
 // How many chunks such a pack has.
 [[nodiscard]] std::uint64_t chunk_count(const PackHeader& header);

@@ -65,6 +65,7 @@ FJELL_FIELD(FjellPackHeader, horizon_log2);
 FJELL_FIELD(FjellPackHeader, tiles_held);
 FJELL_FIELD(FjellPackHeader, control_log2);
 FJELL_FIELD(FjellPackHeader, layer_bytes);
+FJELL_FIELD(FjellPackHeader, features);
 FJELL_FIELD(FjellPackHeader, reserved);
 FJELL_FIELD(FjellPackHeader, header_hash);
 

@@ -217,8 +217,7 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (header.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
     PackHeader h;
     std::memcpy(&h, header.data(), sizeof h);
-    if (h.version < pack_version || h.version > pack_version_with_control)
-        return failed(Code::wrong_version, "version");
+    if (h.version != pack_version) return failed(Code::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
         return failed(Code::wrong_layout, "layout_hash");
     if (h.header_hash != XXH3_64bits(header.data(), offsetof(PackHeader, header_hash)))
@@ -226,8 +225,9 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (file_bytes < h.file_bytes) return failed(Code::truncated, "file_bytes");
     if (file_bytes > h.file_bytes) return failed(Code::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
-    if (h.version != version_of(h))
-        return failed(Code::corrupt, h.tiles_held ? "tiles_held" : h.control_log2 ? "control_log2" : "horizon_log2");
+    if (h.features > (pack_has_horizons | pack_has_control | pack_is_sparse))
+        return failed(Code::wrong_version, "features");
+    if (h.features != features_of(h)) return failed(Code::corrupt, "features");
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
         h.directory_count > (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||

@@ -118,7 +118,7 @@ Status plan(const SetShape& shape, std::span<const SetPart> parts, PackHeader& h
     const std::uint64_t all = std::uint64_t{h.tiles_x} * h.tiles_y;
     if (tiles > all) return {Code::out_of_range, "packs (some lie over others)"};
     h.tiles_held = tiles == all ? 0 : static_cast<std::uint32_t>(tiles);
-    if (h.tiles_held != 0) h.version = pack_version_sparse;
+    h.features = features_of(h);
     for (const int axis : {0, 1}) h.origin_m[axis] = origin_of(parts[0], axis);
     if (same_notes)
         h.notes_offset += sizeof(PackHeader); // the first part's
