@@ -321,7 +321,7 @@ Scene Engine::scene() const {
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     s.file_bytes = h.file_bytes;
     s.terrain_bytes = session.terrain_bytes;
-    s.method_bytes = session.method_bytes;
+    s.method_bytes = session.method->bytes();
     s.stream_bytes = session.streamed ? session.streamed->memory_bytes() : 0;
     s.streamed = session.streamed != nullptr;
     s.load_s = session.load_seconds;

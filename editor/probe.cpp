@@ -49,7 +49,7 @@ std::optional<ProbedGround> ground_under(const flight::Session& session, const V
 // A triangle of the mesh, and heights as they are drawn.
 struct DrawnMesh {
     MeshView mesh;
-    CutMesh cut; // its morphing, of the incremental method
+    CutMesh cut; // its morphing, if it has any
     const Terrain& terrain;
 
     [[nodiscard]] const MeshVertex& vertex(std::size_t index) const { return mesh.vertices[mesh.indices[index]]; }
@@ -74,7 +74,7 @@ std::optional<double> height_over(const DrawnMesh& drawn, std::size_t first, dou
 
 // Goes on with the search where it stands, some triangles further.
 void look_for_mesh(Probe& probe, const flight::Session& session, const View& refining) {
-    const DrawnMesh drawn{session.mesh(), session.incremental() ? cut_mesh(session.cut) : CutMesh{}, session.terrain()};
+    const DrawnMesh drawn{session.mesh(), session.method->mesh(), session.terrain()};
     ProbedGround& g = *probe.ground;
     const PackHeader& header = session.terrain().header();
     const std::uint32_t tile =

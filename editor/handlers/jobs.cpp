@@ -29,11 +29,10 @@ MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
 ExportPlan export_plan(HandlerContext context, const std::string& path, bool converged, double error_px) {
     const State& state = context.state;
     const flight::Session& session = open_engine(context).session();
-    const flight::LastUpdate& last = session.last;
-    if (last.cut_report.frame + last.frame_report.frame == 0) throw io::Failure(2, strings::refusals::no_frame_yet);
-    ExportPlan plan{
-        session.file,           path, {}, state.scene.streamed, state.document.profile(), last.view, error_px,
-        context.engine.layers()};
+    const std::optional<View>& view = session.method->view();
+    if (!view) throw io::Failure(2, strings::refusals::no_frame_yet);
+    ExportPlan plan{session.file,           path, {}, state.scene.streamed, state.document.profile(), *view, error_px,
+                    context.engine.layers()};
     if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
     return plan;
 }

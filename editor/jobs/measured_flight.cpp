@@ -146,7 +146,7 @@ const std::vector<flight::Pose>& MeasuredFlight::poses() const {
 }
 
 bool MeasuredFlight::incremental() const {
-    return impl_->session.incremental();
+    return flight::facts_of(impl_->session.method->kind).keeps_mesh;
 }
 
 double MeasuredFlight::error_px() const {

@@ -66,14 +66,14 @@ void draw_method(const State& state, Commands& commands) {
     const flight::FrameEntry& e = state.measures.last();
     const Peaks& p = state.measures.peaks();
     const flight::Profile& profile = state.document.profile();
-    const bool incremental = profile.method == flight::Method::incremental;
+    const bool kept = flight::facts_of(profile).keeps_mesh;
     ui::heading(strings::budgets::refinement);
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
     draw_line({strings::common::vertices, "budget.vertices", strings::budgets::about_vertices,
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
                flight::exhausted_vertices},
               state, commands);
-    if (!incremental) {
+    if (!kept) {
         draw_line({strings::budgets::indices, "budget.indices", strings::budgets::about_indices,
                    static_cast<double>(e.index_slots.used), static_cast<double>(p.indices),
                    static_cast<double>(e.index_slots.capacity), flight::exhausted_indices},
@@ -136,7 +136,7 @@ void memory_row(const char* label, double bytes, const char* about, double& sum)
 void draw_memory(const State& state) {
     const Scene& s = state.scene;
     const flight::FrameEntry& e = state.measures.last();
-    const bool incremental = state.document.profile().method == flight::Method::incremental;
+    const flight::MethodFacts& slot = flight::facts_of(state.document.profile());
     double host = 0, gpu = 0;
     ui::heading(strings::budgets::memory);
     memory_row(strings::budgets::terrain, static_cast<double>(s.terrain_bytes), strings::budgets::about_terrain, host);
@@ -144,8 +144,9 @@ void draw_memory(const State& state) {
     if (s.streamed)
         memory_row(strings::common::stream, static_cast<double>(s.stream_bytes), strings::budgets::about_stream, host);
     memory_row(strings::budgets::gpu_mesh,
-               incremental ? 28.0 * e.vertex_slots.capacity + 12.0 * e.triangle_slots.capacity
-                           : 12.0 * e.vertex_slots.capacity + 4.0 * e.index_slots.capacity,
+               static_cast<double>(slot.gpu_vertex_bytes) * e.vertex_slots.capacity +
+                   static_cast<double>(slot.gpu_triangle_bytes) *
+                       std::max(e.triangle_slots.capacity, e.index_slots.capacity), // the method has one of them
                strings::budgets::about_gpu_mesh, gpu);
     if (state.drawn)
         memory_row(strings::budgets::gpu_maps, static_cast<double>(state.drawn->texture_bytes),

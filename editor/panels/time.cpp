@@ -211,7 +211,7 @@ void draw_time(const State& state, Commands& commands) {
         draw_measured_graph(g, lines, state, commands);
     };
     const double budget_us = state.document.profile().cut.budget_us;
-    const bool limited = state.document.profile().method == flight::Method::incremental && budget_us > 0;
+    const bool limited = flight::facts_of(state.document.profile()).keeps_mesh && budget_us > 0;
     draw_hold(state, commands);
     draw_parts(state);
     if (state.chosen) draw_report(state, commands);

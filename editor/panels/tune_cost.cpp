@@ -42,14 +42,13 @@ double page_state_bytes(const State& state, double vertices) {
 // What the table above the profile's keys says of bytes, for the chosen method.
 void vertices(const State& state, Text& text, double value) {
     const FrameEntry& e = state.measures.last();
-    const bool incremental = state.document.profile().method == flight::Method::incremental;
-    text.bytes(value * static_cast<double>(incremental ? cut_vertex_bytes : recursive_vertex_bytes) +
-               (incremental ? page_state_bytes(state, value) : 0));
+    const flight::MethodFacts& slot = flight::facts_of(state.document.profile());
+    text.bytes(value * static_cast<double>(slot.vertex_bytes) + (slot.keeps_mesh ? page_state_bytes(state, value) : 0));
     text.add(" + ");
-    text.bytes(value * static_cast<double>(sizeof(MeshVertex) + (incremental ? sizeof(MorphVertex) : 0)));
+    text.bytes(value * static_cast<double>(slot.gpu_vertex_bytes));
     text.add(strings::tune_cost::gpu);
     text.count(strings::tune_cost::used, e.vertices);
-    if (incremental) text.count(strings::tune_cost::peak, e.vertices_peak);
+    if (slot.keeps_mesh) text.count(strings::tune_cost::peak, e.vertices_peak);
 }
 
 void triangles(const State& state, Text& text, double value) {
@@ -167,10 +166,10 @@ const char* why_idle(const flight::ProfileKey& key, const State& state) {
     switch (key.used_by) {
     case flight::UsedBy::any: break;
     case flight::UsedBy::incremental:
-        if (profile.method != flight::Method::incremental) return strings::tune_cost::incremental_only;
+        if (flight::facts_of(profile).keys != key.used_by) return strings::tune_cost::incremental_only;
         break;
     case flight::UsedBy::recursive:
-        if (profile.method != flight::Method::recursive) return strings::tune_cost::recursive_only;
+        if (flight::facts_of(profile).keys != key.used_by) return strings::tune_cost::recursive_only;
         break;
     case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
         if (!state.scene.streamed && !is(key, "stream", "page_slots")) return strings::tune_cost::streaming_only;

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "pack/terrain_data.h"
+#include "fjell/pages.h"
 
 namespace fjell::flight {
 
@@ -26,25 +26,23 @@ FileGround::FileGround(const io::PackFile& file) : file_(file) {
 
 Coord FileGround::north_west_of(double x_m, double z_m) const {
     const PackHeader& h = terrain_.header();
-    const auto first = [](double at, std::int32_t count) {
+    const auto first = [](double at, std::uint32_t count) {
         return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
     };
-    return {first(x_m / h.spacing_m[0], data_of(terrain_).tree.columns()),
-            first(z_m / h.spacing_m[1], data_of(terrain_).tree.rows())};
+    return {first(x_m / h.spacing_m[0], h.columns), first(z_m / h.spacing_m[1], h.rows)};
 }
 
 void FileGround::make_room() {
-    if (terrain_.page_count() - terrain_.pages_missing() + most_pages > data_of(terrain_).slot_count)
-        for (std::uint32_t slot = 0; slot < data_of(terrain_).slot_count; ++slot)
-            if (const std::uint32_t page = data_of(terrain_).slot_page[slot]; page != no_index)
-                (void)unload_page(terrain_, page / terrain_.pages_per_tile(), page % terrain_.pages_per_tile());
+    if (terrain_.pages_loaded() + most_pages <= terrain_.page_slots()) return;
+    for (const auto& [tile, page] : loaded_) (void)unload_page(terrain_, tile, page);
+    loaded_.clear();
 }
 
 bool FileGround::has_ground(double x_m, double z_m) {
     const Coord at = north_west_of(x_m, z_m);
     make_room();
     fetch(at);
-    const TerrainData::Vertex v = data_of(terrain_).vertex(at);
+    const TerrainVertex v = terrain_vertex(terrain_, at);
     return v.loaded && v.in_tile && !v.hole;
 }
 
@@ -54,48 +52,48 @@ double FileGround::ground_m(double x_m, double z_m) {
     bool all = true;
     for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         fetch(nw + by);
-        all = all && data_of(terrain_).vertex(nw + by).loaded;
+        all = all && terrain_vertex(terrain_, nw + by).loaded;
     }
-    if (all) return data_of(terrain_).ground_m(x_m, z_m);
+    if (all) return terrain_height_m(terrain_, x_m, z_m);
     for (int shift = 1;; ++shift) { // ends at a tile's corner at the latest
-        const TerrainData::Vertex v = data_of(terrain_).vertex({nw.x >> shift << shift, nw.y >> shift << shift});
+        const TerrainVertex v = terrain_vertex(terrain_, {nw.x >> shift << shift, nw.y >> shift << shift});
         if (v.loaded) return v.height_m;
     }
 }
 
 void FileGround::fetch(Coord sample) {
-    const Tree& tree = data_of(terrain_).tree;
-    const PageLayout& pages = data_of(terrain_).pages;
-    if (tree.is_corner(sample)) return;
-    const std::int32_t side = tree.side();
-    const Coord place = data_of(terrain_).tile_with(
-        sample, {std::min(sample.x / side, tree.tiles_x - 1), std::min(sample.y / side, tree.tiles_y - 1)});
+    const PackHeader& h = terrain_.header();
+    const std::int32_t side = std::int32_t{1} << h.tile_log2;
+    const bool on_column = sample.x % side == 0, on_row = sample.y % side == 0;
+    if (on_column && on_row) return; // a tile's corner
+    // The tile that begins there, or on its border a neighbour to the west or north that has the sample too.
+    Coord place{std::min(sample.x / side, static_cast<std::int32_t>(h.tiles_x) - 1),
+                std::min(sample.y / side, static_cast<std::int32_t>(h.tiles_y) - 1)};
+    if (terrain_.tile_at(place) == no_tile) {
+        if (on_column && sample.x == place.x * side) --place.x;
+        if (on_row && sample.y == place.y * side) --place.y;
+    }
     const std::uint32_t tile = terrain_.tile_at(place);
     if (tile == no_tile) return; // nothing is there to be read
-    const std::uint32_t page = pages
-                                   .place(static_cast<std::uint32_t>(sample.x - place.x * side),
-                                          static_cast<std::uint32_t>(sample.y - place.y * side))
-                                   .page;
-    const int z = pages.page_step_log2(page);
-    if (z == 0) { // its errors follow from the heights of all pages over it
-        const Coord at = pages.page_position(page);
-        if (!load(tile, 0)) return;
-        for (int over = pages.tile_log2 - 1 - page_squares_log2; over > 0; --over)
-            if (!load(tile, pages.page_at(over, static_cast<std::uint32_t>(at.x) >> over,
-                                          static_cast<std::uint32_t>(at.y) >> over)))
-                return;
-    }
+    const auto x = static_cast<std::uint32_t>(sample.x - place.x * side),
+               y = static_cast<std::uint32_t>(sample.y - place.y * side);
+    const std::uint32_t page = page_of(h, x, y);
+    if (page_step_log2(h, page) == 0) // its errors follow from the heights of all pages over it
+        for (std::uint32_t over = h.tile_log2 - 1; over > 0; --over)
+            if (!load(tile, page_at(h, over, x, y))) return;
     (void)load(tile, page);
 }
 
 bool FileGround::load(std::uint32_t tile, std::uint32_t page) {
-    if (data_of(terrain_).page_table[std::size_t{tile} * terrain_.pages_per_tile() + page].slot != no_index)
-        return true;
+    if (page_loaded(terrain_, tile, page)) return true;
     const ChunkEntry entry = file_.pack().entry(chunk_index(terrain_.header(), {ChunkKind::geometry, tile, page}));
     stored_.resize(entry.stored_bytes);
     raw_.resize(entry.raw_bytes);
-    return file_.read(entry.offset, stored_) == 0 && decode_chunk(entry, stored_, raw_).ok() &&
-           insert_page(terrain_, tile, page, raw_).ok();
+    if (file_.read(entry.offset, stored_) != 0 || !decode_chunk(entry, stored_, raw_).ok() ||
+        !insert_page(terrain_, tile, page, raw_).ok())
+        return false;
+    loaded_.emplace_back(tile, page);
+    return true;
 }
 
 Ground ground_of(FileGround& file, const Terrain& terrain) {

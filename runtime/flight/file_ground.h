@@ -5,13 +5,13 @@
 // damaged or cannot be read, the ground is a coarser sample's beside it: the flight will say what is wrong.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "fjell/io/load.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 #include "flight/path.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -21,7 +21,7 @@ public:
     FileGround(const FileGround&) = delete;
     FileGround& operator=(const FileGround&) = delete;
 
-    // TerrainData::ground_m, whatever is loaded.
+    // terrain_height_m() (fjell/pages.h), whatever is loaded.
     [[nodiscard]] double ground_m(double x_m, double z_m);
     // Of the sample nearest to the north-west: that it is no hole.
     [[nodiscard]] bool has_ground(double x_m, double z_m);
@@ -35,6 +35,7 @@ private:
     const io::PackFile& file_;
     io::AlignedMemory memory_;
     Terrain terrain_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> loaded_; // tiles and their pages, in order
     std::vector<std::byte> stored_, raw_;
 };
 

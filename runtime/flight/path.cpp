@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/pages.h"
 #include "flight/path_timing.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -259,7 +259,7 @@ Ground ground_of(const Terrain& terrain) {
     ground.extent_x_m = (h.columns - 1) * h.spacing_m[0];
     ground.extent_z_m = (h.rows - 1) * h.spacing_m[1];
     ground.cell_m = std::min(h.spacing_m[0], h.spacing_m[1]);
-    ground.height_m = [terrain](double x_m, double z_m) { return data_of(terrain).ground_m(x_m, z_m); };
+    ground.height_m = [terrain](double x_m, double z_m) { return terrain_height_m(terrain, x_m, z_m); };
     return ground;
 }
 

@@ -71,19 +71,7 @@ void set_layers(gl::Renderer& renderer, const GroundLayers& layers, const Sessio
 
 std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session, std::string& error) {
     gl::RendererOptions slots;
-    if (session.incremental()) {
-        const CutBudget& budget = session.cut_budget;
-        slots.vertices = budget.vertices;
-        slots.indices = 3 * budget.triangles;
-        slots.ranges = budget.triangles / budget.segment_triangles;
-        slots.morph = true;
-        if (session.streamed) // as without streaming, and what a frame may bring of maps
-            slots.ring_bytes = std::max(4 * budget.vertices + 2 * budget.triangles, 1u << 20) +
-                               std::min(options.profile.stream.map_bytes, 1u << 28);
-    } else {
-        slots.vertices = options.profile.budget.vertices;
-        slots.indices = options.profile.budget.indices;
-    }
+    session.method->make_room(options.profile, session.streamed != nullptr, slots);
     if (session.streamed) {
         slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
@@ -110,8 +98,7 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
                 stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::control));
         if (!error.empty()) return error;
     }
-    return session.incremental() ? renderer.upload(cut_mesh(session.cut), cut_take_changes(session.cut))
-                                 : renderer.upload(session.mesh());
+    return session.method->upload(renderer);
 }
 
 Pictures::Pictures(const FlightOptions& options, const Session& session) : state_(std::make_unique<State>()) {

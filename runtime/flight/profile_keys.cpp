@@ -1,19 +1,46 @@
 #include "flight/profile_keys.h"
 
-#include <iterator>
+#include <cstdint>
+#include <type_traits>
 #include <vector>
 
-#include "flight/profile_fields.h"
+#include "flight/methods/method.h"
 
 namespace fjell::flight {
 
 namespace {
 
+using Light = gl::LightSettings;
+using Layers = gl::LayerSettings;
+
+// Where a value lies in a profile: a field, or a field of a part. shift: it is given in units of 1 << shift bytes.
+template <auto Part, auto Field = nullptr, int shift = 0>
+struct At {
+    template <typename P>
+    static auto& in(P& profile) {
+        if constexpr (std::is_null_pointer_v<decltype(Field)>)
+            return profile.*Part;
+        else
+            return profile.*Part.*Field;
+    }
+    static double get(const Profile& profile) {
+        if constexpr (shift != 0)
+            return static_cast<double>(in(profile) >> shift);
+        else
+            return static_cast<double>(in(profile));
+    }
+    static void set(Profile& profile, double value) {
+        using T = std::remove_reference_t<decltype(in(profile))>;
+        if constexpr (shift != 0)
+            in(profile) = static_cast<T>(static_cast<std::uint64_t>(value) << shift);
+        else
+            in(profile) = static_cast<T>(value);
+    }
+};
+
 // One key for both methods' vertex buffers: only one of them is made.
 struct Vertices {
-    static double get(const Profile& p) {
-        return p.method == Method::recursive ? p.budget.vertices : p.cut_budget.vertices;
-    }
+    static double get(const Profile& p) { return facts_of(p).vertices(p); }
     static void set(Profile& p, double value) {
         p.budget.vertices = p.cut_budget.vertices = static_cast<std::uint32_t>(value);
     }
@@ -31,9 +58,15 @@ constexpr const char* methods[] = {"incremental", "recursive"};
 constexpr const char* morphs[] = {"none", "error", "time"};
 constexpr const char* metrics[] = {"isotropic", "depth"};
 constexpr const char* topologies[] = {"list", "strip"};
+constexpr const char* suns[] = {"direction", "time"};
+constexpr const char* airs[] = {"simple", "physical"};
+constexpr const char* exposures[] = {"automatic", "fixed"};
+constexpr const char* curves[] = {"none", "filmic"};
 static_assert(static_cast<int>(Method::recursive) == 1 && static_cast<int>(Morph::error) == 1 &&
                   static_cast<int>(Morph::time) == 2 && static_cast<int>(Metric::depth) == 1 &&
-                  static_cast<int>(Topology::strip) == 1,
+                  static_cast<int>(Topology::strip) == 1 && static_cast<int>(gl::SunBy::time) == 1 &&
+                  static_cast<int>(gl::Air::physical) == 1 && static_cast<int>(gl::Exposure::fixed) == 1 &&
+                  static_cast<int>(gl::ToneCurve::filmic) == 1,
               "choices are named in the order of their values: change the names above too");
 
 constexpr ProfileTable tables[] = {
@@ -49,7 +82,7 @@ constexpr ProfileTable tables[] = {
 
 constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
 
-constexpr ProfileKey keys_before_light[] = {
+constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "method",
      .label = "Method",
@@ -457,17 +490,251 @@ constexpr ProfileKey keys_before_light[] = {
               "pixel, and in software nearly twice the time. fjell-fly's pictures and window; the editor's has one.",
      .get = At<&Profile::samples>::get,
      .set = At<&Profile::samples>::set},
+
+    {.table = "light",
+     .name = "sun",
+     .label = "Sun by",
+     .kind = KeyKind::choice,
+     .choices = suns,
+     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, "
+              "day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
+     .get = At<&Profile::light, &Light::sun>::get,
+     .set = At<&Profile::light, &Light::sun>::set},
+    {.table = "light",
+     .name = "azimuth_deg",
+     .label = "Azimuth",
+     .unit = "deg",
+     .most = 360,
+     .about = "The sun's azimuth, clockwise from north. Degrees, 0 to 360. From the upper left (315) relief looks as "
+              "on maps. (By direction.)",
+     .get = At<&Profile::light, &Light::azimuth_deg>::get,
+     .set = At<&Profile::light, &Light::azimuth_deg>::set},
+    {.table = "light",
+     .name = "elevation_deg",
+     .label = "Elevation",
+     .unit = "deg",
+     .least = gl::min_sun_elevation_deg,
+     .most = 90,
+     .about = "The sun's elevation above the horizon. Degrees, -18 to 90. Below 0 the sky alone gives light. (By "
+              "direction.)",
+     .get = At<&Profile::light, &Light::elevation_deg>::get,
+     .set = At<&Profile::light, &Light::elevation_deg>::set},
+    {.table = "light",
+     .name = "latitude_deg",
+     .label = "Latitude",
+     .unit = "deg",
+     .least = -90,
+     .most = 90,
+     .about = "Where the terrain lies: latitude, north positive. Degrees, -90 to 90. (By time.)",
+     .get = At<&Profile::light, &Light::latitude_deg>::get,
+     .set = At<&Profile::light, &Light::latitude_deg>::set},
+    {.table = "light",
+     .name = "longitude_deg",
+     .label = "Longitude",
+     .unit = "deg",
+     .least = -180,
+     .most = 180,
+     .about = "Where the terrain lies: longitude, east positive. Degrees, -180 to 180. (By time.)",
+     .get = At<&Profile::light, &Light::longitude_deg>::get,
+     .set = At<&Profile::light, &Light::longitude_deg>::set},
+    {.table = "light",
+     .name = "year",
+     .label = "Year",
+     .kind = KeyKind::whole,
+     .least = gl::min_sun_year,
+     .most = gl::max_sun_year,
+     .about = "Year. Years, 1950 to 2050. (By time.)",
+     .get = At<&Profile::light, &Light::year>::get,
+     .set = At<&Profile::light, &Light::year>::set},
+    {.table = "light",
+     .name = "month",
+     .label = "Month",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 12,
+     .about = "Month. 1 to 12. (By time.)",
+     .get = At<&Profile::light, &Light::month>::get,
+     .set = At<&Profile::light, &Light::month>::set},
+    {.table = "light",
+     .name = "day",
+     .label = "Day",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 31,
+     .about = "Day of the month. 1 to 31; past the month's end it counts on into the next. (By time.)",
+     .get = At<&Profile::light, &Light::day>::get,
+     .set = At<&Profile::light, &Light::day>::set},
+    {.table = "light",
+     .name = "hour_utc",
+     .label = "Hour, UTC",
+     .unit = "h",
+     .most = 24,
+     .about = "Universal time: what a clock in Greenwich shows in winter. Hours, 0 to 24; 17.5 is half past five in "
+              "the afternoon. (By time.)",
+     .get = At<&Profile::light, &Light::hour_utc>::get,
+     .set = At<&Profile::light, &Light::hour_utc>::set},
+    {.table = "light",
+     .name = "air",
+     .label = "Air",
+     .kind = KeyKind::choice,
+     .choices = airs,
+     .about =
+         "How the sky and the air before the ground are drawn. \"simple\": two colours of the sky, and haze of one "
+         "density. \"physical\": from a table of the sky, bluer with the distance and thinner with the height.",
+     .get = At<&Profile::light, &Light::air>::get,
+     .set = At<&Profile::light, &Light::air>::set},
+    {.table = "light",
+     .name = "visibility_km",
+     .label = "Visibility",
+     .unit = "km",
+     .least = gl::min_visibility_km,
+     .most = gl::max_visibility_km,
+     .logarithmic = true,
+     .about =
+         "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a "
+         "clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
+     .get = At<&Profile::light, &Light::visibility_km>::get,
+     .set = At<&Profile::light, &Light::visibility_km>::set},
+    {.table = "light",
+     .name = "exposure",
+     .label = "Exposure",
+     .kind = KeyKind::choice,
+     .choices = exposures,
+     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; "
+              "whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
+     .get = At<&Profile::light, &Light::exposure>::get,
+     .set = At<&Profile::light, &Light::exposure>::set},
+    {.table = "light",
+     .name = "ev100",
+     .label = "Exposure value",
+     .unit = "EV",
+     .least = gl::min_ev100,
+     .most = gl::max_ev100,
+     .about =
+         "Exposure value at ISO 100. Stops, -6 to 20: 15 for ground in the sun, 12 at sunrise, 6 at dusk. (Fixed.)",
+     .get = At<&Profile::light, &Light::ev100>::get,
+     .set = At<&Profile::light, &Light::ev100>::set},
+    {.table = "light",
+     .name = "exposure_bias_ev",
+     .label = "Brighter by",
+     .unit = "EV",
+     .least = -gl::max_exposure_bias_ev,
+     .most = gl::max_exposure_bias_ev,
+     .about = "Brighter by so many stops, automatic and fixed. Stops, -8 to 8.",
+     .get = At<&Profile::light, &Light::exposure_bias_ev>::get,
+     .set = At<&Profile::light, &Light::exposure_bias_ev>::set},
+    {.table = "light",
+     .name = "tone_curve",
+     .label = "Tone curve",
+     .kind = KeyKind::choice,
+     .choices = curves,
+     .about = "How light becomes a picture. \"none\": in proportion, cut off at white. \"filmic\": it rolls off "
+              "towards white, as film does.",
+     .get = At<&Profile::light, &Light::tone_curve>::get,
+     .set = At<&Profile::light, &Light::tone_curve>::set},
+    {.table = "light",
+     .name = "dither",
+     .label = "Dither",
+     .kind = KeyKind::flag,
+     .about = "Noise of half an 8-bit step, so that skies show no bands: true or false.",
+     .get = At<&Profile::light, &Light::dither>::get,
+     .set = At<&Profile::light, &Light::dither>::set},
+    {.table = "light",
+     .name = "detail",
+     .label = "Detail",
+     .kind = KeyKind::flag,
+     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. 6 to 12 texture "
+              "reads a pixel.",
+     .get = At<&Profile::light, &Light::detail>::get,
+     .set = At<&Profile::light, &Light::detail>::set},
+    {.table = "light",
+     .name = "shadows",
+     .label = "Shadows",
+     .kind = KeyKind::flag,
+     .about =
+         "Shadows of the ground, and less light where it hides some of the sky: true or false. Of packs baked with "
+         "--horizons; their horizon maps take room among the maps on the GPU, and six texture reads a pixel.",
+     .rebuild = Rebuild::session,
+     .get = At<&Profile::light, &Light::shadows>::get,
+     .set = At<&Profile::light, &Light::shadows>::set},
+    {.table = "light",
+     .name = "water",
+     .label = "Water",
+     .kind = KeyKind::flag,
+     .about = "A sheet of water at water_level_m over the ground that lies below it: true or false.",
+     .get = At<&Profile::light, &Light::water>::get,
+     .set = At<&Profile::light, &Light::water>::set},
+    {.table = "light",
+     .name = "water_level_m",
+     .label = "Water level",
+     .unit = "m",
+     .least = gl::min_water_level_m,
+     .most = gl::max_water_level_m,
+     .about = "Height of the water, as the terrain's heights are counted. Metres, -12000 to 100000.",
+     .get = At<&Profile::light, &Light::water_level_m>::get,
+     .set = At<&Profile::light, &Light::water_level_m>::set},
+
+    {.table = "layers",
+     .name = "on",
+     .label = "Detail layers",
+     .kind = KeyKind::flag,
+     .about =
+         "Materials on near ground, of fjell-fly --materials and --layers: true or false. Without such files there "
+         "are none. Some 10 to 20 texture reads a pixel, only where the ground is near.",
+     .get = At<&Profile::layers, &Layers::on>::get,
+     .set = At<&Profile::layers, &Layers::on>::set},
+    {.table = "layers",
+     .name = "control",
+     .label = "Control maps",
+     .kind = KeyKind::flag,
+     .about = "Materials where a pack's control maps say, of fjell-bake --layers: true or false. They take room among "
+              "the maps on the GPU, and 4 to 8 texture reads a pixel. Without them rules say: fjell-fly --layers.",
+     .rebuild = Rebuild::session,
+     .get = At<&Profile::layers, &Layers::control>::get,
+     .set = At<&Profile::layers, &Layers::control>::set},
+    {.table = "layers",
+     .name = "distance_m",
+     .label = "Drawn up to",
+     .unit = "m",
+     .least = gl::min_layer_distance_m,
+     .most = gl::max_layer_distance_m,
+     .logarithmic = true,
+     .about = "From how far on the ground is as its map has it. Metres, 1 to 100000; from 0.4 of it on materials fade. "
+              "Pixels beyond it cost next to nothing on a GPU; in software a far view takes 1.2 times as long.",
+     .get = At<&Profile::layers, &Layers::distance_m>::get,
+     .set = At<&Profile::layers, &Layers::distance_m>::set},
+    {.table = "layers",
+     .name = "tint",
+     .label = "Tint",
+     .about = "How far a material takes on the colour of the map under it. 0 to 1: at 0 it has its own, at 1 near and "
+              "far ground are of one colour.",
+     .get = At<&Profile::layers, &Layers::tint>::get,
+     .set = At<&Profile::layers, &Layers::tint>::set},
+    {.table = "layers",
+     .name = "relief",
+     .label = "Relief",
+     .most = gl::max_layer_relief,
+     .about = "How strongly a material's bumps catch the light. 0 to 4; 1 is their true relief.",
+     .get = At<&Profile::layers, &Layers::relief>::get,
+     .set = At<&Profile::layers, &Layers::relief>::set},
+    {.table = "layers",
+     .name = "material_mb",
+     .label = "Material textures",
+     .kind = KeyKind::whole,
+     .unit = "MB",
+     .least = 1,
+     .most = max_material_mb,
+     .logarithmic = true,
+     .about = "GPU memory for the textures of materials. MB, 1 to 65536: their finest mips are left out until they "
+              "fit. Ten materials of 512 texels a side take 7 MB.",
+     .rebuild = Rebuild::method,
+     .get = At<&Profile::material_bytes, nullptr, 20>::get,
+     .set = At<&Profile::material_bytes, nullptr, 20>::set},
 };
 
 } // namespace
 
 std::span<const ProfileKey> profile_keys() {
-    static const std::vector<ProfileKey> keys = [] {
-        std::vector<ProfileKey> all(std::begin(keys_before_light), std::end(keys_before_light));
-        all.insert(all.end(), light_keys().begin(), light_keys().end());
-        all.insert(all.end(), layers_keys().begin(), layers_keys().end());
-        return all;
-    }();
     return keys;
 }
 

@@ -9,8 +9,8 @@
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/pages.h"
 #include "io/json.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -212,6 +212,7 @@ RecordedFrame recorded(std::span<const View> views, const CutSettings& settings,
     RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
     if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
     f.settings.budget_us = 0;
+    f.settings.jobs = {};
     return f;
 }
 
@@ -230,8 +231,7 @@ Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const Recor
         case PageEvent::removed: (void)unload_page(terrain, p.tile, p.page); break;
         }
     }
-    data_of(terrain).missing_px = frame.missing_px;
-    return {};
+    return set_missing_px(terrain, frame.missing_px);
 }
 
 std::string write_recording(const Recording& r) {

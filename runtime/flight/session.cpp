@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/pages.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::flight {
 
@@ -20,84 +20,22 @@ namespace {
 using io::Failure;
 using Clock = std::chrono::steady_clock;
 
-void require(const Status& status) {
-    if (!status.ok()) throw Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
-}
-
 double microseconds(Clock::duration d) {
     return std::chrono::duration<double, std::micro>(d).count();
 }
 
-void require_budget(const Status& status, const FlightOptions& options, const PackHeader& header) {
-    if (status.code == Code::budget_too_small || status.code == Code::out_of_range)
-        throw Failure(1,
-                      fmt::format("{}: {} ([budget] of a --profile){}", status.field, message(status.code),
-                                  status.code == Code::budget_too_small ? fewer_tiles(header, options.profile) : ""));
-    require(status);
-}
-
-// A tile's last chunk is half empty on average: four chunks a tile keep that to an eighth of the triangles.
-CutBudget suited(CutBudget budget, const Terrain& terrain) {
-    while (budget.segment_triangles > 8 && budget.triangles / budget.segment_triangles < 4 * terrain.tile_count())
-        budget.segment_triangles /= 2;
-    return budget;
-}
-
-// A method over the session's terrain, before the session has it.
-struct Made {
-    Method method = Method::incremental;
-    io::AlignedMemory memory;
-    std::size_t bytes = 0;
-    CutBudget cut_budget;
-    LiveCut cut;
-    RecursiveMethod recursive;
-};
-
-Made make_cut(const FlightOptions& options, const Terrain& terrain, const CutBudget& budget) {
-    if (data_of(terrain).pages.order == Order::linear)
-        throw Failure(1,
-                      fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
-                                  "it with --order planar, or fly it with --method recursive",
-                                  options.pack));
-    Made made;
-    made.cut_budget = budget;
-    made.bytes = cut_bytes(terrain, budget);
-    made.memory = io::allocate(made.bytes);
-    require_budget(create_cut(terrain, budget, {made.memory.get(), made.bytes}, made.cut), options,
-                   data_of(terrain).header);
-    return made;
-}
-
-Made make_recursive(const FlightOptions& options, const Terrain& terrain) {
-    Made made;
-    made.method = Method::recursive;
-    made.bytes = recursive_bytes(terrain, options.profile.budget);
-    made.memory = io::allocate(made.bytes);
-    require_budget(create_recursive(terrain, options.profile.budget, {made.memory.get(), made.bytes}, made.recursive),
-                   options, data_of(terrain).header);
-    return made;
-}
-
-// Throws before it touches the session. recorded: the budget of what is replayed, instead of the profile's.
+// The one place where it is asked which method it is. Throws before it touches the session. recorded: the budget of
+// what is replayed, instead of the profile's.
 void make_method(const FlightOptions& options, const CutBudget* recorded, Session& session) {
-    const Terrain& terrain = session.terrain();
-    Made made = options.profile.method == Method::recursive
-                    ? make_recursive(options, terrain)
-                    : make_cut(options, terrain, recorded ? *recorded : suited(options.profile.cut_budget, terrain));
-    session.method = made.method;
-    session.method_memory = std::move(made.memory);
-    session.method_bytes = made.bytes;
-    session.cut_budget = made.cut_budget;
-    session.workers = made.cut_budget.workers > 1 ? std::make_unique<WorkerPool>(made.cut_budget.workers) : nullptr;
-    session.cut = made.cut;
-    session.recursive = made.recursive;
+    session.method = options.profile.method == Method::recursive
+                         ? make_recursive(options, session.terrain())
+                         : make_incremental(options, session.terrain(), recorded);
 }
 
 bool shall_stream(const FlightOptions& options, const PackHeader& h) {
     if (!options.replay.empty() || options.streaming == Streaming::off) return false;
     if (options.streaming == Streaming::on) return true;
-    const PageLayout pages{static_cast<int>(h.tile_log2), h.order};
-    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages.pages_per_tile() > options.profile.page_slots;
+    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages_per_tile(h) > options.profile.page_slots;
 }
 
 // A terrain without pages, of slots for so many.
@@ -134,69 +72,14 @@ void open_terrain(const FlightOptions& options, Session& session) {
     }
     if (options.verify_every != 0 && (session.streamed || replayed_slots != 0))
         session.reference = std::make_unique<io::LoadedPack>(io::load_pack(file, io::LoadTerrain::yes));
-    if (data_of(session.terrain()).is_sparse())
+    if (session.terrain().header().tiles_held != 0)
         session.start = start_area(session.terrain(), [&](double x_m, double z_m) {
             if (session.file_ground) return session.file_ground->has_ground(x_m, z_m);
             return !ground_height(session.terrain(), x_m, z_m).hole;
         });
 }
 
-FrameEntry run_incremental(Session& session, std::span<const View> views, CutSettings settings, bool rebuild,
-                           CutReport& report) {
-    if (session.workers) settings.jobs = session.workers->jobs();
-    const auto start = Clock::now();
-    const Status status = (rebuild ? rebuild_cut : update_cut)(session.cut, views, settings, report);
-    const auto end = Clock::now();
-    require(status);
-    session.last.view = views[0];
-    session.last.cut_settings = settings;
-    session.last.cut_report = report;
-    FrameEntry entry = entry_of(report, settings);
-    entry.update_us = microseconds(end - start);
-    const MeshView mesh = session.mesh();
-    constexpr std::uint64_t vertex_bytes = sizeof(MeshVertex) + sizeof(MorphVertex), triangle_bytes = 12;
-    entry.upload_bytes = report.rebuilt
-                             ? mesh.vertices.size() * vertex_bytes + mesh.indices.size_bytes()
-                             : report.vertices_changed * vertex_bytes + report.triangles_changed * triangle_bytes;
-    return entry;
-}
-
-FrameEntry run_recursive(Session& session, const View& view, const RefineSettings& settings) {
-    FrameReport report;
-    const auto start = Clock::now();
-    const Status status = update_recursive(session.recursive, view, settings, report);
-    const auto end = Clock::now();
-    require(status);
-    session.last.view = view;
-    session.last.refine_settings = settings;
-    session.last.frame_report = report;
-    FrameEntry entry = entry_of(report);
-    entry.update_us = microseconds(end - start);
-    const MeshView mesh = session.mesh();
-    entry.upload_bytes =
-        std::uint64_t{mesh.dirty_end - mesh.dirty_begin} * sizeof(MeshVertex) + mesh.indices.size_bytes();
-    entry.vertex_slots = {report.vertices, 0, static_cast<std::uint32_t>(mesh.vertices.size())};
-    entry.index_slots.used = static_cast<std::uint32_t>(mesh.indices.size());
-    return entry;
-}
-
 } // namespace
-
-std::string fewer_tiles(const PackHeader& h, const Profile& profile) {
-    constexpr std::uint64_t least_segment = 8, base_segments = 3; // what suited() comes to, and create_cut() wants
-    for (int log2 = static_cast<int>(h.tile_log2) + 1; log2 <= max_tile_log2; ++log2) {
-        const Tree tree = Tree::covering(static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows), log2);
-        const auto x = static_cast<std::uint64_t>(tree.tiles_x), y = static_cast<std::uint64_t>(tree.tiles_y);
-        const bool holds = profile.method == Method::recursive
-                               ? 4 * x * y <= profile.budget.vertices && 9 * x * y <= profile.budget.indices
-                               : (x + 1) * (y + 1) <= profile.cut_budget.vertices &&
-                                     least_segment * (x * y + base_segments) <= profile.cut_budget.triangles;
-        if (holds && x * y <= profile.page_slots) // streamed or not
-            return fmt::format(", or bake the terrain with --tile {}: {} tiles instead of {}", 1 << log2, x * y,
-                               tiles_of(h));
-    }
-    return "";
-}
 
 void open_session(const FlightOptions& options, Session& session) {
     const auto start = Clock::now();
@@ -210,10 +93,10 @@ void open_session(const FlightOptions& options, Session& session) {
     make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
     if (!options.record.empty())
         session.recording = Recording{
-            pack_hash, session.cut_budget, session.streamed ? data_of(session.loaded.terrain).slot_count : 0, {}};
+            pack_hash, session.method->cut_budget(), session.streamed ? session.loaded.terrain.page_slots() : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
-    if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.cut);
+    if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.method->cut());
 }
 
 void remake_method(const FlightOptions& options, Session& session) {
@@ -222,7 +105,6 @@ void remake_method(const FlightOptions& options, Session& session) {
                                      session.loaded.path, session.streamed ? "streamed" : "recorded or replayed"));
     make_method(options, nullptr, session);
     session.begun = false;
-    session.last = {};
 }
 
 CameraPath path_of(const FlightOptions& options) {
@@ -254,27 +136,18 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
 
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
     const std::span views(&view, 1);
-    const CutSettings settings = cut_settings(profile, now_s);
-    if (session.streamed) (void)session.streamed->update(views, settings, stream_settings(profile, now_s));
-    FrameEntry entry;
-    if (session.incremental()) {
-        CutReport report;
-        entry = run_incremental(session, views, settings, !session.begun, report);
-        session.begun = true;
-        if (session.recording) {
-            RecordedFrame frame = recorded(views, settings, report, cut_mesh(session.cut).mesh);
-            frame.missing_px = session.terrain().missing_px();
-            if (session.streamed) {
-                const auto pages = stream_page_arrivals(session.streamed->stream());
-                frame.pages.assign(pages.begin(), pages.end());
-            }
-            session.recording->frames.push_back(std::move(frame));
+    if (session.streamed)
+        (void)session.streamed->update(views, cut_settings(profile, now_s), stream_settings(profile, now_s));
+    FrameEntry entry = session.method->update(views, profile, now_s, !session.begun);
+    session.begun = true;
+    if (session.recording) {
+        RecordedFrame frame = session.method->recorded();
+        frame.missing_px = session.terrain().missing_px();
+        if (session.streamed) {
+            const auto pages = stream_page_arrivals(session.streamed->stream());
+            frame.pages.assign(pages.begin(), pages.end());
         }
-    } else {
-        entry = run_recursive(session, view, profile.refine);
-        entry.index_slots.capacity = profile.budget.indices;
-        if (session.streamed) // which this method's report knows nothing of
-            entry.error_px_effective = std::max(entry.error_px_effective, session.terrain().missing_px());
+        session.recording->frames.push_back(std::move(frame));
     }
     if (session.streamed) add_stream(entry, session.streamed->report());
     entry.at_s = microseconds(Clock::now() - session.started) / 1e6;
@@ -335,14 +208,14 @@ void adopt_recorded(const Session& session, Profile& profile) {
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
     if (session.recording->page_slots != 0)
-        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.cut, f); !s.ok())
+        if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.method->cut(), f);
+            !s.ok())
             throw Failure(1, fmt::format("frame {}: a page cannot come or go as recorded ({}); the recording is of "
                                          "another pack, or damaged",
                                          frame, s.field));
-    CutReport report;
-    FrameEntry entry = run_incremental(session, f.views, f.settings, f.rebuild, report);
+    FrameEntry entry = session.method->replay(f);
     entry.missing_px = f.missing_px;
-    if (mesh_hash(cut_mesh(session.cut).mesh) != f.mesh_hash)
+    if (mesh_hash(session.mesh()) != f.mesh_hash)
         throw Failure(
             1, fmt::format("frame {}: the mesh is not the recorded one; was it recorded by another version?", frame));
     return entry;
@@ -351,12 +224,11 @@ FrameEntry replay_frame(Session& session, std::size_t frame) {
 void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification) {
     const Frustum frustum = make_frustum(view);
-    const bool inside = session.incremental() || profile.refine.cull; // the incremental method lists what may be seen
-    MeshView mesh = session.mesh();
+    const bool inside = session.method->within_frustum(profile);
+    const CutMesh live = session.method->mesh();
+    MeshView mesh = live.mesh;
     std::vector<MeshVertex> morphed; // as the vertex shader will place them
-    // As it was updated, which a replay's profile does not know.
-    if (session.incremental() && session.last.cut_settings.morph != Morph::none) {
-        const CutMesh live = cut_mesh(session.cut);
+    if (live.frame.morph != Morph::none) {
         morphed.assign(mesh.vertices.begin(), mesh.vertices.end());
         for (std::size_t i = 0; i < morphed.size(); ++i)
             morphed[i].height_m = morphed_height_m(session.terrain(), mesh.vertices[i], live.morph[i], live.frame);

@@ -1,7 +1,7 @@
 // A terrain, loaded whole or streamed, with the method that refines it - incremental or recursive - and one frame of a
 // flight over it.
 //
-// Ownership: a Session owns the file's bytes, the records, the method's memory and the stream. Thread: one. Failure:
+// Ownership: a Session owns the file's bytes, the records, the method and the stream. Thread: one. Failure:
 // io::Failure, 1 for an unusable pack, view or budget, 3 when memory is short.
 #pragma once
 
@@ -12,29 +12,18 @@
 #include <optional>
 #include <string>
 
-#include "fjell/cut.h"
 #include "fjell/io/load.h"
 #include "fjell/measure.h"
 #include "fjell/query.h"
-#include "fjell/recursive.h"
 #include "flight/file_ground.h"
 #include "flight/log.h"
+#include "flight/methods/method.h"
 #include "flight/options.h"
 #include "flight/path.h"
 #include "flight/record.h"
 #include "flight/streamed.h"
-#include "flight/worker_pool.h"
 
 namespace fjell::flight {
-
-// The last update, whichever method did it: what it was asked for, and what it reported.
-struct LastUpdate {
-    View view;
-    CutSettings cut_settings;
-    CutReport cut_report;
-    RefineSettings refine_settings;
-    FrameReport frame_report;
-};
 
 struct Session {
     // The pack and its terrain. Streamed: without the file's bytes, and pages come and go. Replaying a streamed flight:
@@ -45,16 +34,9 @@ struct Session {
     std::shared_ptr<const io::PackFile> file;  // open as long as the session, and whoever else wants this pack
     std::unique_ptr<FileGround> file_ground;   // of a streamed pack: for camera paths
     std::optional<Area> start;                 // of a sparse terrain
-    io::AlignedMemory method_memory;
-    std::size_t method_bytes = 0;
-    Method method = Method::incremental;
-    RecursiveMethod recursive; // one of the two
-    LiveCut cut;
-    LastUpdate last;                     // frame 0: none since the method was made
-    CutBudget cut_budget;                // the profile's, with segments to suit the terrain
-    std::unique_ptr<WorkerPool> workers; // where the budget has more than one
-    std::optional<Recording> recording;  // of --record, frame by frame; or what --replay repeats
-    bool begun = false;                  // a frame was updated, or the first one shall be like any other
+    std::unique_ptr<RunningMethod> method;
+    std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
+    bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
     std::chrono::steady_clock::time_point started; // when opening was done
     std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes
@@ -75,9 +57,8 @@ struct Session {
             ground.height_m = [this](double x_m, double z_m) { return ground_height(terrain(), x_m, z_m).height_m; };
         return ground;
     }
-    [[nodiscard]] bool incremental() const { return method == Method::incremental; }
     // Of the last update.
-    [[nodiscard]] MeshView mesh() const { return incremental() ? cut_mesh(cut).mesh : recursive_mesh(recursive); }
+    [[nodiscard]] MeshView mesh() const { return method->mesh().mesh; }
 };
 // The Session is filled in place, because the method points into its terrain.
 void open_session(const FlightOptions& options, Session& session);
@@ -90,10 +71,6 @@ void open_session(const FlightOptions& options, Session& session);
 // method it was begun with, nor for one that records or replays, which one budget holds for: those must be reopened,
 // and here they are a Failure (1).
 void remake_method(const FlightOptions& options, Session& session);
-
-// For the message that refuses a budget: with which larger tiles the profile holds the pack's coarsest mesh. Empty:
-// with none.
-[[nodiscard]] std::string fewer_tiles(const PackHeader& header, const Profile& profile);
 
 // The path the options ask for: a file, a seed's, or an orbit.
 [[nodiscard]] CameraPath path_of(const FlightOptions& options);

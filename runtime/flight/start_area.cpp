@@ -4,8 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "pack/terrain_data.h"
-
 namespace fjell::flight {
 
 namespace {
@@ -40,17 +38,12 @@ private:
 
 struct Tiling {
     explicit Tiling(const Terrain& terrain)
-        : h(terrain.header()), data(data_of(terrain)), side(1 << h.tile_log2),
-          extent_x_m((h.columns - 1) * h.spacing_m[0]), extent_z_m((h.rows - 1) * h.spacing_m[1]) {}
-    [[nodiscard]] bool has_tile(Coord tile) const {
-        return tile.x >= 0 && tile.y >= 0 && static_cast<std::uint32_t>(tile.x) < h.tiles_x &&
-               static_cast<std::uint32_t>(tile.y) < h.tiles_y && data.has_tile(tile.x, tile.y);
-    }
+        : h(terrain.header()), side(1 << h.tile_log2), extent_x_m((h.columns - 1) * h.spacing_m[0]),
+          extent_z_m((h.rows - 1) * h.spacing_m[1]) {}
     [[nodiscard]] double x_m(double column) const { return std::min(column * h.spacing_m[0], extent_x_m); }
     [[nodiscard]] double z_m(double row) const { return std::min(row * h.spacing_m[1], extent_z_m); }
 
     const PackHeader& h;
-    const TerrainData& data;
     const std::int32_t side;
     const double extent_x_m, extent_z_m;
 };
@@ -74,9 +67,9 @@ bool add_ground(const Tiling& tiling, Coord tile, const std::function<bool(doubl
 
 Area start_area(const Terrain& terrain, const std::function<bool(double, double)>& has_ground) {
     const Tiling tiling(terrain);
-    if (!tiling.data.is_sparse()) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
+    if (tiling.h.tiles_held == 0) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
     std::vector<Coord> tiles;
-    for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) tiles.push_back(tiling.data.tile_xy(tile));
+    for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) tiles.push_back(terrain.tile_place(tile));
     const auto off_middle = [&](Coord tile) {
         const double x = (2.0 * tile.x + 1 - tiling.h.tiles_x) * tiling.h.spacing_m[0],
                      z = (2.0 * tile.y + 1 - tiling.h.tiles_y) * tiling.h.spacing_m[1];
@@ -96,7 +89,7 @@ Area start_area(const Terrain& terrain, const std::function<bool(double, double)
         for (std::int32_t dy = -1; dy <= 1; ++dy)
             for (std::int32_t dx = -1; dx <= 1; ++dx) {
                 const Coord next{found[at].x + dx, found[at].y + dy};
-                if (seen.size() > most_tiles || !tiling.has_tile(next) ||
+                if (seen.size() > most_tiles || terrain.tile_at(next) == no_tile ||
                     std::find(seen.begin(), seen.end(), next) != seen.end())
                     continue;
                 seen.push_back(next);
@@ -108,10 +101,10 @@ Area start_area(const Terrain& terrain, const std::function<bool(double, double)
 
 Area area_of_tiles(const Terrain& terrain) {
     const Tiling tiling(terrain);
-    if (!tiling.data.is_sparse()) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
+    if (tiling.h.tiles_held == 0) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
     Enclosed tiles;
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
-        const Coord at = tiling.data.tile_xy(tile);
+        const Coord at = terrain.tile_place(tile);
         const double side = tiling.side;
         tiles.add(tiling.x_m(at.x * side), tiling.z_m(at.y * side));
         tiles.add(tiling.x_m((at.x + 1) * side), tiling.z_m((at.y + 1) * side));

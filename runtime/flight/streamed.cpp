@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "flight/session.h"
+#include "flight/methods/method.h"
 
 namespace fjell::flight {
 

@@ -12,6 +12,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
+#include "flight/methods/method.h"
 #include "flight/path.h"
 #include "flight/pictures.h"
 #include "flight/profile_keys.h"
@@ -224,7 +225,8 @@ Export parse_export(const std::string& text, std::size_t frames) {
 void apply(const Flags& f, FlightOptions& o) {
     RefineSettings& refine = o.profile.refine;
     CutSettings& cut = o.profile.cut;
-    if (!f.method.empty()) o.profile.method = f.method == "recursive" ? Method::recursive : Method::incremental;
+    for (const Method method : {Method::incremental, Method::recursive})
+        if (f.method == facts_of(method).name) o.profile.method = method;
     if (f.items) cut.items = *f.items ? *f.items : unlimited_items;
     if (f.budget_us) cut.budget_us = *f.budget_us;
     o.limited = f.items.value_or(0) != 0 || f.budget_us.value_or(0) > 0;
@@ -254,23 +256,22 @@ void apply(const Flags& f, FlightOptions& o) {
 
 // What the chosen method does not do is refused; what it does anyway may be said.
 void check_method(const Flags& f, const Profile& profile) {
-    const auto needs = [](bool given, const char* flag, const char* method, const char* why) {
-        if (given) throw Failure(2, fmt::format("{} needs --method {}: {}", flag, method, why));
+    const auto needs = [&](bool given, const char* flag, Method method, const char* why) {
+        if (given && profile.method != method)
+            throw Failure(2, fmt::format("{} needs --method {}: {}", flag, facts_of(method).name, why));
     };
-    if (profile.method == Method::incremental) {
-        needs(f.metric == "depth", "--metric depth", "recursive", "the incremental method refines all around the eye");
-        needs(f.topology == "strip", "--topology strip", "recursive", "the incremental method edits triangle lists");
-        needs(f.cull == "on", "--cull on", "recursive",
-              "the incremental method refines all around and draws the tiles that may be seen");
-        return;
-    }
+    constexpr Method incremental = Method::incremental, recursive = Method::recursive;
+    needs(f.metric == "depth", "--metric depth", recursive, "the incremental method refines all around the eye");
+    needs(f.topology == "strip", "--topology strip", recursive, "the incremental method edits triangle lists");
+    needs(f.cull == "on", "--cull on", recursive,
+          "the incremental method refines all around and draws the tiles that may be seen");
     const char* const anew = "the recursive method finds the whole mesh anew";
-    needs(f.items.has_value(), "--items", "incremental", anew);
-    needs(f.budget_us.has_value(), "--budget-us", "incremental", anew);
-    needs(f.hysteresis.has_value(), "--hysteresis", "incremental", anew);
-    needs(f.offscreen_factor.has_value(), "--offscreen-factor", "incremental", "the recursive method has --cull");
-    needs(!f.morph.empty(), "--morph", "incremental", anew);
-    if (profile.refine.metric == Metric::depth && !profile.refine.cull)
+    needs(f.items.has_value(), "--items", incremental, anew);
+    needs(f.budget_us.has_value(), "--budget-us", incremental, anew);
+    needs(f.hysteresis.has_value(), "--hysteresis", incremental, anew);
+    needs(f.offscreen_factor.has_value(), "--offscreen-factor", incremental, "the recursive method has --cull");
+    needs(!f.morph.empty(), "--morph", incremental, anew);
+    if (!facts_of(profile).keeps_mesh && profile.refine.metric == Metric::depth && !profile.refine.cull)
         throw Failure(2, "--metric depth needs --cull on: behind the eye there is no depth");
 }
 
@@ -317,7 +318,7 @@ void check_together(const FlightOptions& o) {
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
     if (o.csv == "-" && o.json == "-")
         throw Failure(2, "--csv - and --json - would mix on standard output; give one of them a file");
-    if (!o.record.empty() && o.profile.method != Method::incremental)
+    if (!o.record.empty() && !facts_of(o.profile).keeps_mesh)
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
     if (!o.replay.empty()) {
         if (!o.headless) throw Failure(2, "--replay needs --headless");
@@ -328,7 +329,7 @@ void check_together(const FlightOptions& o) {
         if (o.streaming == Streaming::on || o.wait || o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0)
             throw Failure(2, "--replay repeats the page arrivals that were recorded and streams nothing: leave out "
                              "--stream, --wait, --cold, --read-mb-s, --read-latency-ms");
-        if (o.profile.method != Method::incremental)
+        if (!facts_of(o.profile).keeps_mesh)
             throw Failure(2, "--replay needs --method incremental: that is what was recorded");
     }
     std::vector<std::string> outputs{o.csv, o.json, o.record};

@@ -53,36 +53,6 @@ void write_all(std::unique_ptr<AtomicFile>& file, const std::string& path, const
     file->commit();
 }
 
-const char* name_of(Metric metric) {
-    return metric == Metric::depth ? "depth" : "isotropic";
-}
-const char* name_of(Topology topology) {
-    return topology == Topology::strip ? "strip" : "list";
-}
-
-const char* name_of(Morph morph) {
-    return morph == Morph::error ? "error" : morph == Morph::time ? "time" : "none";
-}
-
-void add_incremental(json& j, const Session& session, const CutSettings& c) {
-    j["method"] = "incremental";
-    j["hysteresis"] = c.hysteresis;
-    j["offscreen_factor"] = c.offscreen_factor;
-    j["morph"] = name_of(c.morph);
-    j["budget"] = {{"vertices", session.cut_budget.vertices},
-                   {"triangles", session.cut_budget.triangles},
-                   {"chunk_triangles", session.cut_budget.segment_triangles},
-                   {"views", session.cut_budget.views},
-                   {"workers", session.cut_budget.workers},
-                   {"items", c.items == unlimited_items ? 0 : c.items},
-                   {"budget_us", c.budget_us}};
-}
-
-void add_recursive(json& j, const Profile& profile) {
-    j["method"] = "recursive";
-    j["budget"] = {{"vertices", profile.budget.vertices}, {"indices", profile.budget.indices}};
-}
-
 json pack_json(const Session& session) {
     const PackHeader& h = session.loaded.pack.header;
     return {{"columns", h.columns},
@@ -97,7 +67,7 @@ json pack_json(const Session& session) {
             {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
             {"load_seconds", session.load_seconds},
             {"terrain_bytes", session.terrain_bytes},
-            {"method_bytes", session.method_bytes}};
+            {"method_bytes", session.method->bytes()}};
 }
 
 // What the frames do not know of streaming: where the memory is, and what the reader did.
@@ -116,7 +86,7 @@ void add_stream(json& j, const FlightOptions& o, const Session& session) {
                              {"errors", r.errors},       {"damaged", r.damaged}, {"read_s", r.read_s},
                              {"provide_s", r.provide_s}, {"mb_s", o.read_mb_s},  {"latency_ms", o.read_latency_ms}};
     j["stream"]["memory_bytes"] = {{"terrain", session.terrain_bytes},
-                                   {"method", session.method_bytes},
+                                   {"method", session.method->bytes()},
                                    {"stream", session.streamed->memory_bytes()},
                                    {"maps_on_gpu", map_bytes}};
     const StreamBudget& b = o.profile.stream_budget;
@@ -139,13 +109,7 @@ json flight_json(const FlightOptions& o, const Session& session, const CameraPat
                  const Verification& v) {
     json j = summary_json(summary);
     const RefineSettings& r = o.profile.refine;
-    if (session.incremental())
-        add_incremental(j, session, o.profile.cut);
-    else
-        add_recursive(j, o.profile);
-    j["metric"] = name_of(session.incremental() ? Metric::isotropic : r.metric);
-    j["topology"] = name_of(session.incremental() ? Topology::triangles : r.topology);
-    j["cull"] = !session.incremental() && r.cull;
+    j.update(session.method->described(o.profile));
     j["corner_safe"] = r.corner_safe;
     j["error_px"] = r.error_px;
     j["viewport"] = {o.profile.width_px, o.profile.height_px};
@@ -247,7 +211,7 @@ std::string Outputs::keep_measured(const FlightOptions& options, const FlightLog
 
 void Outputs::finish(const FlightOptions& options, const Session& session, const CameraPath& path, const FlightLog& log,
                      const Verification& verification) {
-    const Summary summary = summarise(log, session.incremental());
+    const Summary summary = summarise(log, facts_of(session.method->kind).keeps_mesh);
     if (csv_ || options.csv == "-") write_all(csv_, options.csv, csv(log));
     if (json_ || options.json == "-")
         write_all(json_, options.json, flight_json(options, session, path, summary, verification).dump(2) + "\n");

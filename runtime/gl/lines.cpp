@@ -9,7 +9,6 @@
 #include <epoxy/gl.h>
 
 #include "gl/objects.h"
-#include "gl/ring.h"
 
 namespace fjell::gl {
 namespace {

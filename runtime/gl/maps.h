@@ -17,7 +17,6 @@
 #include "fjell/pack.h"
 #include "fjell/stream.h"
 #include "gl/objects.h"
-#include "gl/ring.h"
 
 namespace fjell::gl {
 

@@ -3,6 +3,7 @@
 // Internal to runtime/gl. Thread and lifetime: the context that made an object must be current when it is destroyed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -53,5 +54,53 @@ struct ProgramSource {
 // How many this thread has made so far.
 [[nodiscard]] std::uint64_t programs_made();
 [[nodiscard]] Program make_compute_program(const char* name, const std::string& source, std::string& error);
+
+// Where the CPU writes what the GPU reads: one buffer, mapped once and for good, in three regions.
+//
+// The CPU fills one region while the GPU reads the others. A region is left with a fence behind the last command that
+// reads it, and entered again when that fence has passed: asked without waiting, and waited for only when the GPU is
+// three regions behind. Internal to runtime/gl. Thread: the context's. Failure: create() with one line.
+struct RingSlice {
+    std::byte* data = nullptr; // write in order, never read: the memory may be write-combined
+    std::size_t offset = 0;    // in the buffer, aligned for any binding
+};
+
+class Ring {
+public:
+    static constexpr unsigned regions = 3;
+
+    Ring() = default;
+    ~Ring();
+    Ring(const Ring&) = delete;
+    Ring& operator=(const Ring&) = delete;
+
+    [[nodiscard]] std::string create(std::size_t region_bytes);
+    // What n bytes take up.
+    [[nodiscard]] std::size_t aligned(std::size_t bytes) const {
+        return (bytes + alignment_ - 1) / alignment_ * alignment_;
+    }
+    // Bytes that can still be taken from this region in one go.
+    [[nodiscard]] std::size_t room() const { return region_bytes_ - used_; }
+    [[nodiscard]] std::size_t region_bytes() const { return region_bytes_; }
+    // bytes <= room().
+    [[nodiscard]] RingSlice take(std::size_t bytes);
+    // Leaves the region: all commands that read from it must have been given.
+    void next();
+    // Moves on unless that much is left. bytes <= region_bytes(), the sum of aligned() sizes.
+    void reserve(std::size_t bytes) {
+        if (bytes > room()) next();
+    }
+    [[nodiscard]] unsigned buffer() const { return buffer_.get(); }
+    // How often the CPU had to wait for the GPU, so far.
+    [[nodiscard]] std::uint64_t waits() const { return waits_; }
+
+private:
+    Buffer buffer_;
+    std::byte* mapped_ = nullptr;
+    std::size_t region_bytes_ = 0, alignment_ = 256, used_ = 0;
+    unsigned region_ = 0;
+    void* fences_[regions] = {}; // GLsync
+    std::uint64_t waits_ = 0;
+};
 
 } // namespace fjell::gl

@@ -11,7 +11,6 @@
 
 #include "fjell/cut.h"
 #include "gl/objects.h"
-#include "gl/ring.h"
 
 namespace fjell::gl {
 

@@ -1,7 +1,6 @@
 // What a Renderer holds, and the steps that its calls are made of.
 //
-// Internal to runtime/gl: renderer.cpp sets up and draws, upload.cpp brings meshes and maps over, frame.cpp computes a
-// draw's numbers.
+// Internal to runtime/gl: renderer.cpp sets up, uploads and draws, frame.cpp computes a draw's numbers.
 #pragma once
 
 #include <chrono>
@@ -9,15 +8,13 @@
 #include <string>
 
 #include "fjell/gl/renderer.h"
-#include "gl/heights.h"
 #include "gl/layers.h"
 #include "gl/lighting.h"
 #include "gl/maps.h"
 #include "gl/objects.h"
-#include "gl/residency.h"
-#include "gl/ring.h"
 #include "gl/scatter.h"
 #include "gl/shaders.h"
+#include "gl/terrain_textures.h"
 
 namespace fjell::gl {
 
@@ -90,14 +87,13 @@ struct Renderer::State {
     void set_up(const Target& target, const DrawOptions& now) const;
     void bind_maps(Mode mode) const;
     void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now);
-    // upload.cpp
     void begin_frame();
     bool begin_upload(const MeshView& mesh);
     void upload_indices(const MeshView& mesh);
     // frame.cpp
     FrameBlock make_frame(const View& view, const DrawOptions& now) const;
     void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
-    void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const; // frame_light.cpp
+    void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_shadow(const Vec3& sun, FrameBlock& block) const;
     void set_noise(const View& view, FrameBlock& block, double shrunk) const;

@@ -1,6 +1,7 @@
-// What a Snapshot holds.
+// What a Snapshot holds, and a result that says no.
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,5 +22,13 @@ struct SnapshotAccess {
         snapshot.content_ = std::make_shared<const Snapshot::Content>(std::move(content));
     }
 };
+
+// A result that says no.
+inline SnapshotResult refused(int exit_code, std::string message) {
+    SnapshotResult result;
+    result.exit_code = exit_code;
+    result.message = std::move(message);
+    return result;
+}
 
 } // namespace fjell::gltf

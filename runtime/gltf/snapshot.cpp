@@ -19,8 +19,7 @@
 #include "fjell/io/pack_file.h"
 #include "fjell/texture.h"
 #include "gltf/content.h"
-#include "gltf/normals.h"
-#include "gltf/refused.h"
+#include "gltf/geometry.h"
 #include "gltf/scene.h"
 #include "io/file.h"
 

@@ -7,9 +7,8 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/load.h"
-#include "fjell/terrain.h"
+#include "fjell/pages.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::io {
 
@@ -48,8 +47,7 @@ public:
 
     void load(std::uint32_t tile, std::uint32_t step_log2) {
         for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
-            const int finest =
-                data_of(terrain_).pages.page_step_log2(page); // -1: of all steps, or page 0, which all need
+            const int finest = page_step_log2(terrain_.header(), page);
             if (finest >= 0 && finest < static_cast<int>(step_log2)) continue;
             read_({ChunkKind::geometry, tile, page}, raw_);
             if (!insert_page(terrain_, tile, page, raw_).ok())
@@ -62,7 +60,7 @@ public:
     }
     // The samples that are this tile's: those on its south and east border are its neighbours', if it has any.
     void copy(std::uint32_t tile, FullHeights& grid) const {
-        const std::int32_t a_side = data_of(terrain_).tree.side() >> grid.step_log2;
+        const std::int32_t a_side = std::int32_t{1} << (terrain_.header().tile_log2 - grid.step_log2);
         const Coord at = terrain_.tile_place(tile);
         const auto there = [&](std::int32_t dx, std::int32_t dy) {
             return terrain_.tile_at({at.x + dx, at.y + dy}) != no_tile;
@@ -73,7 +71,7 @@ public:
         const std::int32_t end_x = end(at.x, there(1, 0), grid.columns), end_y = end(at.y, there(0, 1), grid.rows);
         for (std::int32_t y = at.y * a_side; y < end_y; ++y)
             for (std::int32_t x = at.x * a_side; x < end_x; ++x) {
-                const TerrainData::Vertex v = data_of(terrain_).vertex({x << grid.step_log2, y << grid.step_log2});
+                const TerrainVertex v = terrain_vertex(terrain_, {x << grid.step_log2, y << grid.step_log2});
                 grid.heights_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.columns) +
                                static_cast<std::size_t>(x)] =
                     v.hole ? std::numeric_limits<float>::quiet_NaN() : v.height_m;
@@ -90,7 +88,7 @@ private:
 std::optional<FullHeights> read(const Pack& pack, std::span<const std::byte> corners, const std::string& path,
                                 std::uint64_t max_samples, const GoOn& go_on, const ReadPage& read_page) {
     FullHeights grid = make_grid(pack.header, max_samples, path);
-    const TerrainBudget slots{pages_of(pack.header).pages_per_tile()};
+    const TerrainBudget slots{pages_per_tile(pack.header)};
     const std::size_t bytes = terrain_bytes(pack.header, slots);
     const AlignedMemory memory = allocate(bytes);
     Terrain terrain;

@@ -16,7 +16,7 @@ using test::worked_us;
 namespace {
 
 // Claims above so many times the threshold say what no mesh exceeds, as of this one nothing better is known
-// (cut/lag.cpp).
+// (cut/error_bound.cpp).
 constexpr double coarse_thresholds = 256;
 
 void report_ranks(benchmark::State& state, const std::vector<double>& us, const std::string& of) {

@@ -28,7 +28,7 @@
 #include "fjell/io/load.h"
 #include "fjell/io/materials.h"
 #include "flight/layers_file.h"
-#include "gl/sky.h"
+#include "gl/lighting.h"
 #include "io/file.h"
 #include "pack/terrain_data.h"
 

@@ -9,8 +9,7 @@
 
 #include "bulk_rows.h"
 #include "cut/evaluate.h"
-#include "cut/fans.h"
-#include "cut/slot_grid.h"
+#include "cut/bulk_rows.h"
 
 using namespace fjell;
 using namespace fjell::test;
@@ -37,8 +36,9 @@ TEST_CASE("rows in use are those with a bit, and slots go to their lanes and now
     Random random(304);
     std::vector<std::uint32_t> stack(400);
     for (std::uint32_t& slot : stack) slot = static_cast<std::uint32_t>(pick(random, 0, 1 << 30));
-    CutState s{};
-    s.free_vertices = stack.data();
+    Mesh mesh{};
+    mesh.free_vertices = stack.data();
+    BulkPass bulk{};
     BulkPage page{};
     with_all_vectors([&] {
         for (int round = 0; round < 500; ++round) {
@@ -46,8 +46,8 @@ TEST_CASE("rows in use are those with a bit, and slots go to their lanes and now
             const bool coarse = pick(random, 0, 3) == 0;
             const std::uint32_t width = coarse ? group_lanes : page_squares;
             for (std::uint32_t& row : page.active) row = random_row(random) & (coarse ? 0xffff : ~0u);
-            s.bulk.free_before = static_cast<std::uint32_t>(pick(random, 0, 400)); // some in use before, some fresh
-            s.bulk.fresh_before = s.bulk.free_before + 1000;
+            bulk.free_before = static_cast<std::uint32_t>(pick(random, 0, 400)); // some in use before, some fresh
+            bulk.fresh_before = bulk.free_before + 1000;
             page.number = static_cast<std::uint32_t>(pick(random, 0, 100));
             const NumberedRows rows{&page, static_cast<std::uint32_t>(pick(random, 0, 39)),
                                     static_cast<std::uint32_t>(pick(random, 0, 64))};
@@ -67,14 +67,14 @@ TEST_CASE("rows in use are those with a bit, and slots go to their lanes and now
                 std::uint32_t next = page.number + page.first[rows.first + n];
                 for (std::uint32_t lane = 0; lane < page_squares; ++lane) {
                     if (!(active >> lane & 1)) continue;
-                    const bool free = next < s.bulk.free_before;
+                    const bool free = next < bulk.free_before;
                     plain[n * stride + lane] =
-                        free ? stack[s.bulk.free_before - 1 - next] : s.bulk.fresh_before + next - s.bulk.free_before;
+                        free ? stack[bulk.free_before - 1 - next] : bulk.fresh_before + next - bulk.free_before;
                     ++next;
                 }
             }
             REQUIRE(rows_in_use(page.active + rows.first, rows.count) == used);
-            put_slots(BulkSlots(s), rows, fast.data(), stride);
+            put_slots(BulkSlots(mesh, bulk), rows, fast.data(), stride);
             for (std::uint32_t n = 0; n < rows.count; ++n) // what becomes of the other lanes of a row is nobody's
                 for (std::uint32_t lane = 0; lane < width; ++lane)
                     if (!(page.active[rows.first + n] >> lane & 1)) fast[n * stride + lane] = untouched;

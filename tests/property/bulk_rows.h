@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "cut/fans.h"
+#include "cut/bulk_rows.h"
 #include "support/cut_scene.h"
 
 namespace fjell::test {

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "bulk_rows.h"
-#include "cut/fans.h"
-#include "cut/group_words.h"
+#include "cut/bulk_rows.h"
 
 using namespace fjell;
 using namespace fjell::test;

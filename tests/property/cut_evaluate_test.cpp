@@ -243,9 +243,9 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
             terrains.push_back(std::make_unique<PagedTerrain>(pack.pack, TerrainBudget{}));
             cuts.push_back(std::make_unique<Cut>(terrains.back()->terrain, budget));
         }
-        cuts[2]->state().evaluate = evaluate_scalar;
-        cuts[2]->state().worst_px = worst_px_scalar;
-        cuts[2]->state().schedule.vectors = scalar_ticks;
+        cuts[2]->state().views.evaluate = evaluate_scalar;
+        cuts[2]->state().views.worst_px = worst_px_scalar;
+        cuts[2]->state().work.schedule.vectors = scalar_ticks;
         std::vector<View> views{random_view(random, pack.terrain)};
         CutSettings settings;
         for (int frame = 0; frame < 60; ++frame) {

@@ -73,19 +73,20 @@ private:
 inline void add_triangles(Fnv& hash, const CutState& s) {
     using Key = std::array<std::uint64_t, 3>;
     std::vector<Key> keys;
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index;
-             segment = s.segment_below[segment]) {
+    for (std::uint32_t tile = 0; tile < s.pages.grid.terrain->tile_count(); ++tile) {
+        std::uint32_t count = s.mesh.tiles[tile].in_last;
+        for (std::uint32_t segment = s.mesh.tiles[tile].last_segment; segment != no_index;
+             segment = s.mesh.segment_below[segment]) {
             for (std::uint32_t i = 0; i < count; ++i) {
                 Key key{};
                 for (std::uint32_t n = 0; n < 3; ++n) {
-                    const MeshVertex& v = s.vertices[s.indices[std::size_t{(segment << s.segment_log2) + i} * 3 + n]];
+                    const MeshVertex& v =
+                        s.mesh.vertices[s.mesh.indices[std::size_t{(segment << s.mesh.segment_log2) + i} * 3 + n]];
                     key[n] = static_cast<std::uint64_t>(v.row) << 32 | static_cast<std::uint64_t>(v.column);
                 }
                 keys.push_back(key);
             }
-            count = 1u << s.segment_log2;
+            count = 1u << s.mesh.segment_log2;
         }
     }
     std::sort(keys.begin(), keys.end());
@@ -113,9 +114,9 @@ struct Golden {
     LiveCut cut;
     if (!create_cut(terrain, golden_budget(terrain), block, cut).ok()) return result;
     if (scalar) {
-        data_of(cut).evaluate = evaluate_scalar;
-        data_of(cut).worst_px = worst_px_scalar;
-        data_of(cut).schedule.vectors = scalar_ticks;
+        data_of(cut).views.evaluate = evaluate_scalar;
+        data_of(cut).views.worst_px = worst_px_scalar;
+        data_of(cut).work.schedule.vectors = scalar_ticks;
     }
     Fnv triangles, work;
     Lcg random;

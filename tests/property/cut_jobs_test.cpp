@@ -64,8 +64,8 @@ std::string difference(const Updated& a, const Updated& b) {
         r.error_px_effective != q.error_px_effective || r.vertices_changed != q.vertices_changed ||
         r.triangles_changed != q.triangles_changed)
         return "what is said differs";
-    const std::size_t used = a.cut.state().fresh_vertex;
-    if (used != b.cut.state().fresh_vertex) return "other slots are used";
+    const std::size_t used = a.cut.state().mesh.fresh_vertex;
+    if (used != b.cut.state().mesh.fresh_vertex) return "other slots are used";
     if (!same_bytes(a.mesh.mesh.vertices.first(used), b.mesh.mesh.vertices.first(used))) return "vertices differ";
     if (!same_bytes(a.mesh.morph.first(used), b.mesh.morph.first(used))) return "how vertices morph differs";
     if (!same_bytes(a.mesh.mesh.tiles, b.mesh.mesh.tiles)) return "draw ranges differ";

@@ -18,8 +18,9 @@ struct Way {
 // As if the budget were smaller: of small terrains all pages have states.
 void make_states_scarce(Random& random, Cut& cut) {
     CutState& s = cut.state();
-    REQUIRE((s.idle_count == 0 && s.free_page_count == 0));
-    s.page_count = std::min(s.page_count, s.terrain->tile_count() + static_cast<std::uint32_t>(pick(random, 1, 16)));
+    REQUIRE((s.pages.idle_count == 0 && s.pages.free_count == 0));
+    s.pages.count =
+        std::min(s.pages.count, s.pages.grid.terrain->tile_count() + static_cast<std::uint32_t>(pick(random, 1, 16)));
 }
 
 void live_with(std::uint32_t seed, const Way& way, int count) {
@@ -200,8 +201,8 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
         }
         REQUIRE(released);
-        const std::uint32_t first = cut.state().page_groups[p.tile * pack.terrain.pages_per_tile() + p.page];
-        REQUIRE((first == no_index || cut.state().page_state[first / max_page_groups].active == 0));
+        const std::uint32_t first = cut.state().pages.page_groups[p.tile * pack.terrain.pages_per_tile() + p.page];
+        REQUIRE((first == no_index || cut.state().pages.state[first / max_page_groups].active == 0));
         (void)unload_page(paged.terrain, p.tile, p.page);
         settings.items = unlimited_items;
         REQUIRE(cut.update({&view, 1}, settings).converged);
@@ -253,8 +254,8 @@ TEST_CASE("a bulk pass does not forget which pages are being evicted") {
     REQUIRE(released);
     (void)cut.rebuild({&view, 1}, settings);
     // The host was told that it may unload: nothing of the page may be active.
-    const std::uint32_t first = cut.state().page_groups[0];
-    REQUIRE((first == no_index || cut.state().page_state[first / max_page_groups].active == 0));
+    const std::uint32_t first = cut.state().pages.page_groups[0];
+    REQUIRE((first == no_index || cut.state().pages.state[first / max_page_groups].active == 0));
 }
 
 TEST_CASE("a page that is not loaded is released at once, one that does not exist is refused") {
@@ -289,7 +290,7 @@ TEST_CASE("a rebuild finds the states of the pages that it leaves") {
             const CutReport report = cut.rebuild({&view, 1}, settings), full = fresh.rebuild({&view, 1}, settings);
             CAPTURE(round, frame, report.threshold_px);
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
-            taken_again += cut.state().fresh_page == cut.state().page_count;
+            taken_again += cut.state().pages.fresh == cut.state().pages.count;
             coarser += report.exhausted != 0;
             if (report.exhausted == 0)
                 REQUIRE(report.triangles == full.triangles);

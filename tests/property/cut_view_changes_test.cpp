@@ -13,7 +13,7 @@ namespace {
 
 // As if the cut had flown so far. Nothing may be scheduled yet: it has to be new.
 void set_odometers(CutState& s, double ticks) {
-    for (double& odometer_m : s.schedule.odometer_m) odometer_m = ticks * s.schedule.tick_m;
+    for (double& odometer_m : s.work.schedule.odometer_m) odometer_m = ticks * s.work.schedule.tick_m;
 }
 
 // Of a cut that has just seen new views and done nothing about them.
@@ -90,10 +90,10 @@ TEST_CASE("views come, go and change places a million times, and the cut stays e
         for (int change = 0; change < changes; ++change) {
             change_views(random, terrain, views);
             settings.items = static_cast<std::uint32_t>(pick(random, 0, 60));
-            const double before = cut.state().schedule.odometer_m[0];
+            const double before = cut.state().work.schedule.odometer_m[0];
             const bool rebuilds = pick(random, 0, 299) == 0;
             const CutReport report = rebuilds ? cut.rebuild(views, settings) : cut.update(views, settings);
-            rewound += cut.state().schedule.odometer_m[0] < before;
+            rewound += cut.state().work.schedule.odometer_m[0] < before;
             lagging += !report.converged;
             if (change % stretch != stretch - 1) continue;
             CAPTURE(round, change, views.size(), settings.error_px);
@@ -131,12 +131,12 @@ TEST_CASE("a cut built anew in the middle of changes has nothing in a queue that
                 continue;
             }
             const CutState& s = cut.state();
-            for (std::uint32_t slot = 0; slot < s.fresh_page; ++slot) {
-                const PageState& page = s.page_state[slot];
+            for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
+                const PageState& page = s.pages.state[slot];
                 if (page.page == no_index || page.shape != 0 || page.active != 0) continue;
-                const GroupState* const groups = s.groups + std::size_t{slot} * max_page_groups;
-                const std::uint32_t root = s.steps[data_of(terrain).tree.tile_log2 - 1].centres;
-                for (std::uint32_t n = 0; n < s.shapes[0].count; ++n)
+                const GroupState* const groups = s.pages.groups + std::size_t{slot} * max_page_groups;
+                const std::uint32_t root = s.pages.grid.steps[data_of(terrain).tree.tile_log2 - 1].centres;
+                for (std::uint32_t n = 0; n < s.pages.grid.shapes[0].count; ++n)
                     let_go += n != root && groups[n].queue != unqueued;
             }
             (void)cut.rebuild(views, settings);
@@ -231,8 +231,8 @@ TEST_CASE("a view that comes or goes makes as many groups due as one that moves 
             REQUIRE(settle(cut, before, settings).converged);
             const CutReport report = cut.update(after, no_items);
             REQUIRE(report.visits == 0);
-            REQUIRE(report.waiting == cut.state().schedule.due_count);
-            return due_groups(cut.state().schedule);
+            REQUIRE(report.waiting == cut.state().work.schedule.due_count);
+            return due_groups(cut.state().work.schedule);
         };
         const std::uint32_t move = due({a}, {near}), all = due({a}, {far_view(terrain)});
         CAPTURE(round, move, all);

@@ -19,8 +19,8 @@ std::set<std::uint32_t> drawn_tiles(Cut& cut) {
 }
 
 bool in_front(Cut& cut, const View& view, std::uint32_t tile) {
-    const TileList& list = cut.state().tiles[tile];
-    const Vec3 middle{list.centre_m[0], list.centre_m[1], list.centre_m[2]};
+    const TileList& list = cut.state().mesh.tiles[tile];
+    const Vec3 middle = list.centre_m;
     return dot(middle - view.eye_m, view.forward) > list.radius_m;
 }
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "cut/find.h"
+#include "cut/pages.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
 #include "pack/terrain_data.h"
@@ -34,12 +34,12 @@ CutReport Cut::rebuild(std::span<const View> views, const CutSettings& settings)
 MeshView Cut::mesh() {
     const CutState& s = state();
     ranges.clear();
-    for (std::uint32_t tile = 0; tile < s.terrain->tile_count(); ++tile) {
-        std::uint32_t count = s.tiles[tile].in_last;
-        for (std::uint32_t segment = s.tiles[tile].last_segment; segment != no_index;
-             segment = s.segment_below[segment]) {
-            ranges.push_back({tile, (segment << s.segment_log2) * 3, count * 3, count});
-            count = 1u << s.segment_log2;
+    for (std::uint32_t tile = 0; tile < s.pages.grid.terrain->tile_count(); ++tile) {
+        std::uint32_t count = s.mesh.tiles[tile].in_last;
+        for (std::uint32_t segment = s.mesh.tiles[tile].last_segment; segment != no_index;
+             segment = s.mesh.segment_below[segment]) {
+            ranges.push_back({tile, (segment << s.mesh.segment_log2) * 3, count * 3, count});
+            count = 1u << s.mesh.segment_log2;
         }
     }
     MeshView view = cut_mesh(cut).mesh;
@@ -66,7 +66,7 @@ std::string in_words(const Violation& found) {
 
 std::string check_cut(Cut& cut) {
     const CutState& s = cut.state();
-    if (const Violation found = validate_terrain(*s.terrain)) return in_words(found);
+    if (const Violation found = validate_terrain(*s.pages.grid.terrain)) return in_words(found);
     return in_words(validate_cut(s));
 }
 
@@ -75,7 +75,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     // Vertices that morph out are on their way to the edge: for the rest of this they stand where their samples do.
     std::vector<MeshVertex> standing(drawn.vertices.begin(), drawn.vertices.end());
     for (std::uint32_t slot = 0; slot < standing.size(); ++slot)
-        if (morphs_out(cut.state(), slot))
+        if (morphs_out(cut.state().mesh, slot))
             standing[slot].height_m = data_of(full).height_m({standing[slot].column, standing[slot].row});
     drawn.vertices = standing;
     const auto holes = [&](const Triangle& t) {
@@ -87,11 +87,11 @@ std::string check_surface(Cut& cut, const Terrain& full) {
     // What is hidden, one range a triangle, in the tile that its middle lies in; less what is shrunk to nothing.
     const CutState& s = cut.state();
     std::vector<TileRange> ranges = cut.ranges;
-    const TileList& hidden = s.tiles[hidden_tile(s)];
+    const TileList& hidden = s.mesh.tiles[hidden_tile(s.mesh)];
     std::uint32_t count = hidden.in_last;
-    for (std::uint32_t segment = hidden.last_segment; segment != no_index; segment = s.segment_below[segment]) {
+    for (std::uint32_t segment = hidden.last_segment; segment != no_index; segment = s.mesh.segment_below[segment]) {
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t first = ((segment << s.segment_log2) + i) * 3;
+            const std::uint32_t first = ((segment << s.mesh.segment_log2) + i) * 3;
             MeshView one = drawn;
             const TileRange range{0, first, 3, 1};
             one.tiles = {&range, 1};
@@ -103,7 +103,7 @@ std::string check_surface(Cut& cut, const Terrain& full) {
             const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
             ranges.push_back({full.tile_at({x, y}), first, 3, 1});
         }
-        count = 1u << s.segment_log2;
+        count = 1u << s.mesh.segment_log2;
     }
     MeshView whole = drawn;
     whole.tiles = ranges;
@@ -140,13 +140,13 @@ VertexSet only_corners(const Terrain& t, bool others) {
 
 VertexSet active_set(Cut& cut) {
     const CutState& s = cut.state();
-    VertexSet set = only_corners(s.terrain_handle, false);
-    for (std::uint32_t slot = 0; slot < s.page_count; ++slot) {
-        if (s.page_state[slot].page == no_index) continue;
-        for (std::uint32_t n = 0; n < s.shapes[s.page_state[slot].shape].count * group_lanes; ++n) {
+    VertexSet set = only_corners(s.pages.grid.handle, false);
+    for (std::uint32_t slot = 0; slot < s.pages.count; ++slot) {
+        if (s.pages.state[slot].page == no_index) continue;
+        for (std::uint32_t n = 0; n < s.pages.grid.shapes[s.pages.state[slot].shape].count * group_lanes; ++n) {
             const std::uint32_t vertex = slot * max_page_groups * group_lanes + n;
-            if (s.groups[vertex / group_lanes].active & bit_of(vertex))
-                set[place(s.terrain_handle, site_coord(site_of(s, vertex)))] = true;
+            if (s.pages.groups[vertex / group_lanes].active & bit_of(vertex))
+                set[place(s.pages.grid.handle, site_coord(site_of(s.pages, vertex)))] = true;
         }
     }
     return set;

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "fjell/gl/palette.h"
-#include "gl/residency.h"
+#include "gl/terrain_textures.h"
 #include "pack/terrain_data.h"
 #include "picture_scene.h"
 #include "support/control_rules.h"

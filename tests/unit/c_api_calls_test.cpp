@@ -96,6 +96,34 @@ TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in 
     CHECK(fjell_terrain_pages_missing(terrain) == 0);
     CHECK(fjell_terrain_missing_px(terrain) == t.missing_px());
 
+    CHECK(fjell_pages_per_tile(&c.header) == pages_per_tile(header));
+    CHECK(pages_per_tile(header) == t.pages_per_tile());
+    const std::uint32_t last = t.pages_per_tile() - 1;
+    CHECK(fjell_page_step_log2(&c.header, last) == page_step_log2(header, last));
+    CHECK(fjell_page_at(&c.header, 0, 40, 70) == page_at(header, 0, 40, 70));
+    CHECK(fjell_page_of(&c.header, 33, 47) == page_of(header, 33, 47));
+    CHECK(page_of(header, 33, 47) != 0);
+    CHECK(fjell_page_loaded(terrain, 0, last));
+    const std::uint64_t changes = page_changes(t);
+    CHECK(fjell_page_changes(terrain) == changes);
+    REQUIRE(unload_page(t, 0, last).ok());
+    CHECK(!fjell_page_loaded(terrain, 0, last));
+    CHECK(!page_loaded(t, 0, last));
+    CHECK(page_changes(t) == changes + 1);
+    REQUIRE(load_page(pack.pack, t, 0, last).ok());
+    for (const Coord sample : {Coord{0, 0}, {17, 33}, {160, 89}, {-1, 0}, {1 << 30, 1 << 30}}) {
+        const FjellTerrainVertex v = fjell_terrain_vertex(terrain, {sample.x, sample.y});
+        const TerrainVertex expected = terrain_vertex(t, sample);
+        CHECK((v.loaded == expected.loaded && v.hole == expected.hole && v.in_tile == expected.in_tile));
+        CHECK((v.height_m == expected.height_m && v.error_m == expected.error_m && v.radius_m == expected.radius_m));
+        CHECK(v.loaded == (sample.x >= 0 && sample.x < 161));
+    }
+    CHECK(fjell_terrain_height_m(terrain, 301.5, 402.25) == terrain_height_m(t, 301.5, 402.25));
+    CHECK(fjell_set_missing_px(terrain, 2.5).code == FJELL_OK);
+    CHECK(t.missing_px() == 2.5);
+    CHECK(std::string_view(fjell_set_missing_px(terrain, -1).field) == "missing_px");
+    CHECK(set_missing_px(t, 0).ok());
+
     View view = view_of(1);
     view.left -= 0.1;
     FjellView seen = fjell_view_default();

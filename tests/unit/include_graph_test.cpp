@@ -21,11 +21,11 @@ using Names = std::vector<std::string>;
 const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/include", {}},
     {"runtime/src", {"runtime/include"}},
-    {"runtime/io", {"runtime/include", "runtime/src"}},
-    {"runtime/gl", {"runtime/include", "runtime/src", "runtime/io"}},
-    {"runtime/gltf", {"runtime/include", "runtime/src", "runtime/io"}},
-    {"runtime/flight", {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf"}},
-    {"runtime/fly", {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight"}},
+    {"runtime/io", {"runtime/include"}},
+    {"runtime/gl", {"runtime/include", "runtime/io"}},
+    {"runtime/gltf", {"runtime/include", "runtime/io"}},
+    {"runtime/flight", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf"}},
+    {"runtime/fly", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight"}},
     {"baker", {"runtime/include", "runtime/src", "runtime/io"}},
     {"editor",
      {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight", "baker"}},
@@ -144,8 +144,9 @@ TEST_CASE("fjell.h includes every header of the library but the optional one and
 TEST_CASE("an arrow the wrong way, an included source and a folder with one file are found") {
     const Sources sound{{"runtime/include/fjell/a.h", ""},
                         {"runtime/include/fjell/b.h", "#include \"fjell/a.h\"\n"},
-                        {"runtime/src/a.cpp", "#include \"fjell/a.h\"\n"},
-                        {"runtime/src/b.cpp", "#include \"fjell/b.h\"\n"},
+                        {"runtime/src/a.cpp", "#include \"fjell/a.h\"\n#include \"inner.h\"\n"},
+                        {"runtime/src/inner.h", ""},
+                        {"runtime/src/b.cpp", "#include \"fjell/b.h\"\n#include \"inner.h\"\n"},
                         {"runtime/io/file.h", "#include \"fjell/a.h\"\n"},
                         {"runtime/io/file.cpp", "#include \"file.h\"\n"},
                         {"baker/bake.h", ""},
@@ -158,6 +159,8 @@ TEST_CASE("an arrow the wrong way, an included source and a folder with one file
     };
     CHECK(with("runtime/src/a.cpp", "#include \"io/file.h\"\n") ==
           Names{"runtime/src/a.cpp includes runtime/io/file.h"});
+    CHECK(with("runtime/io/file.cpp", "#include \"inner.h\"\n") == // what only the library's own sources may
+          Names{"runtime/io/file.cpp includes runtime/src/inner.h"});
     CHECK(with("runtime/io/file.cpp", "#include \"baker/bake.h\"\n") ==
           Names{"runtime/io/file.cpp includes baker/bake.h"});
     CHECK(with("baker/bake.cpp", "#include \"bake.cpp\"\n") == Names{"baker/bake.cpp includes the source bake.cpp"});

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "fjell/pages.h"
 #include "pack/terrain_data.h"
 #include "recursive/locate.h"
 #include "tree/order.h"
@@ -280,6 +281,27 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
                                     static_cast<std::uint32_t>(at.y)) != page;
         }
         REQUIRE(wrong == 0);
+    });
+}
+
+TEST_CASE("a host finds the page that a vertex is read from, and the page of a step over any place") {
+    for_each_layout([](const PageLayout& layout) {
+        PackHeader header{};
+        header.tile_log2 = static_cast<std::uint32_t>(layout.tile_log2);
+        header.order = layout.order;
+        REQUIRE(pages_per_tile(header) == layout.pages_per_tile());
+        for (std::uint32_t page = 0; page < layout.pages_per_tile(); ++page)
+            REQUIRE(page_step_log2(header, page) == layout.page_step_log2(page));
+        bool right = true;
+        for_each_vertex(layout, 7, [&](std::uint32_t x, std::uint32_t y) {
+            const std::uint32_t page = layout.place(x, y).page;
+            right = right && page_of(header, x, y) == page;
+            const int z = layout.page_step_log2(page);
+            if (z >= 0) right = right && page_at(header, static_cast<std::uint32_t>(z), x, y) == page;
+        });
+        CHECK(right);
+        const std::uint32_t none = header.tile_log2 - std::min(header.tile_log2, 5u); // steps of page 0 begin here
+        for (const std::uint32_t z : {none, none + 1, 31u, ~0u}) CHECK(page_at(header, z, 0, 0) == 0);
     });
 }
 

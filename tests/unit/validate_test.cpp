@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cut/find.h"
+#include "cut/pages.h"
 #include "cut/mesh.h"
 #include "pack/memory.h"
 #include "stream/requests.h"
@@ -57,13 +57,13 @@ struct Scene {
         for (int frame = 0; frame < 3; ++frame) update(near, 200);
         REQUIRE(walk() == "");
         lane = [this](auto holds) {
-            return first(s.group_count * group_lanes, [&](std::uint32_t v) {
-                if (s.page_state[v / group_lanes / max_page_groups].page == no_index) return false;
+            return first(s.pages.group_count * group_lanes, [&](std::uint32_t v) {
+                if (s.pages.state[v / group_lanes / max_page_groups].page == no_index) return false;
                 const std::uint32_t n = v / group_lanes % max_page_groups;
-                const PageShape& shape = s.shapes[s.page_state[v / group_lanes / max_page_groups].shape];
+                const PageShape& shape = s.pages.grid.shapes[s.pages.state[v / group_lanes / max_page_groups].shape];
                 if (n >= shape.count || v % group_lanes >= shape.groups[n].lanes) return false;
-                return exists(s, site_of(s, v)) && find_vertex(s, site_of(s, v)) == v &&
-                       holds(s.groups[v / group_lanes], bit_of(v));
+                return exists(s.pages.grid, site_of(s.pages, v)) && find_vertex(s.pages, site_of(s.pages, v)) == v &&
+                       holds(s.pages.groups[v / group_lanes], bit_of(v));
             });
         };
     }
@@ -95,9 +95,9 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     const std::uint32_t unready =
         scene.lane([](const GroupState& b, std::uint32_t bit) { return (~b.active & ~b.ready() & bit) != 0; });
     const auto bits = [](std::uint32_t mask) { return static_cast<std::uint16_t>(mask); };
-    GroupState& of_leaf = s.groups[leaf / group_lanes];
-    GroupState& of_parent = s.groups[parent / group_lanes];
-    GroupState& of_unready = s.groups[unready / group_lanes];
+    GroupState& of_leaf = s.pages.groups[leaf / group_lanes];
+    GroupState& of_parent = s.pages.groups[parent / group_lanes];
+    GroupState& of_unready = s.pages.groups[unready / group_lanes];
     plant(walk, of_unready.active, bits(of_unready.active | bit_of(unready)), "a child mask is wrong at");
     plant(walk, of_leaf.active, bits(of_leaf.active & ~bit_of(leaf)), "a child mask is wrong at");
     plant(walk, of_parent.active, bits(of_parent.active & ~bit_of(parent)), "nobody will look at the group of");
@@ -106,40 +106,41 @@ TEST_CASE("a walk over a cut names every mask, slot and page that was tampered w
     plant(walk, of_unready.parent[0], bits(of_unready.parent[0] ^ bit_of(unready)),
           "a parent mask is wrong in the group of");
 
-    plant(walk, s.vertex_slot[leaf], s.vertex_slot[parent], "a vertex slot is another vertex':");
-    plant(walk, s.vertex_slot[leaf], s.budget.vertices, "no vertex slot for");
-    REQUIRE(s.free_vertex_count > 1);
-    plant(walk, s.free_vertices[0], s.free_vertices[1], "a vertex slot is used or free twice, or lost");
-    plant(walk, s.free_vertices[0], s.vertex_slot[leaf], "a vertex slot is used or free twice, or lost");
-    plant(walk, s.free_vertex_count, s.free_vertex_count - 1, "a vertex slot is used or free twice, or lost");
-    plant(walk, s.fresh_vertex, s.fresh_vertex + 1, "a vertex slot is used or free twice, or lost");
+    plant(walk, s.pages.vertex_slot[leaf], s.pages.vertex_slot[parent], "a vertex slot is another vertex':");
+    plant(walk, s.pages.vertex_slot[leaf], s.mesh.capacity, "no vertex slot for");
+    REQUIRE(s.mesh.free_vertex_count > 1);
+    plant(walk, s.mesh.free_vertices[0], s.mesh.free_vertices[1], "a vertex slot is used or free twice, or lost");
+    plant(walk, s.mesh.free_vertices[0], s.pages.vertex_slot[leaf], "a vertex slot is used or free twice, or lost");
+    plant(walk, s.mesh.free_vertex_count, s.mesh.free_vertex_count - 1, "a vertex slot is used or free twice, or lost");
+    plant(walk, s.mesh.fresh_vertex, s.mesh.fresh_vertex + 1, "a vertex slot is used or free twice, or lost");
 
-    PageState& info = s.page_state[leaf / group_lanes / max_page_groups];
+    PageState& info = s.pages.state[leaf / group_lanes / max_page_groups];
     plant(walk, info.active, static_cast<std::uint16_t>(info.active + 1), "a page counts its active vertices wrongly");
     plant(walk, info.parents, info.parents - 1, "a page counts its vertices' parents wrongly");
     plant(walk, info.status, PageStatus::evicting, "a page is evicted, and its state does not say so");
-    plant(walk, info.terrain_slot, s.terrain->slot_count, "a page's records are another page's");
-    plant(walk, s.page_groups[info.page], no_index, "a page's state is not where the page says");
-    LoadedPage& loaded = s.loaded[info.terrain_slot];
+    plant(walk, info.terrain_slot, s.pages.grid.terrain->slot_count, "a page's records are another page's");
+    plant(walk, s.pages.page_groups[info.page], no_index, "a page's state is not where the page says");
+    LoadedPage& loaded = s.pages.loaded[info.terrain_slot];
     plant(walk, loaded.loads, loaded.loads + 1, "a page is loaded, and the cut has not entered it");
     plant(walk, loaded.page, no_index, "a page's records are another page's");
-    plant(walk, s.busy_pages, s.busy_pages + 1, "busy pages do not add up");
-    plant(walk, s.tiles_waiting, s.tiles_waiting + 1, "tiles whose page 0 has no state do not add up");
-    plant(walk, s.fresh_page, s.fresh_page + 1, "states are lost, or free twice");
-    plant(walk, s.report.vertices, s.report.vertices - 1, "the report counts vertices wrongly");
-    plant(walk, s.report.triangles, s.report.triangles + 1, "the report counts triangles wrongly");
-    REQUIRE(s.late_count > 1);
-    const std::uint32_t last = (s.first_late + s.late_count - 1) % s.budget.vertices;
-    REQUIRE(s.late_s[last] > s.late_s[s.first_late]);
-    plant(walk, s.late_s[last], s.late_s[s.first_late] - 1, "vertices that morph in are not in their order");
+    plant(walk, s.pages.busy, s.pages.busy + 1, "busy pages do not add up");
+    plant(walk, s.pages.tiles_waiting, s.pages.tiles_waiting + 1, "tiles whose page 0 has no state do not add up");
+    plant(walk, s.pages.fresh, s.pages.fresh + 1, "states are lost, or free twice");
+    plant(walk, s.frame.report.vertices, s.frame.report.vertices - 1, "the report counts vertices wrongly");
+    plant(walk, s.frame.report.triangles, s.frame.report.triangles + 1, "the report counts triangles wrongly");
+    REQUIRE(s.morphing.late_count > 1);
+    const std::uint32_t last = (s.morphing.first_late + s.morphing.late_count - 1) % s.mesh.capacity;
+    REQUIRE(s.morphing.late_s[last] > s.morphing.late_s[s.morphing.first_late]);
+    plant(walk, s.morphing.late_s[last], s.morphing.late_s[s.morphing.first_late] - 1,
+          "vertices that morph in are not in their order");
 }
 
 TEST_CASE(
     "a walk over a cut names every group that was lost from its queue, and every page that will come up too late") {
     Scene scene;
     CutState& s = scene.s;
-    Queues& q = s.queues;
-    Schedule& l = s.schedule;
+    Queues& q = s.work.queues;
+    Schedule& l = s.work.schedule;
     const Walk& walk = scene.walk;
     const std::uint32_t rank = first(rank_count, [&](std::uint32_t i) { return q.sizes[work_queues + i] > 1; });
     const std::uint32_t queue = work_queues + rank, head = q.ends[queue].next;
@@ -147,12 +148,13 @@ TEST_CASE(
     plant(walk, q.nodes[head].link.prev, head, "a queue's links disagree");
     plant(walk, q.groups[head].queue, static_cast<QueueId>(queue + 1), "a group is in a queue, and says otherwise");
     plant(walk, q.sizes[queue], q.sizes[queue] + 1, "a queue counts its groups wrongly");
-    plant(walk, s.work_ranks, s.work_ranks & ~(1u << rank), "a queue holds work, and nobody will look at it");
+    plant(walk, s.work.queues.work_ranks, s.work.queues.work_ranks & ~(1u << rank),
+          "a queue holds work, and nobody will look at it");
     plant(walk, ticks_of(l, head), std::uint16_t{5}, "a group is scheduled, and in a queue");
 
     scene.update(view_from_above(scene.pack.terrain, 0.05), unlimited_items);
     const std::uint32_t calm = scene.lane([&](const GroupState& b, std::uint32_t bit) {
-        const auto group = static_cast<std::uint32_t>(&b - s.groups);
+        const auto group = static_cast<std::uint32_t>(&b - s.pages.groups);
         return b.queue == unqueued && ticks_of(l, group) != unscheduled && !is_due(l, group / max_page_groups) &&
                (b.active & ~b.parental() & bit) != 0;
     });
@@ -181,19 +183,20 @@ TEST_CASE("a walk over a cut names every triangle, segment and written slot that
     Scene scene;
     CutState& s = scene.s;
     const Walk& walk = scene.walk;
-    TileList& tile = s.tiles[0];
-    const std::uint32_t slot = tile.last_segment << s.segment_log2, key = key_of(s, slot);
-    plant(walk, s.triangle_of[key], slot ^ 1, "a triangle");
-    plant(walk, s.indices[std::size_t{slot} * 3], 0u, "a triangle's right angle does not know it");
-    plant(walk, s.indices[std::size_t{slot} * 3 + 1], s.budget.vertices, "a triangle's corner was never taken");
-    plant(walk, s.triangle_of[key], no_index, "a triangle");
+    TileList& tile = s.mesh.tiles[0];
+    const std::uint32_t slot = tile.last_segment << s.mesh.segment_log2, key = key_of(s.mesh, slot);
+    plant(walk, s.mesh.triangle_of[key], slot ^ 1, "a triangle");
+    plant(walk, s.mesh.indices[std::size_t{slot} * 3], 0u, "a triangle's right angle does not know it");
+    plant(walk, s.mesh.indices[std::size_t{slot} * 3 + 1], s.mesh.capacity, "a triangle's corner was never taken");
+    plant(walk, s.mesh.triangle_of[key], no_index, "a triangle");
     plant(walk, tile.total, tile.total + 1, "a tile counts its triangles wrongly");
     plant(walk, tile.segments, tile.segments + 1, "a tile counts its segments wrongly");
-    plant(walk, s.segment_tile[tile.last_segment], 1u, "a segment does not know its tile");
-    plant(walk, s.segment_below[tile.last_segment], s.tiles[1].last_segment, "a segment does not know its tile");
-    plant(walk, s.free_segments[0], tile.last_segment, "a segment is used or free twice, or lost");
-    plant(walk, s.free_segment_count, s.free_segment_count - 1, "a segment is used or free twice, or lost");
-    DirtyBits& written = s.dirty_vertices;
+    plant(walk, s.mesh.segment_tile[tile.last_segment], 1u, "a segment does not know its tile");
+    plant(walk, s.mesh.segment_below[tile.last_segment], s.mesh.tiles[1].last_segment,
+          "a segment does not know its tile");
+    plant(walk, s.mesh.free_segments[0], tile.last_segment, "a segment is used or free twice, or lost");
+    plant(walk, s.mesh.free_segment_count, s.mesh.free_segment_count - 1, "a segment is used or free twice, or lost");
+    DirtyBits& written = s.mesh.dirty_vertices;
     REQUIRE(written.word_count > 1);
     plant(walk, written.words[0], written.words[1], "a word of written slots is listed twice, or not at all");
     plant(walk, written.word_count, written.word_count - 1, "words of written slots do not add up");
@@ -316,8 +319,8 @@ TEST_CASE("an assert that fails is the host's handler's to report, or a line on 
     CHECK(last_words([] {
               (void)set_assert_handler(host_log);
               Scene scene;
-              scene.s.tiles[0].total += 1;
-              while (!std::has_single_bit(scene.s.frame + 1))
+              scene.s.mesh.tiles[0].total += 1;
+              while (!std::has_single_bit(scene.s.frame.number + 1))
                   scene.update(view_from_above(scene.pack.terrain, 0.05), 0);
               scene.update(view_from_above(scene.pack.terrain, 0.05), 400);
           }).starts_with("host's log: "));
@@ -336,7 +339,8 @@ TEST_CASE("the library walks by itself and asserts: it aborts a process whose cu
             std::signal(SIGABRT, SIG_DFL);
             (void)std::freopen("/dev/null", "w", stderr);
             tamper(scene);
-            while (!std::has_single_bit(scene.s.frame + 1)) scene.update(view_from_above(scene.pack.terrain, 0.05), 0);
+            while (!std::has_single_bit(scene.s.frame.number + 1))
+                scene.update(view_from_above(scene.pack.terrain, 0.05), 0);
             scene.update(view_from_above(scene.pack.terrain, 0.05), 400);
             _exit(0);
         }
@@ -345,10 +349,10 @@ TEST_CASE("the library walks by itself and asserts: it aborts a process whose cu
         return WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT;
     };
     CHECK_FALSE(aborts([](Scene&) {}));
-    CHECK(aborts([](Scene& scene) { scene.s.tiles[0].total += 1; }));
+    CHECK(aborts([](Scene& scene) { scene.s.mesh.tiles[0].total += 1; }));
     CHECK(aborts([](Scene& scene) { // the slot that is taken next
-        REQUIRE(scene.s.free_vertex_count != 0);
-        scene.s.free_vertices[scene.s.free_vertex_count - 1] = scene.s.indices[0];
+        REQUIRE(scene.s.mesh.free_vertex_count != 0);
+        scene.s.mesh.free_vertices[scene.s.mesh.free_vertex_count - 1] = scene.s.mesh.indices[0];
     }));
 }
 

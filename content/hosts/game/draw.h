@@ -1,16 +1,30 @@
-// The game's own renderer: a cut's buffers on the GPU, edited in place, and a draw call a range.
+// The game's own renderer: a cut's buffers on the GPU, edited in place, a draw call a range, and streamed maps.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
 #include <epoxy/gl.h>
-
 #include <fjell/fjell.h>
 
-#include "maps.h"
-
 namespace game {
+
+// Streamed maps of one kind on the GPU: an array texture for each size, and layers that come and go. GL objects of the
+// current context; they go with it.
+class Maps {
+public:
+    void create(fjell::MapKind kind, const fjell::MapLayers& sizes);
+    void carry_out(const fjell::MapCommand& command);
+    [[nodiscard]] GLuint array(std::uint32_t side_log2) const { return array_[side_log2]; }
+    [[nodiscard]] std::uint32_t top_log2() const { return sizes_.top_log2; } // 0: the pack has no such map
+
+private:
+    GLenum format_ = 0;
+    std::size_t block_bytes_ = 0;
+    fjell::MapLayers sizes_;
+    GLuint array_[fjell::max_texture_log2 + 1] = {};
+};
 
 // GL objects of the context that is current; they go with it. Its thread only.
 class Drawer {

@@ -18,8 +18,6 @@
 #include "../times/times.h"
 #include "draw.h"
 #include "loader.h"
-#include "memory.h"
-#include "pack_on_disk.h"
 #include "walk.h"
 
 namespace {

@@ -9,8 +9,7 @@
 
 #include <fjell/fjell.h>
 
-#include "../game/memory.h"
-#include "../game/pack_on_disk.h"
+#include "../game/loader.h"
 
 namespace ground {
 

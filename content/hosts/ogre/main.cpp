@@ -15,8 +15,6 @@
 #include <fjell/fjell.h>
 
 #include "../game/loader.h"
-#include "../game/memory.h"
-#include "../game/pack_on_disk.h"
 #include "../times/times.h"
 #include "check.h"
 #include "ground.h"

@@ -15,6 +15,7 @@
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
 #include "fjell/pack_set.h"
+#include "fjell/pages.h"
 #include "fjell/query.h"
 #include "fjell/recursive.h"
 #include "fjell/status.h"

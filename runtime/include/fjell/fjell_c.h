@@ -11,7 +11,7 @@
 //   does not know is refused: out_of_range, "struct_size". As a descriptor NULL stands for the defaults; a report that
 //   is NULL is not written.
 // - All other structs stay as they are while FJELL_VERSION_MINOR does.
-// - Enumerators are constants, and a field that holds one is as wide as in C++.
+// - Enumerators are constants; the type of the enumeration, FjellMorph for one, is an integer as wide as in C++.
 // No function prints or throws, and none allocates but where its C++ header says that zstd may.
 #ifndef FJELL_FJELL_C_H
 #define FJELL_FJELL_C_H
@@ -103,6 +103,18 @@ uint32_t fjell_terrain_page_slots(FjellTerrain terrain);
 uint32_t fjell_terrain_pages_loaded(FjellTerrain terrain);
 uint32_t fjell_terrain_pages_missing(FjellTerrain terrain);
 double fjell_terrain_missing_px(FjellTerrain terrain);
+
+// --- fjell/pages.h ---
+
+uint32_t fjell_pages_per_tile(const FjellPackHeader* header);
+int fjell_page_step_log2(const FjellPackHeader* header, uint32_t page);
+uint32_t fjell_page_at(const FjellPackHeader* header, uint32_t step_log2, uint32_t x, uint32_t y);
+uint32_t fjell_page_of(const FjellPackHeader* header, uint32_t x, uint32_t y);
+bool fjell_page_loaded(FjellTerrain terrain, uint32_t tile, uint32_t page);
+uint64_t fjell_page_changes(FjellTerrain terrain);
+FjellStatus fjell_set_missing_px(FjellTerrain terrain, double missing_px);
+FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellCoord sample);
+double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m);
 
 // --- fjell/view.h ---
 

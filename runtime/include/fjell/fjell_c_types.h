@@ -1,5 +1,6 @@
 // The types of fjell/fjell_c.h, which says what C needs otherwise than C++. Fields are those of the C++ types of the
-// same name, whose headers give units and ranges; the library asserts while it is compiled that they lie alike.
+// same name, whose headers give units and ranges. Written by runtime/src/c/types.py from those headers: change them,
+// and run it. The library asserts while it is compiled that both lie alike.
 #ifndef FJELL_FJELL_C_TYPES_H
 #define FJELL_FJELL_C_TYPES_H
 
@@ -32,32 +33,15 @@ enum {
 };
 
 typedef struct FjellStatus {
-    FjellCode code;    // FJELL_OK is 0
-    const char* field; // static storage, never NULL
+    FjellCode code;
+    const char* field;
 } FjellStatus;
 
 // --- fjell/asserts.h ---
 
 typedef void (*FjellAssertHandler)(const char* condition, const char* file, int line);
 
-// --- fjell/handle.h, fjell/coord.h ---
-
-typedef struct FjellTerrain {
-    void* object;
-    uint64_t identity;
-} FjellTerrain;
-typedef struct FjellLiveCut {
-    void* object;
-    uint64_t identity;
-} FjellLiveCut;
-typedef struct FjellRecursiveMethod {
-    void* object;
-    uint64_t identity;
-} FjellRecursiveMethod;
-typedef struct FjellStream {
-    void* object;
-    uint64_t identity;
-} FjellStream;
+// --- fjell/coord.h ---
 
 typedef struct FjellCoord {
     int32_t x, y;
@@ -65,22 +49,37 @@ typedef struct FjellCoord {
 
 // --- fjell/pack.h ---
 
+#define FJELL_PACK_VERSION 4
+#define FJELL_PACK_VERSION_WITH_HORIZONS 5
+#define FJELL_PACK_VERSION_SPARSE 6
+#define FJELL_PACK_VERSION_WITH_CONTROL 7
+#define FJELL_MAX_LAYER_BYTES 512
+#define FJELL_PACK_LAYOUT_HASH 0x46a1000400041020ull
+#define FJELL_MIN_TILE_LOG2 1
 #define FJELL_MAX_TILE_LOG2 12
 #define FJELL_MAX_TEXTURE_LOG2 12
-#define FJELL_NO_CHUNK UINT64_MAX
-#define FJELL_NO_TILE UINT32_MAX
+#define FJELL_MAX_COLUMNS (1u << 20)
+#define FJELL_MIN_SPACING_M 1e-3
+#define FJELL_MAX_SPACING_M 1e6
+#define FJELL_MAX_SPARSE_TILES (1u << 26)
+#define FJELL_MAX_EXTENT_M 1e8
 
-enum { FJELL_ORDER_PLANAR, FJELL_ORDER_HIERARCHICAL_Z, FJELL_ORDER_LINEAR }; // Order
-enum { FJELL_ESTIMATE_MAX, FJELL_ESTIMATE_MIDPOINT };                        // Estimate
-enum {                                                                       // ChunkKind
-    FJELL_CHUNK_CORNERS,
-    FJELL_CHUNK_GEOMETRY,
-    FJELL_CHUNK_COLOUR,
-    FJELL_CHUNK_NORMAL,
-    FJELL_CHUNK_CRS,
-    FJELL_CHUNK_HORIZON,
-    FJELL_CHUNK_LAYERS,
-    FJELL_CHUNK_CONTROL
+typedef uint32_t FjellOrder;
+enum { FJELL_ORDER_PLANAR = 0, FJELL_ORDER_HIERARCHICAL_Z = 1, FJELL_ORDER_LINEAR = 2 };
+
+typedef uint32_t FjellEstimate;
+enum { FJELL_ESTIMATE_MAX = 0, FJELL_ESTIMATE_MIDPOINT = 1 };
+
+typedef uint32_t FjellChunkKind;
+enum {
+    FJELL_CHUNK_CORNERS = 0,
+    FJELL_CHUNK_GEOMETRY = 1,
+    FJELL_CHUNK_COLOUR = 2,
+    FJELL_CHUNK_NORMAL = 3,
+    FJELL_CHUNK_CRS = 4,
+    FJELL_CHUNK_HORIZON = 5,
+    FJELL_CHUNK_LAYERS = 6,
+    FJELL_CHUNK_CONTROL = 7
 };
 
 typedef struct FjellPackHeader {
@@ -90,13 +89,13 @@ typedef struct FjellPackHeader {
     uint64_t layout_hash;
     uint64_t file_bytes;
     uint64_t directory_offset;
-    uint64_t directory_count; // chunks, sizeof(FjellChunkEntry) bytes each
+    uint64_t directory_count;
     uint64_t directory_hash;
-    uint32_t columns, rows; // samples
+    uint32_t columns, rows;
     uint32_t tiles_x, tiles_y;
     uint32_t tile_log2;
-    uint32_t order;    // FJELL_ORDER_...
-    uint32_t estimate; // FJELL_ESTIMATE_...
+    FjellOrder order;
+    FjellEstimate estimate;
     float nesting;
     double spacing_m[2];
     double origin_m[2];
@@ -139,23 +138,29 @@ typedef struct FjellChunkEntry {
     FjellPageBound bound;
 } FjellChunkEntry;
 
-typedef struct FjellChunkId {
-    uint32_t kind; // FJELL_CHUNK_...
-    uint32_t tile, item;
-} FjellChunkId;
+#define FJELL_RADIUS_SQUARES_LOG2 2
+#define FJELL_PAGE_RADII (64 + 72 + 72)
+#define FJELL_CORNER_VOID_BIT 0x80000000
 
 typedef struct FjellPack {
     FjellPackHeader header;
-    const void* bytes; // the whole file; NULL for a pack that is streamed
+    const void* bytes;
     size_t byte_count;
     const void* directory;
 } FjellPack;
+
+typedef struct FjellChunkId {
+    FjellChunkKind kind;
+    uint32_t tile, item;
+} FjellChunkId;
+
+#define FJELL_NO_CHUNK 0xffffffffffffffffull
 
 // --- fjell/pack_set.h ---
 
 typedef struct FjellSetPart {
     const FjellPack* pack;
-    const void* corners; // their chunk, as stored
+    const void* corners;
     size_t corner_bytes;
     uint32_t tile_x, tile_y;
 } FjellSetPart;
@@ -181,15 +186,37 @@ typedef struct FjellSetIndex {
 
 #define FJELL_COLOUR_BLOCK_BYTES 8
 #define FJELL_NORMAL_BLOCK_BYTES 16
-#define FJELL_HORIZON_BLOCK_BYTES 128 // 4 x 4 planes
-#define FJELL_CONTROL_BLOCK_BYTES 128 // 16 texels
+#define FJELL_HORIZON_DIRECTIONS 15
+#define FJELL_HORIZON_PLANES_ACROSS 4
+#define FJELL_HORIZON_PLANES (FJELL_HORIZON_PLANES_ACROSS * FJELL_HORIZON_PLANES_ACROSS)
+#define FJELL_HORIZON_BLOCK_BYTES (8 * FJELL_HORIZON_PLANES)
+#define FJELL_CONTROL_LAYERS 4
+#define FJELL_MAX_CONTROL_NAMES 16
+#define FJELL_CONTROL_TEXEL_BYTES (2 * FJELL_CONTROL_LAYERS)
+#define FJELL_CONTROL_BLOCK_BYTES (16 * FJELL_CONTROL_TEXEL_BYTES)
 
 // --- fjell/terrain.h ---
+
+#define FJELL_NO_TILE 0xffffffff
+
+typedef struct FjellTerrain {
+    void* object;
+    uint64_t identity;
+} FjellTerrain;
 
 typedef struct FjellTerrainBudget {
     uint64_t struct_size;
     uint32_t page_slots;
 } FjellTerrainBudget;
+
+// --- fjell/pages.h ---
+
+typedef struct FjellTerrainVertex {
+    bool loaded;
+    bool hole;
+    bool in_tile;
+    float height_m, error_m, radius_m;
+} FjellTerrainVertex;
 
 // --- fjell/view.h ---
 
@@ -197,7 +224,6 @@ typedef struct FjellVec3 {
     double x, y, z;
 } FjellVec3;
 
-// In an array of views all have the struct_size of the first.
 typedef struct FjellView {
     uint64_t struct_size;
     FjellVec3 eye_m;
@@ -217,12 +243,13 @@ typedef struct FjellFrustum {
 
 // --- fjell/mesh.h ---
 
-enum { FJELL_TOPOLOGY_TRIANGLES, FJELL_TOPOLOGY_STRIP }; // Topology
-
 typedef struct FjellMeshVertex {
     int32_t column, row;
     float height_m;
 } FjellMeshVertex;
+
+typedef uint8_t FjellTopology;
+enum { FJELL_TOPOLOGY_TRIANGLES, FJELL_TOPOLOGY_STRIP };
 
 typedef struct FjellTileRange {
     uint32_t tile;
@@ -239,23 +266,21 @@ typedef struct FjellMeshView {
     const FjellTileRange* tiles;
     size_t tile_count;
     uint32_t dirty_begin, dirty_end;
-    uint8_t topology; // FJELL_TOPOLOGY_...
+    FjellTopology topology;
 } FjellMeshView;
+
+// --- fjell/jobs.h ---
+
+#define FJELL_MAX_CUT_WORKERS 64
+
+typedef struct FjellJobSystem {
+    void (*run)(void* user, uint32_t count, void (*job)(void* data, uint32_t index), void* data);
+    void* user;
+} FjellJobSystem;
 
 // --- fjell/cut.h ---
 
 #define FJELL_MAX_CUT_VIEWS 8
-#define FJELL_UNLIMITED_ITEMS UINT32_MAX
-#define FJELL_LONG_ACTIVE_S (-1e30f)
-#define FJELL_MORPH_CLOCK_S 1024.0f
-
-enum { FJELL_MORPH_NONE, FJELL_MORPH_ERROR, FJELL_MORPH_TIME }; // Morph
-enum {                                                          // CutBudgetBit
-    FJELL_CUT_BUDGET_VERTICES = 1,
-    FJELL_CUT_BUDGET_TRIANGLES = 2,
-    FJELL_CUT_BUDGET_ITEMS = 4,
-    FJELL_CUT_BUDGET_TIME = 8
-};
 
 typedef struct FjellCutBudget {
     uint64_t struct_size;
@@ -266,10 +291,15 @@ typedef struct FjellCutBudget {
     uint32_t workers;
 } FjellCutBudget;
 
-typedef struct FjellJobSystem { // JobSystem (fjell/jobs.h); run: NULL for none
-    void (*run)(void* user, uint32_t count, void (*job)(void* data, uint32_t index), void* data);
-    void* user;
-} FjellJobSystem;
+#define FJELL_CUT_VERTEX_BYTES 57
+#define FJELL_CUT_TRIANGLE_BYTES 12
+#define FJELL_CUT_PAGE_SLOT_BYTES 28
+#define FJELL_CUT_PAGE_BYTES 19720
+
+typedef uint8_t FjellMorph;
+enum { FJELL_MORPH_NONE, FJELL_MORPH_ERROR, FJELL_MORPH_TIME };
+#define FJELL_UNLIMITED_ITEMS 0xffffffff
+#define FJELL_MAX_OFFSCREEN_FACTOR 100.0
 
 typedef struct FjellCutSettings {
     uint64_t struct_size;
@@ -279,12 +309,20 @@ typedef struct FjellCutSettings {
     uint32_t items;
     uint32_t visits;
     double budget_us;
-    uint8_t morph; // FJELL_MORPH_...
+    FjellMorph morph;
     double morph_s;
     double now_s;
     double offscreen_factor;
     FjellJobSystem jobs;
 } FjellCutSettings;
+
+typedef uint32_t FjellCutBudgetBit;
+enum {
+    FJELL_CUT_BUDGET_VERTICES = 1u << 0,
+    FJELL_CUT_BUDGET_TRIANGLES = 1u << 1,
+    FJELL_CUT_BUDGET_ITEMS = 1u << 2,
+    FJELL_CUT_BUDGET_TIME = 1u << 3
+};
 
 typedef struct FjellBudgetUse {
     uint32_t used, peak, capacity;
@@ -302,7 +340,7 @@ typedef struct FjellCutReport {
     uint32_t waiting;
     uint32_t blocked;
     uint32_t morphing;
-    uint32_t exhausted; // FJELL_CUT_BUDGET_...
+    uint32_t exhausted;
     double error_px_requested, error_px_effective, threshold_px;
     bool converged;
     bool rebuilt;
@@ -310,6 +348,14 @@ typedef struct FjellCutReport {
     uint32_t vertices_changed, triangles_changed;
     double prepare_us, refine_us, output_us;
 } FjellCutReport;
+
+typedef struct FjellLiveCut {
+    void* object;
+    uint64_t identity;
+} FjellLiveCut;
+
+#define FJELL_LONG_ACTIVE_S (-1e30f)
+#define FJELL_MORPH_CLOCK_S 1024.0f
 
 typedef struct FjellMorphVertex {
     float flat_m;
@@ -323,20 +369,8 @@ typedef struct FjellMorphView {
     float q_start, q_full;
 } FjellMorphView;
 
-#define FJELL_COMPACT_LONG_ACTIVE 0xffff
-#define FJELL_COMPACT_STEPS_S 64.0f
-#define FJELL_COMPACT_LATE_S 0.03125f
-
-typedef struct FjellCompactVertex {
-    uint16_t column, row;
-    float height_m;
-    uint16_t rise;
-    uint16_t activated; // in steps, or FJELL_COMPACT_LONG_ACTIVE
-    uint16_t error, radius;
-} FjellCompactVertex;
-
 typedef struct FjellMorphFrame {
-    uint8_t morph; // FJELL_MORPH_...
+    FjellMorph morph;
     uint32_t views;
     FjellMorphView view[FJELL_MAX_CUT_VIEWS];
     float now_s, morph_s;
@@ -367,10 +401,21 @@ typedef struct FjellRun {
     uint64_t bits_left;
 } FjellRun;
 
-// --- fjell/recursive.h ---
+// --- fjell/compact.h ---
 
-enum { FJELL_METRIC_ISOTROPIC, FJELL_METRIC_DEPTH };          // Metric
-enum { FJELL_BUDGET_VERTICES = 1, FJELL_BUDGET_INDICES = 2 }; // BudgetBit
+typedef struct FjellCompactVertex {
+    uint16_t column, row;
+    float height_m;
+    uint16_t rise;
+    uint16_t activated;
+    uint16_t error, radius;
+} FjellCompactVertex;
+
+#define FJELL_COMPACT_LONG_ACTIVE 0xffff
+#define FJELL_COMPACT_STEPS_S 64.0f
+#define FJELL_COMPACT_LATE_S 0x1p-5f
+
+// --- fjell/recursive.h ---
 
 typedef struct FjellRecursiveBudget {
     uint64_t struct_size;
@@ -378,14 +423,22 @@ typedef struct FjellRecursiveBudget {
     uint32_t indices;
 } FjellRecursiveBudget;
 
+#define FJELL_RECURSIVE_VERTEX_BYTES 20
+
+typedef uint8_t FjellMetric;
+enum { FJELL_METRIC_ISOTROPIC, FJELL_METRIC_DEPTH };
+
 typedef struct FjellRefineSettings {
     uint64_t struct_size;
     double error_px;
-    uint8_t metric; // FJELL_METRIC_...
+    FjellMetric metric;
     bool cull;
     bool corner_safe;
-    uint8_t topology; // FJELL_TOPOLOGY_...
+    FjellTopology topology;
 } FjellRefineSettings;
+
+typedef uint32_t FjellBudgetBit;
+enum { FJELL_BUDGET_VERTICES = 1u << 0, FJELL_BUDGET_INDICES = 1u << 1 };
 
 typedef struct FjellFrameReport {
     uint64_t struct_size;
@@ -396,14 +449,17 @@ typedef struct FjellFrameReport {
     uint32_t vertices_written;
     uint32_t buffer_clearings;
     uint32_t restarts;
-    uint32_t exhausted; // FJELL_BUDGET_...
+    uint32_t exhausted;
     double error_px_requested, error_px_effective;
     bool converged;
 } FjellFrameReport;
 
-// --- fjell/measure.h ---
+typedef struct FjellRecursiveMethod {
+    void* object;
+    uint64_t identity;
+} FjellRecursiveMethod;
 
-#define FJELL_UNBOUNDED_PX 1e7
+// --- fjell/measure.h ---
 
 typedef struct FjellMeasuredError {
     double max_px;
@@ -411,6 +467,8 @@ typedef struct FjellMeasuredError {
     FjellCoord sample_px, sample_m;
     uint64_t samples;
 } FjellMeasuredError;
+
+#define FJELL_UNBOUNDED_PX 1e7
 
 // --- fjell/query.h ---
 
@@ -432,6 +490,8 @@ typedef struct FjellGroundHit {
     float error_m;
 } FjellGroundHit;
 
+#define FJELL_MAX_PATCH_SIDE 4097
+
 typedef struct FjellGroundPatch {
     float error_m;
     bool finest;
@@ -439,18 +499,9 @@ typedef struct FjellGroundPatch {
 
 // --- fjell/stream.h ---
 
+typedef uint8_t FjellMapKind;
+enum { FJELL_MAP_COLOUR = 0, FJELL_MAP_NORMAL = 1, FJELL_MAP_HORIZON = 2, FJELL_MAP_CONTROL = 3 };
 #define FJELL_MAP_KINDS 4
-
-enum { FJELL_MAP_COLOUR, FJELL_MAP_NORMAL, FJELL_MAP_HORIZON, FJELL_MAP_CONTROL };      // MapKind
-enum { FJELL_PAGE_INSERTED, FJELL_PAGE_RELEASED, FJELL_PAGE_KEPT, FJELL_PAGE_REMOVED }; // PageEvent
-enum {                                                                                  // StreamBudgetBit
-    FJELL_STREAM_PAGE_SLOTS = 1,
-    FJELL_STREAM_MAP_BYTES = 2,
-    FJELL_STREAM_PAGES = 4,
-    FJELL_STREAM_UPLOAD = 8,
-    FJELL_STREAM_TESTS = 16,
-    FJELL_STREAM_REQUESTS = 32
-};
 
 typedef struct FjellMapLayers {
     uint32_t tail_log2;
@@ -480,14 +531,27 @@ typedef struct FjellStreamSettings {
     uint32_t map_bytes;
 } FjellStreamSettings;
 
+typedef uint32_t FjellStreamBudgetBit;
+enum {
+    FJELL_STREAM_PAGE_SLOTS = 1u << 0,
+    FJELL_STREAM_MAP_BYTES = 1u << 1,
+    FJELL_STREAM_PAGES = 1u << 2,
+    FJELL_STREAM_UPLOAD = 1u << 3,
+    FJELL_STREAM_TESTS = 1u << 4,
+    FJELL_STREAM_REQUESTS = 1u << 5
+};
+
 typedef struct FjellStreamFailure {
     FjellChunkId id;
     FjellCode code;
 } FjellStreamFailure;
 
+typedef uint8_t FjellPageEvent;
+enum { FJELL_PAGE_INSERTED, FJELL_PAGE_RELEASED, FJELL_PAGE_KEPT, FJELL_PAGE_REMOVED };
+
 typedef struct FjellPageArrival {
     uint32_t tile, page;
-    uint8_t event; // FJELL_PAGE_...
+    FjellPageEvent event;
 } FjellPageArrival;
 
 typedef struct FjellStreamReport {
@@ -498,7 +562,7 @@ typedef struct FjellStreamReport {
     bool complete;
     double missing_px;
     double missing_mips;
-    uint32_t exhausted; // FJELL_STREAM_...
+    uint32_t exhausted;
     uint32_t pages_wanted;
     uint32_t pages_inserted, pages_left;
     uint32_t pages_evicting;
@@ -514,8 +578,13 @@ typedef struct FjellStreamReport {
     double update_us;
 } FjellStreamReport;
 
+typedef struct FjellStream {
+    void* object;
+    uint64_t identity;
+} FjellStream;
+
 typedef struct FjellMapCommand {
-    uint8_t map; // FJELL_MAP_...
+    FjellMapKind map;
     uint8_t side_log2;
     uint8_t from_log2;
     uint8_t upload_mips;

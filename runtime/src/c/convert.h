@@ -1,12 +1,13 @@
-// Between a type of C and the type of C++ that it stands for. Nothing is decided here: layout.cpp asserts that the two
-// lie alike in memory, a descriptor and a report behind their struct_size, so that every conversion is a cast or a
-// copy.
+// Between a type of C and the type of C++ that it stands for. Nothing is decided here: the two lie alike in memory, a
+// descriptor and a report behind their struct_size, so that every conversion is a cast or a copy. types.py writes both
+// fjell_c_types.h and types.inc, which compares them while this is compiled.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <type_traits>
 
 #include "compiler.h"
 #include "fjell/fjell.h"
@@ -14,65 +15,48 @@
 
 namespace fjell::c_api {
 
+// Bytes of a type of C before the fields that C++ knows of.
+template <typename C>
+inline constexpr std::size_t before = 0;
+template <typename C>
+requires requires(C c) {
+    c.struct_size;
+}
+inline constexpr std::size_t before<C> = sizeof(std::uint64_t);
+
+// Bytes of a field. A span is a pointer and a count, two fields of C, as the implementations of the standard library
+// have it; a test looks that the pointer comes first.
+template <typename T>
+inline constexpr std::size_t field_bytes = sizeof(T);
+template <typename T>
+inline constexpr std::size_t field_bytes<std::span<T>> = sizeof(void*);
+static_assert(sizeof(std::span<const std::byte>) == 2 * sizeof(void*));
+
 template <typename C>
 struct CppOf;
 template <typename Cpp>
 struct COf;
-#define FJELL_C_TYPE(C, Cpp)                                                                                           \
+#define FJELL_AT(field)                                                                                                \
+    static_assert(offsetof(C, field) == before<C> + offsetof(Type, field) &&                                           \
+                      sizeof(C::field) == field_bytes<decltype(Type::field)>,                                          \
+                  "the C++ type has changed: run runtime/src/c/types.py");
+#define FJELL_C_TYPE(Name, fields)                                                                                     \
     template <>                                                                                                        \
-    struct CppOf<C> {                                                                                                  \
-        using Type = Cpp;                                                                                              \
+    struct CppOf<Fjell##Name> {                                                                                        \
+        using C = Fjell##Name;                                                                                         \
+        using Type = Name;                                                                                             \
+        static_assert(sizeof(C) == (before<C> + sizeof(Type) + alignof(C) - 1) / alignof(C) * alignof(C) &&            \
+                          std::is_trivially_copyable_v<Type>,                                                          \
+                      "the C++ type has changed: run runtime/src/c/types.py");                                         \
+        fields                                                                                                         \
     };                                                                                                                 \
     template <>                                                                                                        \
-    struct COf<Cpp> {                                                                                                  \
-        using Type = C;                                                                                                \
+    struct COf<Name> {                                                                                                 \
+        using Type = Fjell##Name;                                                                                      \
     };
-FJELL_C_TYPE(FjellStatus, Status)
-FJELL_C_TYPE(FjellTerrain, Terrain)
-FJELL_C_TYPE(FjellLiveCut, LiveCut)
-FJELL_C_TYPE(FjellRecursiveMethod, RecursiveMethod)
-FJELL_C_TYPE(FjellStream, Stream)
-FJELL_C_TYPE(FjellCoord, Coord)
-FJELL_C_TYPE(FjellPackHeader, PackHeader)
-FJELL_C_TYPE(FjellPageBound, PageBound)
-FJELL_C_TYPE(FjellChunkEntry, ChunkEntry)
-FJELL_C_TYPE(FjellChunkId, ChunkId)
-FJELL_C_TYPE(FjellPack, Pack)
-FJELL_C_TYPE(FjellSetPart, SetPart)
-FJELL_C_TYPE(FjellSetShape, SetShape)
-FJELL_C_TYPE(FjellSetIndex, SetIndex)
-FJELL_C_TYPE(FjellTerrainBudget, TerrainBudget)
-FJELL_C_TYPE(FjellVec3, Vec3)
-FJELL_C_TYPE(FjellView, View)
-FJELL_C_TYPE(FjellFrustum, Frustum)
-FJELL_C_TYPE(FjellMeshVertex, MeshVertex)
-FJELL_C_TYPE(FjellTileRange, TileRange)
-FJELL_C_TYPE(FjellJobSystem, JobSystem)
-FJELL_C_TYPE(FjellCutBudget, CutBudget)
-FJELL_C_TYPE(FjellCutSettings, CutSettings)
-FJELL_C_TYPE(FjellBudgetUse, BudgetUse)
-FJELL_C_TYPE(FjellCutReport, CutReport)
-FJELL_C_TYPE(FjellMorphVertex, MorphVertex)
-FJELL_C_TYPE(FjellMorphView, MorphView)
-FJELL_C_TYPE(FjellCompactVertex, CompactVertex)
-FJELL_C_TYPE(FjellMorphFrame, MorphFrame)
-FJELL_C_TYPE(FjellRecursiveBudget, RecursiveBudget)
-FJELL_C_TYPE(FjellRefineSettings, RefineSettings)
-FJELL_C_TYPE(FjellFrameReport, FrameReport)
-FJELL_C_TYPE(FjellMeasuredError, MeasuredError)
-FJELL_C_TYPE(FjellGroundHeight, GroundHeight)
-FJELL_C_TYPE(FjellGroundHit, GroundHit)
-FJELL_C_TYPE(FjellGroundPatch, GroundPatch)
-FJELL_C_TYPE(FjellMapLayers, MapLayers)
-FJELL_C_TYPE(FjellStreamBudget, StreamBudget)
-FJELL_C_TYPE(FjellStreamSettings, StreamSettings)
-FJELL_C_TYPE(FjellStreamReport, StreamReport)
-FJELL_C_TYPE(FjellStreamFailure, StreamFailure)
-FJELL_C_TYPE(FjellPageArrival, PageArrival)
-FJELL_C_TYPE(FjellMapCommand, MapCommand)
-FJELL_C_TYPE(FjellTileMap, TileMap)
-FJELL_C_TYPE(FjellStreamRequest, StreamRequest)
+#include "c/types.inc"
 #undef FJELL_C_TYPE
+#undef FJELL_AT
 
 // --- values, without struct_size ---
 
@@ -128,15 +112,6 @@ template <typename Cpp>
 // --- descriptors and reports, which begin with struct_size ---
 
 inline constexpr char struct_size[] = "struct_size";
-
-// Bytes of C before the fields that C++ knows of.
-template <typename C>
-inline constexpr std::size_t before = 0;
-template <typename C>
-requires requires(C c) {
-    c.struct_size;
-}
-inline constexpr std::size_t before<C> = sizeof(std::uint64_t);
 
 template <typename C>
 [[nodiscard]] bool fits(const C* sized) {

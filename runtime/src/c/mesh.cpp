@@ -123,10 +123,7 @@ FjellCutMesh fjell_cut_mesh(FjellLiveCut cut) {
     return {mesh_of(live.mesh), elements(live.morph), live.morph.size(), to_c(live.frame)};
 }
 FjellCutChanges fjell_cut_take_changes(FjellLiveCut cut) {
-    const CutChanges taken = cut_take_changes(to_cpp(cut));
-    return {taken.vertex_bits.data(),    taken.vertex_bits.size(),   taken.triangle_bits.data(),
-            taken.triangle_bits.size(),  taken.vertex_words.data(),  taken.vertex_words.size(),
-            taken.triangle_words.data(), taken.triangle_words.size()};
+    return to_c(cut_take_changes(to_cpp(cut)));
 }
 // The loops of for_each_run(), which a callback of C would have to leave for every run.
 bool fjell_next_run(const uint64_t* bits, const uint32_t* words, size_t word_count, FjellRun* run) {

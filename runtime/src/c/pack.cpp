@@ -204,6 +204,36 @@ double fjell_terrain_missing_px(FjellTerrain terrain) {
     return to_cpp(terrain).missing_px();
 }
 
+// --- fjell/pages.h ---
+
+uint32_t fjell_pages_per_tile(const FjellPackHeader* header) {
+    return pages_per_tile(at(header));
+}
+int fjell_page_step_log2(const FjellPackHeader* header, uint32_t page) {
+    return page_step_log2(at(header), page);
+}
+uint32_t fjell_page_at(const FjellPackHeader* header, uint32_t step_log2, uint32_t x, uint32_t y) {
+    return page_at(at(header), step_log2, x, y);
+}
+uint32_t fjell_page_of(const FjellPackHeader* header, uint32_t x, uint32_t y) {
+    return page_of(at(header), x, y);
+}
+bool fjell_page_loaded(FjellTerrain terrain, uint32_t tile, uint32_t page) {
+    return page_loaded(to_cpp(terrain), tile, page);
+}
+uint64_t fjell_page_changes(FjellTerrain terrain) {
+    return page_changes(to_cpp(terrain));
+}
+FjellStatus fjell_set_missing_px(FjellTerrain terrain, double missing_px) {
+    return to_c(set_missing_px(to_cpp(terrain), missing_px));
+}
+FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellCoord sample) {
+    return to_c(terrain_vertex(to_cpp(terrain), to_cpp(sample)));
+}
+double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m) {
+    return terrain_height_m(to_cpp(terrain), x_m, z_m);
+}
+
 // --- fjell/query.h ---
 
 FjellGroundHeight fjell_ground_height(FjellTerrain terrain, double x_m, double z_m, float accurate_m) {

@@ -3,17 +3,14 @@
 // What is decided is evaluated row by row as it lies, because the answers are rows of bits again; what does not lie in
 // rows of 32, and what is written to its slots, is picked first, from as many rows as it takes. All of it reads what
 // coarser steps have found and writes to one page, so that units may run on any threads.
-#include "cut/bulk_decide.h"
-
 #include <algorithm>
 #include <bit>
 #include <utility>
 
 #include "compiler.h"
-#include "cut/bulk.h"
+#include "cut/bulk_rows.h"
 #include "cut/evaluate.h"
-#include "cut/group_words.h"
-#include "cut/slot_grid.h"
+#include "cut/state.h"
 #include "pack/record.h"
 
 namespace fjell {
@@ -38,9 +35,9 @@ struct Picks {
 // A page's rows, to pick from.
 class Rows {
 public:
-    Rows(const CutState& state, std::uint32_t slot)
-        : s(state), slot_(slot), info_(state.page_state[slot]), shape_(state.shapes[info_.shape]),
-          words_log2_(info_.shape == 0 ? 0 : 1), records_(records_of(state, slot)) {}
+    Rows(const Pages& pages, std::uint32_t slot)
+        : pages_(pages), slot_(slot), info_(pages.state[slot]), shape_(pages.grid.shapes[info_.shape]),
+          words_log2_(info_.shape == 0 ? 0 : 1), records_(records_of(pages, slot)) {}
 
     [[nodiscard]] const GroupShape& group(std::uint32_t row) const { return shape_.groups[row << words_log2_]; }
     [[nodiscard]] VertexKind kind(std::uint32_t row) const { return group(row).kind; }
@@ -48,7 +45,7 @@ public:
     [[nodiscard]] std::uint32_t words_log2() const { return words_log2_; }
     // Its lanes lie side by side, and all 32 exist.
     [[nodiscard]] bool is_whole(std::uint32_t row) const {
-        return words_log2_ != 0 && s.hz_places == nullptr && group(row).stride == 1;
+        return words_log2_ != 0 && pages_.grid.hz_places == nullptr && group(row).stride == 1;
     }
     // A run of whole rows of one kind; ready has a word for each.
     [[nodiscard]] PageRows rows(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) const {
@@ -61,7 +58,7 @@ public:
                 info_.y0 + (std::int32_t{of.y} << info_.z),
                 info_.z,
                 info_.base,
-                s.level_unit_m[2 * info_.z + (of.kind == VertexKind::centre ? 0 : 1)]};
+                pages_.grid.level_unit_m[2 * info_.z + (of.kind == VertexKind::centre ? 0 : 1)]};
     }
 
     void pick(std::uint32_t row, std::uint32_t lanes, Picks& to) const {
@@ -75,7 +72,7 @@ public:
         std::uint32_t count = to.count;
         for (; lanes != 0; lanes &= lanes - 1)
             to.picked[count++] = place + static_cast<std::uint32_t>(std::countr_zero(lanes)) * apart;
-        if (s.hz_places != nullptr) place_hz(row, to, count);
+        if (pages_.grid.hz_places != nullptr) place_hz(row, to, count);
         to.count = count;
     }
     // Those of one step and kind.
@@ -85,7 +82,7 @@ public:
         return {records_,    picks.picked,
                 picks.count, info_.x0,
                 info_.y0,    z(row),
-                info_.base,  s.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
+                info_.base,  pages_.grid.level_unit_m[2 * z(row) + (group(row).kind == VertexKind::centre ? 0 : 1)]};
     }
     [[nodiscard]] bool is_void_at(std::uint64_t picked) const { return is_void(records_[picked & 0xffff]); }
 
@@ -96,7 +93,7 @@ public:
         std::uint32_t lanes = 0;
         for (std::uint32_t word = 0; word < 1u << words_log2_; ++word) {
             const std::uint32_t number = slot_ * max_page_groups + (row << words_log2_) + word;
-            if (is_offscreen(s, number)) lanes |= 0xffffu << (group_lanes * word);
+            if (is_offscreen(pages_, number)) lanes |= 0xffffu << (group_lanes * word);
         }
         return lanes;
     }
@@ -105,10 +102,11 @@ private:
     void place_hz(std::uint32_t row, Picks& to, std::uint32_t end) const {
         const std::size_t first = (std::size_t{info_.shape} * max_page_groups + (row << words_log2_)) * group_lanes;
         for (std::uint32_t n = to.count; n < end; ++n)
-            to.picked[n] = (to.picked[n] & ~std::uint64_t{0xffff}) | s.hz_places[first + to.lane(n) % page_squares];
+            to.picked[n] =
+                (to.picked[n] & ~std::uint64_t{0xffff}) | pages_.grid.hz_places[first + to.lane(n) % page_squares];
     }
 
-    const CutState& s;
+    const Pages& pages_;
     const std::uint32_t slot_;
     const PageState& info_;
     const PageShape& shape_;
@@ -119,9 +117,9 @@ private:
 // Decides rows of one page's vertices, of one step and kind.
 class Decider {
 public:
-    Decider(const CutState& state, std::uint32_t slot, BulkUnit& unit)
-        : s(state), rows_(state, slot), page_(state.bulk.pages[slot]), unit_(unit),
-          ticks_a_metre_(static_cast<float>(1 / tick_m(state.schedule, state.schedule.pages[slot]))) {}
+    Decider(const Pages& pages, const Schedule& schedule, BulkPass& bulk, const Views& views, BulkUnit& unit)
+        : views_(views), rows_(pages, unit.slot), page_(bulk.pages[unit.slot]), unit_(unit),
+          ticks_a_metre_(static_cast<float>(1 / tick_m(schedule, schedule.pages[unit.slot]))) {}
 
     // The rows are what is wanted of `ready`, from now on; once all has been decided. Rows of one kind, a word each.
     void add(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
@@ -134,8 +132,8 @@ public:
         unit_.groups += (ready & 0xffff) != 0;
         unit_.groups += ready >> group_lanes != 0;
         const std::uint32_t off = rows_.offscreen(row) & ready;
-        if (off != 0) add(row, off, offscreen_, s.offscreen_criterion);
-        if (off != ready) add(row, ready & ~off, seen_, s.criterion);
+        if (off != 0) add(row, off, offscreen_, views_.offscreen_criterion);
+        if (off != ready) add(row, ready & ~off, seen_, views_.criterion);
     }
     // All that were added can wait: nobody sees them, and they are due.
     void postpone(std::uint32_t row) {
@@ -145,8 +143,8 @@ public:
         page_.active[row] = 0;
     }
     void finish() {
-        decide(seen_, s.criterion);
-        decide(offscreen_, s.offscreen_criterion);
+        decide(seen_, views_.criterion);
+        decide(offscreen_, views_.offscreen_criterion);
     }
 
 private:
@@ -156,7 +154,7 @@ private:
     }
     void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready) {
         std::fill_n(page_.active + first, count, 0);
-        if (!rows_.may_be_offscreen()) return decide_whole(first, count, ready, s.criterion);
+        if (!rows_.may_be_offscreen()) return decide_whole(first, count, ready, views_.criterion);
         std::uint32_t seen[page_squares + 1], off[page_squares + 1], any_seen = 0, any_off = 0;
         for (std::uint32_t n = 0; n < count; ++n) {
             off[n] = ready[n] != 0 ? ready[n] & rows_.offscreen(first + n) : 0;
@@ -164,8 +162,8 @@ private:
             any_seen |= seen[n];
             any_off |= off[n];
         }
-        if (any_seen != 0) decide_whole(first, count, seen, s.criterion);
-        if (any_off != 0) decide_whole(first, count, off, s.offscreen_criterion);
+        if (any_seen != 0) decide_whole(first, count, seen, views_.criterion);
+        if (any_off != 0) decide_whole(first, count, off, views_.offscreen_criterion);
     }
     void decide_whole(std::uint32_t first, std::uint32_t count, const std::uint32_t* ready,
                       const Criterion& criterion) {
@@ -201,7 +199,7 @@ private:
         picks.count = 0;
     }
 
-    const CutState& s;
+    const Views& views_;
     const Rows rows_;
     BulkPage& page_;
     BulkUnit& unit_;
@@ -210,11 +208,12 @@ private:
 };
 
 // Sides that are ready, from the centres around them.
-void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part, Decider& page) {
-    const std::uint32_t* const centres = s.bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
-    const BulkPage* const north = found_at(s, at.z, at.i0, at.j0 - 1);
-    const BulkPage* const west = found_at(s, at.z, at.i0 - 1, at.j0);
-    const bool north_ends = ends_north(s, at), west_ends = ends_west(s, at);
+void decide_sides(const Pages& pages, const BulkPass& bulk, const BulkSquares& at, const BulkRows& part,
+                  Decider& page) {
+    const std::uint32_t* const centres = bulk.pages[at.slot].active + at.row(VertexKind::centre, 0);
+    const BulkPage* const north = found_at(pages, bulk, at.z, at.i0, at.j0 - 1);
+    const BulkPage* const west = found_at(pages, bulk, at.z, at.i0 - 1, at.j0);
+    const bool north_ends = ends_north(pages.grid, at), west_ends = ends_west(pages.grid, at);
     const auto above = [&](std::int32_t j) {
         if (j != 0) return centres[j - 1];
         return north_ends ? at.all() : row_bits(north, at.row(VertexKind::centre, at.n - 1));
@@ -224,13 +223,13 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
     for (std::int32_t j = part.first; j < part.end; ++j) ready[j - part.first] = centres[j] & above(j);
     page.add(at.row(VertexKind::side_x, part.first), count, ready);
     // The terrain's south and east rim: sides with one parent.
-    if (part.end == at.n && ends_south(s, at)) page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
+    if (part.end == at.n && ends_south(pages.grid, at)) page.add(at.row(VertexKind::side_x, at.n), centres[at.n - 1]);
     for (std::int32_t j = part.first; j < part.end; ++j) {
         const std::uint32_t left = west_ends ? 1 : row_bits(west, at.row(VertexKind::centre, j)) >> (at.n - 1) & 1;
         ready[j - part.first] = centres[j] & (centres[j] << 1 | left);
     }
     page.add(at.row(VertexKind::side_y, part.first), count, ready);
-    if (part.end == at.n && ends_east(s, at)) {
+    if (part.end == at.n && ends_east(pages.grid, at)) {
         std::uint32_t east = 0;
         for (std::int32_t j = 0; j < at.n; ++j) east |= (centres[j] >> (at.n - 1) & 1) << j;
         page.add(at.column(), east);
@@ -239,11 +238,11 @@ void decide_sides(const CutState& s, const BulkSquares& at, const BulkRows& part
 
 // Every active vertex has split two triangles into two each, but on the terrain's rim one; on a tile's border they are
 // those of two tiles. What is not its own tile's, of a row.
-void leave_triangles(const CutState& s, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
+void leave_triangles(const Pages& pages, const GroupShape& row, std::uint32_t active, BulkUnit& unit) {
     if (row.kind == VertexKind::centre) return;
-    const PageState& page = s.page_state[unit.slot];
+    const PageState& page = pages.state[unit.slot];
     if (row.kind == VertexKind::side_x) {
-        const bool last = row.j0 == 1u << s.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
+        const bool last = row.j0 == 1u << pages.grid.steps[page.z + row.z].page_log2, first = page.j0 + row.j0 == 0;
         if (!first && !last) return;
         const auto all = static_cast<std::uint32_t>(std::popcount(active));
         unit.own -= all;
@@ -259,10 +258,8 @@ void leave_triangles(const CutState& s, const GroupShape& row, std::uint32_t act
 // Writes a page's vertices, as the pass numbers them.
 class Placer {
 public:
-    Placer(CutState& state, std::uint32_t slot, std::uint32_t number)
-        : s(state), rows_(state, slot), slots_(state), number_(number) {}
-
-    [[nodiscard]] const Rows& rows() const { return rows_; }
+    Placer(const Rows& rows, const BulkPass& bulk, Mesh& mesh, const Views& views, std::uint32_t number)
+        : mesh_(mesh), views_(views), rows_(rows), slots_(mesh, bulk), number_(number) {}
 
     void add(std::uint32_t row, std::uint32_t active) {
         const GroupShape& group = rows_.group(row);
@@ -280,15 +277,15 @@ public:
         if (direct != 0) {
             PickedLanes whole = lanes;
             whole.count = direct;
-            place_picked(s.criterion, whole, s.vertices + slots_[number], s.morph + slots_[number]);
+            place_picked(views_.criterion, whole, mesh_.vertices + slots_[number], mesh_.morph + slots_[number]);
         }
         for (std::uint32_t first = direct; first < count; first += group_lanes)
             scatter(lanes, first, std::min(count - first, group_lanes), number + first);
-        if (direct == 0 || s.some_hidden)
+        if (direct == 0 || mesh_.some_hidden)
             for (std::uint32_t n = 0; n < count; ++n)
-                s.hole[slots_[number + n]] = rows_.is_void_at(picks_.picked[n]) ? hole_bit : 0;
+                mesh_.hole[slots_[number + n]] = rows_.is_void_at(picks_.picked[n]) ? hole_bit : 0;
         else
-            std::fill_n(s.hole + slots_[number], count, std::uint8_t{0});
+            std::fill_n(mesh_.hole + slots_[number], count, std::uint8_t{0});
         picks_.count = 0;
     }
 
@@ -298,15 +295,16 @@ private:
         MorphVertex morph[group_lanes];
         lanes.picked += first;
         lanes.count = count;
-        place_picked(s.criterion, lanes, vertices, morph);
+        place_picked(views_.criterion, lanes, vertices, morph);
         for (std::uint32_t n = 0; n < count; ++n) {
-            s.vertices[slots_[number + n]] = vertices[n];
-            s.morph[slots_[number + n]] = morph[n];
+            mesh_.vertices[slots_[number + n]] = vertices[n];
+            mesh_.morph[slots_[number + n]] = morph[n];
         }
     }
 
-    CutState& s;
-    const Rows rows_;
+    Mesh& mesh_;
+    const Views& views_;
+    const Rows& rows_;
     const BulkSlots slots_;
     std::uint32_t number_, level_ = 0;
     Picks picks_;
@@ -314,17 +312,17 @@ private:
 
 } // namespace
 
-void decide_unit(const CutState& s, BulkUnit& unit) {
+void decide_unit(const Pages& pages, const Schedule& schedule, BulkPass& bulk, const Views& views, BulkUnit& unit) {
     if (unit.slot == no_index) return;
-    const BulkSquares at = listed_squares(s, unit.slot, unit.z);
-    Decider page(s, unit.slot, unit);
-    if (s.bulk.phase == BulkPhase::sides) {
-        decide_sides(s, at, unit.rows, page);
+    const BulkSquares at = listed_squares(pages, unit.slot, unit.z);
+    Decider page(pages, schedule, bulk, views, unit);
+    if (bulk.phase == BulkPhase::sides) {
+        decide_sides(pages, bulk, at, unit.rows, page);
     } else {
         const std::uint32_t first = at.row(VertexKind::centre, unit.rows.first);
         const auto count = static_cast<std::uint32_t>(unit.rows.end - unit.rows.first);
         std::uint32_t ready[page_squares];
-        std::copy_n(s.bulk.pages[unit.slot].active + first, count, ready); // what is ready, until now
+        std::copy_n(bulk.pages[unit.slot].active + first, count, ready); // what is ready, until now
         for (std::uint32_t n = 0; unit.waits && n < count; ++n) page.postpone(first + n);
         if (!unit.waits) page.add(first, count, ready);
     }
@@ -335,10 +333,10 @@ namespace {
 
 // The first planes of a full page in rows of 32, its vertices in slots one after the other: row by row, without picking
 // them first. first, end: rows. Returns the number of the next vertex.
-std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, std::uint32_t first, std::uint32_t end,
-                          std::uint32_t number) {
+std::uint32_t place_whole(const BulkPass& bulk, Mesh& mesh, const Views& views, const Rows& rows, const BulkPage& page,
+                          std::uint32_t first, std::uint32_t end, std::uint32_t number) {
     constexpr std::uint32_t planes[4] = {0, page_squares, 2 * page_squares + 1, 3 * page_squares + 1};
-    const std::uint32_t slot = BulkSlots(s)[number];
+    const std::uint32_t slot = BulkSlots(mesh, bulk)[number];
     std::uint32_t placed = 0;
     const auto plane = [&](std::uint32_t n) {
         const std::uint32_t from = std::max(first, planes[n]), to = std::max(std::min(end, planes[n + 1]), from);
@@ -346,10 +344,10 @@ std::uint32_t place_whole(CutState& s, const Rows& rows, const BulkPage& page, s
     };
     const auto place = [&](const PageRows* of, std::uint32_t count) {
         static_assert(hole_bit == 1);
-        std::uint8_t* const holes = s.hole + slot + placed;
-        const std::uint32_t more = place_rows(s.criterion, of, count, s.vertices + slot + placed,
-                                              s.morph + slot + placed, s.some_hidden ? holes : nullptr);
-        if (!s.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
+        std::uint8_t* const holes = mesh.hole + slot + placed;
+        const std::uint32_t more = place_rows(views.criterion, of, count, mesh.vertices + slot + placed,
+                                              mesh.morph + slot + placed, mesh.some_hidden ? holes : nullptr);
+        if (!mesh.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
         placed += more;
     };
     const PageRows centres = plane(0), sides[2] = {plane(1), plane(2)};
@@ -368,14 +366,14 @@ void for_rows_in_use(const BulkPage& page, std::uint32_t first, std::uint32_t en
 
 } // namespace
 
-void place_unit(CutState& s, BulkUnit& unit) {
-    BulkPage& page = s.bulk.pages[unit.slot];
+void place_unit(const Pages& pages, BulkPass& bulk, Mesh& mesh, const Views& views, BulkUnit& unit) {
+    BulkPage& page = bulk.pages[unit.slot];
     if (page.wanted == 0) return;
     const auto first = static_cast<std::uint32_t>(unit.rows.first), end = static_cast<std::uint32_t>(unit.rows.end);
     const std::uint32_t before = count_bits(page.active, first), column = 3 * page_squares + 1;
-    const Rows rows(s, unit.slot);
+    const Rows rows(pages, unit.slot);
     // Its rows on the tile's border, and the column at the terrain's rim, may have triangles of other tiles.
-    const PageState& info = s.page_state[unit.slot];
+    const PageState& info = pages.state[unit.slot];
     const bool inside = info.shape != 0 && info.i0 != 0 && info.j0 != 0;
     std::uint32_t in_page = before;
     page.first[first] = static_cast<std::uint16_t>(before);
@@ -383,17 +381,17 @@ void place_unit(CutState& s, BulkUnit& unit) {
         const std::uint32_t active = page.active[row];
         page.first[row] = static_cast<std::uint16_t>(in_page);
         in_page += static_cast<std::uint32_t>(std::popcount(active));
-        if (!inside || row == 2 * page_squares || row == column) leave_triangles(s, rows.group(row), active, unit);
+        if (!inside || row == 2 * page_squares || row == column) leave_triangles(pages, rows.group(row), active, unit);
     });
     unit.wanted = in_page - before;
     unit.own += 2 * unit.wanted;
     const std::uint32_t number = page.number + before;
     std::uint32_t next = first, done = 0;
-    if (rows.is_whole(first) && BulkSlots(s).are_consecutive(number)) {
+    if (rows.is_whole(first) && BulkSlots(mesh, bulk).are_consecutive(number)) {
         next = std::min(end, column);
-        done = place_whole(s, rows, page, first, next, number) - number;
+        done = place_whole(bulk, mesh, views, rows, page, first, next, number) - number;
     }
-    Placer placer(s, unit.slot, number + done);
+    Placer placer(rows, bulk, mesh, views, number + done);
     for_rows_in_use(page, next, end, [&](std::uint32_t row) { placer.add(row, page.active[row]); });
     placer.place();
 }

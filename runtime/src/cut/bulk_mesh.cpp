@@ -4,12 +4,9 @@
 #include <bit>
 
 #include "compiler.h"
-#include "cut/bulk_groups.h"
-#include "cut/fans.h"
-#include "cut/jobs.h"
-#include "cut/mesh.h"
-#include "cut/morph.h"
-#include "cut/slot_grid.h"
+#include "cut/bulk_install.h"
+#include "cut/bulk_rows.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -18,13 +15,12 @@ namespace {
 // Triangles of one page after the other.
 class Emitter {
 public:
-    explicit Emitter(CutState& state, std::uint32_t worker = 0)
-        : s(state), b(state.bulk), down_(b.descents[worker]), slots_(state),
-          morphs_(state.morph_now.morph != Morph::none) {}
+    Emitter(Pages& pages, BulkPass& bulk, Mesh& mesh, bool morphs, std::uint32_t worker = 0)
+        : pages_(pages), b(bulk), mesh_(mesh), down_(b.descents[worker]), slots_(mesh, bulk), morphs_(morphs) {}
 
     // The next page; false: all tiles are done.
     bool step() {
-        while (down_.depth != 0 || b.at != s.terrain->tile_count()) {
+        while (down_.depth != 0 || b.at != mesh_.tile_count) {
             if (down_.depth != 0 ? next() : begin(b.at++)) return true;
         }
         return false;
@@ -44,7 +40,7 @@ private:
     // What comes after it. False: nothing does here.
     bool next() {
         const BulkPlace& place = down_.places[down_.depth - 1];
-        if (place.rows != 1u << s.steps[z_now()].page_log2) {
+        if (place.rows != 1u << pages_.grid.steps[z_now()].page_log2) {
             resume();
             return true;
         }
@@ -54,61 +50,63 @@ private:
     }
 
     // z of the place on top: the root's is the coarsest.
-    [[nodiscard]] int z_now() const { return s.terrain->tree.tile_log2 - static_cast<int>(down_.depth); }
+    [[nodiscard]] int z_now() const { return pages_.grid.terrain->tree.tile_log2 - static_cast<int>(down_.depth); }
     // Pages of the next step under one of this.
     [[nodiscard]] std::uint32_t quarters() const {
         const int z = z_now();
-        return z == 0 ? 0 : s.steps[z - 1].log2 > page_squares_log2 ? 4 : 1;
+        return z == 0 ? 0 : pages_.grid.steps[z - 1].log2 > page_squares_log2 ? 4 : 1;
     }
 
     // The tile's last segment, written without going through its list.
     void open() {
         const BulkTile& list = b.tiles[down_.tile];
-        out_ = {s.indices, s.triangle_of, 0, 0};
+        out_ = {mesh_.indices, mesh_.triangle_of, 0, 0};
         if (list.last_segment == no_index) return;
-        out_.next = (list.last_segment << s.segment_log2) + list.in_last;
-        if (list.reserved != no_index) out_.end = (list.last_segment + 1) << s.segment_log2; // or each one is looked at
+        out_.next = (list.last_segment << mesh_.segment_log2) + list.in_last;
+        if (list.reserved != no_index)
+            out_.end = (list.last_segment + 1) << mesh_.segment_log2; // or each one is looked at
     }
     void close() {
         TileStack& list = b.tiles[down_.tile];
         if (list.last_segment == no_index) return;
-        const std::uint32_t in_last = out_.next - (list.last_segment << s.segment_log2);
-        if (b.beside) s.dirty_triangles.mark_range((list.last_segment << s.segment_log2) + list.in_last, out_.next);
+        const std::uint32_t in_last = out_.next - (list.last_segment << mesh_.segment_log2);
+        if (b.beside)
+            mesh_.dirty_triangles.mark_range((list.last_segment << mesh_.segment_log2) + list.in_last, out_.next);
         list.total += in_last - list.in_last;
         list.in_last = in_last;
     }
     std::uint32_t take(const MeshTriangle& t) {
         BulkTile& own = b.tiles[down_.tile];
-        const std::uint32_t list = own.reserved != no_index ? down_.tile : list_for(s, down_.tile, t);
-        if (own.reserved != no_index && needs_segment(s, own))
-            push_segment(s, own, down_.tile, s.free_segments[--own.reserved]);
-        const std::uint32_t slot = take_triangle(s, b.tiles[list], list);
-        if (b.beside) s.dirty_triangles.mark(slot);
+        const std::uint32_t list = own.reserved != no_index ? down_.tile : list_for(mesh_, down_.tile, t);
+        if (own.reserved != no_index && needs_segment(mesh_, own))
+            push_segment(mesh_, own, down_.tile, mesh_.free_segments[--own.reserved]);
+        const std::uint32_t slot = take_triangle(mesh_, b.tiles[list], list);
+        if (b.beside) mesh_.dirty_triangles.mark(slot);
         return slot;
     }
     void triangle(const MeshTriangle& t, std::uint32_t direction) {
         close();
-        put_triangle(s, take(t), t, t.right * 4 + direction);
+        put_triangle(mesh_, take(t), t, t.right * 4 + direction);
         open();
     }
     // One of a tile that has no others. Its key is the drawn mesh's until this one is.
     std::uint32_t base_triangle(const MeshTriangle& t) {
         const std::uint32_t slot = take(t);
-        put_corners(s, slot, t);
+        put_corners(mesh_, slot, t);
         return slot;
     }
 
     bool begin_tile() {
-        const Coord tile = s.terrain->tile_xy(down_.tile);
-        const int z = s.terrain->tree.tile_log2 - 1;
+        const Coord tile = pages_.grid.terrain->tile_xy(down_.tile);
+        const int z = pages_.grid.terrain->tree.tile_log2 - 1;
         SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
-            return s.terrain->corner_at(tile.x + x, tile.y + y);
+            return pages_.grid.terrain->corner_at(tile.x + x, tile.y + y);
         };
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
-        const BulkSquares root = squares_at(s, z, tile.x, tile.y);
-        const BulkPage* const found = found_in(s, root.slot);
+        const BulkSquares root = squares_at(pages_, z, tile.x, tile.y);
+        const BulkPage* const found = found_in(b, root.slot);
         std::uint32_t(&base)[2] = b.bases[down_.tile];
         base[0] = base[1] = no_index;
         if (found == nullptr || found->active[root.row(VertexKind::centre, 0)] == 0) {
@@ -125,12 +123,12 @@ private:
     bool descend() {
         BulkPlace& place = down_.places[down_.depth - 1];
         const int z = z_now();
-        const std::int32_t finer = 1 << s.steps[z - 1].page_log2, half = finer / 2;
+        const std::int32_t finer = 1 << pages_.grid.steps[z - 1].page_log2, half = finer / 2;
         const auto quarter = static_cast<std::int32_t>(place.quarter++);
         const std::int32_t qx = quarter % 2 * half, qy = quarter / 2 * half;
-        FJELL_ASSERT(qx < 1 << s.steps[z].page_log2 && qy < 1 << s.steps[z].page_log2);
-        const BulkSquares at = squares_at(s, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
-        const BulkPage* const found = found_in(s, at.slot);
+        FJELL_ASSERT(qx < 1 << pages_.grid.steps[z].page_log2 && qy < 1 << pages_.grid.steps[z].page_log2);
+        const BulkSquares at = squares_at(pages_, z - 1, 2 * (place.i0 + qx), 2 * (place.j0 + qy));
+        const BulkPage* const found = found_in(b, at.slot);
         if (found == nullptr) return false;
         const auto rows = static_cast<std::uint32_t>(
             rows_in_use(found->active + at.row(VertexKind::centre, 0), static_cast<std::uint32_t>(finer)));
@@ -147,20 +145,20 @@ private:
         gather(at);
         scatter();
         // Where nothing that is drawn stays, its state may be written at once, from the same masks.
-        if (!b.beside && at.n == static_cast<std::int32_t>(page_squares)) write_step(s, at, masks_);
+        if (!b.beside && at.n == static_cast<std::int32_t>(page_squares)) write_step(pages_, b, mesh_, at, masks_);
         rows();
     }
     // More of its rows.
     void resume() {
         const BulkPlace& place = down_.places[down_.depth - 1];
-        gather(squares_at(s, z_now(), place.i0, place.j0));
+        gather(squares_at(pages_, z_now(), place.i0, place.j0));
         rows();
     }
     void gather(const BulkSquares& at) {
         at_ = at;
         grid_ = &down_.grids[at.z];
-        masks_.gather(s, at);
-        masks_.gather_finer(s, at);
+        masks_.gather(pages_, b, at);
+        masks_.gather_finer(pages_, b, at);
         // A side has an active centre in its row, or the row to the north.
         rows_ = static_cast<std::uint32_t>(rows_in_use(masks_.centre + 1, static_cast<std::uint32_t>(at.n)));
     }
@@ -275,7 +273,7 @@ private:
     }
     // The triangles around a vertex, by direction.
     FJELL_NOINLINE void fan(const MeshTriangle (&triangles)[4], std::uint32_t drawn) {
-        std::fill_n(s.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
+        std::fill_n(mesh_.triangle_of + std::size_t{triangles[0].right} * 4, 4, no_index);
         for (std::uint32_t d = 0; d < 4; ++d)
             if (drawn >> d & 1) triangle(triangles[d], d);
     }
@@ -334,17 +332,17 @@ private:
         const bool own = side_x ? j != at_.n || masks_.owns_south : i != at_.n || masks_.owns_east;
         for (std::uint32_t d = 0; d < 4; ++d) {
             const Site apex = parent_site(site, static_cast<int>(side_x ? d >> 1 : d & 1));
-            const bool beyond = !exists(s, apex);
+            const bool beyond = !exists(pages_.grid, apex);
             if (beyond ? !own : tile_of(apex) != down_.tile) continue;
-            s.triangle_of[std::size_t{v} * 4 + d] = no_index;
+            mesh_.triangle_of[std::size_t{v} * 4 + d] = no_index;
             if (!beyond && (drawn >> d & 1) != 0) triangle(quadrants[d], d);
         }
         if (morphs_ && own) flatten(v, kind, i, j, side_x ? west : north, side_x ? east : south);
     }
 
     [[nodiscard]] std::uint32_t tile_of(const Site& centre) const {
-        const std::int32_t log2 = s.steps[centre.z].log2;
-        return s.terrain->tile_at(centre.i >> log2, centre.j >> log2);
+        const std::int32_t log2 = pages_.grid.steps[centre.z].log2;
+        return pages_.grid.terrain->tile_at(centre.i >> log2, centre.j >> log2);
     }
 
     // Where vertices of some rows start when they morph: in the middle of the edges that they split. Those on the
@@ -354,7 +352,7 @@ private:
         for (; rows != 0; rows &= rows - 1) {
             const std::int32_t j = std::countr_zero(rows);
             // Squares alternate which diagonal a centre splits (parent_bearing).
-            const std::int32_t parity = at_.z == s.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j;
+            const std::int32_t parity = at_.z == pages_.grid.terrain->tree.tile_log2 - 1 ? 0 : at_.i0 + at_.j0 + j;
             for (std::uint32_t left = masks_.centre[j + 1]; left != 0; left &= left - 1) {
                 const std::int32_t i = std::countr_zero(left), falling = (parity + i) % 2 == 0;
                 flatten(g.centre[j + 1][i + 1], VertexKind::centre, i, j, g.corner[j][i + 1 - falling],
@@ -373,12 +371,13 @@ private:
     }
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
-        s.morph[v].flat_m = flat_height(s, v, at, at_.z, kind == VertexKind::centre, a, c);
-        if (b.beside) s.dirty_vertices.mark(v); // it may have been placed in an earlier frame
+        mesh_.morph[v].flat_m = flat_height(pages_.grid, mesh_, v, at, at_.z, kind == VertexKind::centre, a, c);
+        if (b.beside) mesh_.dirty_vertices.mark(v); // it may have been placed in an earlier frame
     }
 
-    CutState& s;
+    Pages& pages_;
     BulkPass& b;
+    Mesh& mesh_;
     BulkDescent& down_;
     const BulkSlots slots_;
     const bool morphs_;
@@ -391,52 +390,51 @@ private:
 
 } // namespace
 
-bool has_segments(const CutState& s) {
+bool has_segments(const BulkPass& bulk, const Mesh& mesh) {
     // Every active vertex has split a triangle into two, twice unless it lies on the rim.
-    const std::uint32_t most = 2 * s.terrain->tile_count() + 2 * s.bulk.taken;
+    const std::uint32_t most = 2 * mesh.tile_count + 2 * bulk.taken;
     // Every tile's last segment may be nearly empty, and that of what is not drawn; two stay back for deactivations. No
     // more, or the smallest budget that is taken could never be filled.
-    const std::uint32_t segments = (most >> s.segment_log2) + s.terrain->tile_count() + (s.some_hidden ? 1 : 0) + 2;
-    return segments <= (s.bulk.beside ? s.free_segment_count : s.segment_count);
+    const std::uint32_t segments = (most >> mesh.segment_log2) + mesh.tile_count + (mesh.some_hidden ? 1 : 0) + 2;
+    return segments <= (bulk.beside ? mesh.free_segment_count : mesh.segment_count);
 }
 
 namespace {
 
 // May some of its triangles be hidden? Those are not counted before.
-bool may_hide(const CutState& s, std::uint32_t tile) {
-    const TerrainData& t = *s.terrain;
+bool may_hide(const Grid& grid, std::uint32_t tile) {
+    const TerrainData& t = *grid.terrain;
     const Coord place = t.tile_xy(tile);
-    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == s.tiles_x) ||
-           (t.tree.cut_y != 0 && place.y + 1 == s.tiles_y);
+    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == grid.tiles_x) ||
+           (t.tree.cut_y != 0 && place.y + 1 == grid.tiles_y);
 }
 
 } // namespace
 
 // Each tile gets its segments, so that no order in which tiles are done can change who has which.
-void begin_triangles(CutState& s) {
-    if (!s.bulk.beside) free_all_segments(s);
-    const std::uint32_t a_segment = 1u << s.segment_log2;
-    for (std::uint32_t i = 0; i <= s.terrain->tile_count(); ++i) {
-        BulkTile& tile = s.bulk.tiles[i];
-        const bool hides = i == s.terrain->tile_count() || may_hide(s, i);
-        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : s.free_segment_count, tile.root};
-        if (!hides) s.free_segment_count -= (tile.planned + a_segment - 1) >> s.segment_log2;
+void begin_triangles(const Grid& grid, BulkPass& bulk, Mesh& mesh) {
+    if (!bulk.beside) free_all_segments(mesh);
+    const std::uint32_t a_segment = 1u << mesh.segment_log2;
+    for (std::uint32_t i = 0; i <= mesh.tile_count; ++i) {
+        BulkTile& tile = bulk.tiles[i];
+        const bool hides = i == mesh.tile_count || may_hide(grid, i);
+        tile = {{no_index, 0, 0, 0}, tile.planned, hides ? no_index : mesh.free_segment_count, tile.root};
+        if (!hides) mesh.free_segment_count -= (tile.planned + a_segment - 1) >> mesh.segment_log2;
     }
-    note_segments(s);
-    s.bulk.at = s.bulk.descents[0].depth = 0;
+    note_segments(mesh);
+    bulk.at = bulk.descents[0].depth = 0;
 }
 
-void build_tiles(CutState& s) {
-    const std::uint32_t tiles = s.terrain->tile_count();
-    run_jobs(s, tiles, [&](std::uint32_t tile, std::uint32_t worker) {
-        if (s.bulk.tiles[tile].reserved != no_index) Emitter(s, worker).tile(tile);
+void build_tiles(Pages& pages, BulkPass& bulk, Mesh& mesh, bool morphs, const Frame& frame) {
+    run_jobs(bulk, frame, mesh.tile_count, [&](std::uint32_t tile, std::uint32_t worker) {
+        if (bulk.tiles[tile].reserved != no_index) Emitter(pages, bulk, mesh, morphs, worker).tile(tile);
     });
-    for (std::uint32_t tile = 0; tile < tiles; ++tile)
-        if (s.bulk.tiles[tile].reserved == no_index) Emitter(s).tile(tile);
+    for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile)
+        if (bulk.tiles[tile].reserved == no_index) Emitter(pages, bulk, mesh, morphs).tile(tile);
 }
 
-bool step_triangles(CutState& s) {
-    return Emitter(s).step();
+bool step_triangles(Pages& pages, BulkPass& bulk, Mesh& mesh, bool morphs) {
+    return Emitter(pages, bulk, mesh, morphs).step();
 }
 
 } // namespace fjell

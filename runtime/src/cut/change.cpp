@@ -4,59 +4,55 @@
 #include <bit>
 
 #include "cut/evaluate.h"
-#include "cut/lag.h"
-#include "cut/mesh.h"
-#include "cut/morph.h"
 #include "cut/pages.h"
+#include "cut/state.h"
 
 namespace fjell {
 
 namespace {
 
 // A lane has work of this rank: its group goes to that queue, unless it is in one of a higher rank.
-void queue_activation(CutState& s, std::uint32_t vertex, std::uint32_t rank) {
+void queue_activation(const Pages& pages, Work& work, std::uint32_t vertex, std::uint32_t rank) {
     const std::uint32_t group = vertex / group_lanes;
-    const GroupState& b = s.groups[group];
+    const GroupState& b = pages.groups[group];
     if (b.queue == being_visited) return; // will be evaluated
     const bool queued = b.queue != unqueued;
-    std::uint32_t& calls = s.queues.nodes[group].calls;
+    std::uint32_t& calls = work.queues.nodes[group].calls;
     calls = (queued ? calls : 0) | bit_of(vertex);
     if (queued && b.queue < deactivation_queue && b.queue >= work_queues + rank) return;
-    forget(s.schedule, group);
-    unlink(s.queues, group);
-    push_back(s.queues, work_queues + rank, group);
-    s.work_ranks |= 1u << rank;
+    forget(work.schedule, group);
+    unlink(work.queues, group);
+    push_back(work.queues, work_queues + rank, group);
+    work.queues.work_ranks |= 1u << rank;
 }
 
-bool is_evicting(const CutState& s, std::uint32_t vertex) {
-    return s.page_state[vertex / group_lanes / max_page_groups].status == PageStatus::evicting;
+bool is_evicting(const Pages& pages, std::uint32_t vertex) {
+    return pages.state[vertex / group_lanes / max_page_groups].status == PageStatus::evicting;
 }
 
 // A vertex has just become ready, or an active one childless: when must it be evaluated?
-void reevaluate(CutState& s, std::uint32_t vertex, const Site& site, bool active) {
-    if (is_evicting(s, vertex)) return;
-    const Evaluation v = evaluate_vertex(s, vertex, site, active);
+void reevaluate(const Pages& pages, Work& work, const Views& views, std::uint32_t vertex, const Site& site,
+                bool active) {
+    if (is_evicting(pages, vertex)) return;
+    const Evaluation v = evaluate_vertex(pages, views, vertex, site, active);
     const std::uint32_t group = vertex / group_lanes;
     if (v.wanted == active) {
         // What waits in a queue is evaluated in any case.
-        if (s.groups[group].queue == unqueued) tighten(s.schedule, group, v.slack_m, grade_of(v.code));
+        if (pages.groups[group].queue == unqueued) tighten(work.schedule, group, v.slack_m, grade_of(v.code));
     } else if (!active) {
-        queue_activation(s, vertex, rank_of(s, v));
-    } else if (s.groups[group].queue == unqueued) {
-        forget(s.schedule, group);
-        push_back(s.queues, deactivation_queue, group);
-        s.queues.nodes[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
+        queue_activation(pages, work, vertex, rank_of(views, v));
+    } else if (pages.groups[group].queue == unqueued) {
+        forget(work.schedule, group);
+        push_back(work.queues, deactivation_queue, group);
+        work.queues.nodes[group].calls = static_cast<std::uint32_t>(bit_of(vertex)) << 16;
     }
 }
 
-[[maybe_unused]] bool is_ready(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
+[[maybe_unused]] bool is_ready(const Pages& pages, std::uint32_t vertex) {
+    return (pages.groups[vertex / group_lanes].ready() & bit_of(vertex)) != 0;
 }
-[[maybe_unused]] bool is_active(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].active & bit_of(vertex)) != 0;
-}
-[[maybe_unused]] bool has_active_child(const CutState& s, std::uint32_t vertex) {
-    return (s.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
+[[maybe_unused]] bool has_active_child(const Pages& pages, std::uint32_t vertex) {
+    return (pages.groups[vertex / group_lanes].parental() & bit_of(vertex)) != 0;
 }
 
 // The triangle of a parent that a vertex splits.
@@ -68,38 +64,48 @@ struct Split {
 };
 
 // One or two of them: at the terrain's rim a side has one parent.
-int splits_of(const CutState& s, const Site& site, std::uint32_t vertex, Split (&out)[2]) {
-    const bool root = site.z == s.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
+int splits_of(const Pages& pages, const Site& site, std::uint32_t vertex, Split (&out)[2]) {
+    const bool root = site.z == pages.grid.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
     int count = 0;
     for (int n = 0; n < 2; ++n) {
         Split split{};
         if (root) {
             // A tile's root splits its two base triangles, whose right angles are its north-east and south-west corner.
             const Bearing bearing = n == 0 ? Bearing::north_east : Bearing::south_west;
-            const std::uint32_t corner = s.terrain->corner_at(site.i + 1 - n, site.j + n);
+            const std::uint32_t corner = pages.grid.terrain->corner_at(site.i + 1 - n, site.j + n);
             split = {no_index, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
         } else {
             const Site parent = parent_site(site, n);
-            if (!exists(s, parent)) continue;
+            if (!exists(pages.grid, parent)) continue;
             const Bearing bearing = parent_bearing(site, n);
-            split.parent = find_vertex(s, parent);
-            FJELL_ASSERT(split.parent != no_index && is_active(s, split.parent));
-            split.key = s.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
+            split.parent = find_vertex(pages, parent);
+            FJELL_ASSERT(split.parent != no_index && is_active(pages, split.parent));
+            split.key = pages.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
             split.halves = halves(bearing);
         }
         // The centre of the two lies inside its tile.
         const std::uint32_t inside = site.kind == VertexKind::centre ? vertex : split.parent;
-        split.tile = s.page_state[inside / group_lanes / max_page_groups].tile;
+        split.tile = pages.state[inside / group_lanes / max_page_groups].tile;
         out[count++] = split;
     }
     return count;
 }
 
-bool room_for(const CutState& s, const Split* splits, int count) {
+bool room_for(const Mesh& mesh, const Split* splits, int count) {
     // Two tiles at most, and what is not drawn; one segment each will do. Two more stay back for deactivations.
-    std::uint32_t segments = s.some_hidden && room_in(s, hidden_tile(s)) < 4 ? 1 : 0;
-    for (int i = 0; i < count; ++i) segments += room_in(s, splits[i].tile) < 4 ? 1 : 0;
-    return segments == 0 || s.free_segment_count >= segments + 2;
+    std::uint32_t segments = mesh.some_hidden && room_in(mesh, hidden_tile(mesh)) < 4 ? 1 : 0;
+    for (int i = 0; i < count; ++i) segments += room_in(mesh, splits[i].tile) < 4 ? 1 : 0;
+    return segments == 0 || mesh.free_segment_count >= segments + 2;
+}
+
+// (parent, a, b) becomes (v, parent, a) and (v, b, parent).
+void replace_by_halves(Pages& pages, Mesh& mesh, const Split& split, std::uint32_t slot) {
+    const std::uint32_t* const t = mesh.indices + std::size_t{mesh.triangle_of[split.key]} * 3;
+    const std::uint32_t p = t[0], a = t[1], b = t[2];
+    replace_triangle(mesh, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
+    const MeshTriangle second{slot, b, p};
+    append_triangle(mesh, list_for(mesh, split.tile, second), second, slot * 4 + split.halves.second);
+    if (split.parent != no_index) pages.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
 }
 
 // The vertices that are children of a vertex; no_index where there is none, or its page is not loaded.
@@ -108,19 +114,19 @@ struct ChildVertices {
 };
 
 // All of them have states then. False: there was none to be had, and nothing has changed.
-bool find_children(CutState& s, const Site& site, ChildVertices& out) {
+bool find_children(Pages& pages, Work& work, Mesh& mesh, Visibility& visibility, const Site& site, ChildVertices& out) {
     const bool leaf = site.kind != VertexKind::centre && site.z == 0;
     for (int d = 0; d < 4; ++d) {
         out.vertex[d] = no_index;
         const Site child = child_site(site, d);
-        if (leaf || !exists(s, child)) continue;
-        const Place at = place_of(s, child);
-        if (!attach_page(s, at.page)) {
+        if (leaf || !exists(pages.grid, child)) continue;
+        const VertexPlace at = place_of(pages.grid, child);
+        if (!attach_page(pages, work, mesh, visibility, at.page)) {
             while (d-- != 0) // what was attached for nothing
-                if (out.vertex[d] != no_index) note_idle(s, out.vertex[d] / group_lanes / max_page_groups);
+                if (out.vertex[d] != no_index) note_idle(pages, out.vertex[d] / group_lanes / max_page_groups);
             return false;
         }
-        const std::uint32_t first = s.page_groups[at.page];
+        const std::uint32_t first = pages.page_groups[at.page];
         if (first != no_index) out.vertex[d] = first * group_lanes + at.vertex;
     }
     return true;
@@ -129,140 +135,113 @@ bool find_children(CutState& s, const Site& site, ChildVertices& out) {
 } // namespace
 
 Outcome activate(CutState& s, std::uint32_t vertex) {
-    FJELL_ASSERT(is_ready(s, vertex) && !is_active(s, vertex) && !has_active_child(s, vertex)); // invariant 1
-    const Site site = site_of(s, vertex);
+    FJELL_ASSERT(is_ready(s.pages, vertex) && !is_active(s.pages, vertex) &&
+                 !has_active_child(s.pages, vertex)); // invariant 1
+    const Site site = site_of(s.pages, vertex);
     Split splits[2];
-    const int count = splits_of(s, site, vertex, splits);
-    if (free_vertices(s) == 0) return Outcome::no_vertices;
-    if (!room_for(s, splits, count)) return Outcome::no_triangles;
-    for (int n = 0; n < count; ++n) FJELL_ASSERT(s.triangle_of[splits[n].key] != no_index);
-    const std::uint32_t first = s.triangle_of[splits[0].key];
-    const std::uint32_t ends[2] = {s.indices[std::size_t{first} * 3 + 1], s.indices[std::size_t{first} * 3 + 2]};
-    const bool morphing = s.morph_now.morph != Morph::none;
-    if (morphing && (is_morphing(s, ends[0]) || is_morphing(s, ends[1]))) return Outcome::gated;
+    const int count = splits_of(s.pages, site, vertex, splits);
+    if (free_vertices(s.mesh) == 0) return Outcome::no_vertices;
+    if (!room_for(s.mesh, splits, count)) return Outcome::no_triangles;
+    for (int n = 0; n < count; ++n) FJELL_ASSERT(s.mesh.triangle_of[splits[n].key] != no_index);
+    const std::uint32_t first = s.mesh.triangle_of[splits[0].key];
+    const std::uint32_t ends[2] = {s.mesh.indices[std::size_t{first} * 3 + 1],
+                                   s.mesh.indices[std::size_t{first} * 3 + 2]};
+    const bool morphing = s.morphing.now.morph != Morph::none;
+    if (morphing && (is_morphing(s.mesh, s.morphing, ends[0]) || is_morphing(s.mesh, s.morphing, ends[1])))
+        return Outcome::gated;
     // What is about to morph out must not get children again, or its page could never be evicted.
     for (int n = 0; morphing && n < count; ++n)
         if (splits[n].parent != no_index &&
-            (is_evicting(s, splits[n].parent) || morphs_out(s, s.vertex_slot[splits[n].parent])))
+            (is_evicting(s.pages, splits[n].parent) || morphs_out(s.mesh, s.pages.vertex_slot[splits[n].parent])))
             return Outcome::gated;
     ChildVertices children;
-    if (!find_children(s, site, children)) return Outcome::no_pages;
-    const Evaluation v = evaluate_vertex(s, vertex, site, true);
+    if (!find_children(s.pages, s.work, s.mesh, s.visibility, site, children)) return Outcome::no_pages;
+    const Evaluation v = evaluate_vertex(s.pages, s.views, vertex, site, true);
 
-    const std::uint32_t slot = take_vertex(s);
-    const Coord at = s.terrain->tree.sample(site_coord(site));
-    s.vertices[slot] = {at.x, at.y, v.y};
-    s.hole[slot] = is_void(record_of(s, vertex));
-    s.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
+    const std::uint32_t slot = take_vertex(s.mesh);
+    const Coord at = s.pages.grid.terrain->tree.sample(site_coord(site));
+    s.mesh.vertices[slot] = {at.x, at.y, v.y};
+    s.mesh.hole[slot] = is_void(record_of(s.pages, vertex));
+    s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
     if (morphing) {
-        s.morph[slot].flat_m =
-            flat_height(s, slot, site_coord(site), site.z, site.kind == VertexKind::centre, ends[0], ends[1]);
+        s.mesh.morph[slot].flat_m = flat_height(s.pages.grid, s.mesh, slot, site_coord(site), site.z,
+                                                site.kind == VertexKind::centre, ends[0], ends[1]);
         // What comes into sight is refined before it is seen: at once, or it would still morph when it is.
-        if (s.sights.count == 0 || seen(s, v))
-            s.morph[slot].activated_s = activation_time_s(s, v.x, v.y, v.z, v.error_m, v.radius_m);
-        if (s.morph[slot].activated_s != long_active_s) note_late(s, vertex / group_lanes / max_page_groups);
+        if (s.visibility.now.count == 0 || seen(s.views, v))
+            s.mesh.morph[slot].activated_s =
+                activation_time_s(s.views, s.morphing, s.frame, v.x, v.y, v.z, v.error_m, v.radius_m);
+        if (s.mesh.morph[slot].activated_s != long_active_s)
+            note_late(s.pages, s.morphing, vertex / group_lanes / max_page_groups);
     }
-    s.dirty_vertices.mark(slot);
-    s.vertex_slot[vertex] = slot;
-    GroupState& group = s.groups[vertex / group_lanes];
+    s.mesh.dirty_vertices.mark(slot);
+    s.pages.vertex_slot[vertex] = slot;
+    GroupState& group = s.pages.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
-    PageState& page = s.page_state[vertex / group_lanes / max_page_groups];
+    PageState& page = s.pages.state[vertex / group_lanes / max_page_groups];
     ++page.active;
     page.used = true;
 
-    for (int n = 0; n < count; ++n) {
-        const Split& split = splits[n];
-        const std::uint32_t old = s.triangle_of[split.key];
-        const std::uint32_t* const t = s.indices + std::size_t{old} * 3;
-        const std::uint32_t p = t[0], a = t[1], b = t[2];
-        replace_triangle(s, split.key, split.tile, {slot, p, a}, slot * 4 + split.halves.first);
-        const MeshTriangle second{slot, b, p};
-        append_triangle(s, list_for(s, split.tile, second), second, slot * 4 + split.halves.second);
-        if (split.parent == no_index) continue;
-        s.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
-    }
+    for (int n = 0; n < count; ++n) replace_by_halves(s.pages, s.mesh, splits[n], slot);
     for (int d = 0; d < 4; ++d) {
         const std::uint32_t found = children.vertex[d];
         if (found == no_index) continue;
-        GroupState& of_child = s.groups[found / group_lanes];
+        GroupState& of_child = s.pages.groups[found / group_lanes];
         of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
-        count_parents(s, found / group_lanes / max_page_groups, 1);
-        if (of_child.ready() & bit_of(found)) reevaluate(s, found, child_site(site, d), false);
+        count_parents(s.pages, found / group_lanes / max_page_groups, 1);
+        if (of_child.ready() & bit_of(found)) reevaluate(s.pages, s.work, s.views, found, child_site(site, d), false);
     }
     return Outcome::done;
 }
 
-Outcome deactivate(CutState& s, std::uint32_t vertex) {
-    FJELL_ASSERT(is_active(s, vertex) && !has_active_child(s, vertex)); // invariant 1
-    const Site site = site_of(s, vertex);
+Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std::uint32_t vertex) {
+    FJELL_ASSERT(is_active(pages, vertex) && !has_active_child(pages, vertex)); // invariant 1
+    const Site site = site_of(pages, vertex);
     Split splits[2];
-    const int count = splits_of(s, site, vertex, splits);
-    const std::uint32_t slot = s.vertex_slot[vertex];
-    if (s.some_hidden && s.free_segment_count < 2) {
+    const int count = splits_of(pages, site, vertex, splits);
+    const std::uint32_t slot = pages.vertex_slot[vertex];
+    if (mesh.some_hidden && mesh.free_segment_count < 2) {
         for (int n = 0; n < count; ++n)
-            if (room_in(s, splits[n].tile) < 2 || room_in(s, hidden_tile(s)) < 2) return Outcome::no_triangles;
+            if (room_in(mesh, splits[n].tile) < 2 || room_in(mesh, hidden_tile(mesh)) < 2) return Outcome::no_triangles;
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
-        const std::uint32_t first = s.triangle_of[slot * 4 + split.halves.first];
+        const std::uint32_t first = mesh.triangle_of[slot * 4 + split.halves.first];
         // (v, parent, a) and (v, b, parent) become (parent, a, b) again.
-        const std::uint32_t p = s.indices[std::size_t{first} * 3 + 1], a = s.indices[std::size_t{first} * 3 + 2];
-        const std::uint32_t b = s.indices[std::size_t{s.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
+        const std::uint32_t p = mesh.indices[std::size_t{first} * 3 + 1], a = mesh.indices[std::size_t{first} * 3 + 2];
+        const std::uint32_t b = mesh.indices[std::size_t{mesh.triangle_of[slot * 4 + split.halves.second]} * 3 + 1];
         const std::uint32_t second_key = slot * 4 + split.halves.second;
-        replace_triangle(s, slot * 4 + split.halves.first, split.tile, {p, a, b}, split.key);
-        remove_triangle(s, s.triangle_of[second_key], second_key);
+        replace_triangle(mesh, slot * 4 + split.halves.first, split.tile, {p, a, b}, split.key);
+        remove_triangle(mesh, mesh.triangle_of[second_key], second_key);
     }
-    give_vertex(s, slot);
-    GroupState& group = s.groups[vertex / group_lanes];
+    give_vertex(mesh, slot);
+    GroupState& group = pages.groups[vertex / group_lanes];
     group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
-    FJELL_ASSERT(s.page_state[vertex / group_lanes / max_page_groups].active != 0);
-    --s.page_state[vertex / group_lanes / max_page_groups].active;
+    FJELL_ASSERT(pages.state[vertex / group_lanes / max_page_groups].active != 0);
+    --pages.state[vertex / group_lanes / max_page_groups].active;
     if (site.kind == VertexKind::centre || site.z != 0) {
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
-            if (!exists(s, child)) continue;
-            const std::uint32_t found = find_vertex(s, child);
+            if (!exists(pages.grid, child)) continue;
+            const std::uint32_t found = find_vertex(pages, child);
             if (found == no_index) continue;
-            s.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
+            pages.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
                 static_cast<std::uint16_t>(~bit_of(found));
             const std::uint32_t page = found / group_lanes / max_page_groups;
-            FJELL_ASSERT(s.page_state[page].parents != 0);
-            if (--s.page_state[page].parents != 0) continue;
-            --s.busy_pages;
-            note_idle(s, page);
+            FJELL_ASSERT(pages.state[page].parents != 0);
+            if (--pages.state[page].parents != 0) continue;
+            --pages.busy;
+            note_idle(pages, page);
         }
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];
         if (split.parent == no_index) continue;
-        GroupState& of_parent = s.groups[split.parent / group_lanes];
+        GroupState& of_parent = pages.groups[split.parent / group_lanes];
         of_parent.child[split.key % 4] &= static_cast<std::uint16_t>(~bit_of(split.parent));
-        if (!(of_parent.parental() & bit_of(split.parent))) reevaluate(s, split.parent, site_of(s, split.parent), true);
+        if (!(of_parent.parental() & bit_of(split.parent)))
+            reevaluate(pages, work, views, split.parent, site_of(pages, split.parent), true);
     }
     return Outcome::done;
-}
-
-namespace {
-
-std::uint32_t slot_at(const CutState& s, Coord c) {
-    if (!s.terrain->tree.is_corner(c)) return s.vertex_slot[find_vertex(s, site_at(c))];
-    return s.terrain->corner_at(c.x >> s.terrain->tree.tile_log2, c.y >> s.terrain->tree.tile_log2);
-}
-
-} // namespace
-
-void flatten_all(CutState& s) {
-    for (std::uint32_t number = 0; number < s.fresh_page * max_page_groups; ++number)
-        for (std::uint32_t lanes = s.groups[number].active; lanes != 0; lanes &= lanes - 1) {
-            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            const Site site = site_of(s, vertex);
-            const Coord at = site_coord(site);
-            const Diamond split = diamond(s.terrain->tree, at);
-            const std::uint32_t slot = s.vertex_slot[vertex];
-            s.morph[slot].flat_m = flat_height(s, slot, at, site.z, site.kind == VertexKind::centre,
-                                               slot_at(s, split.ends[0]), slot_at(s, split.ends[1]));
-            s.dirty_vertices.mark(slot);
-        }
 }
 
 } // namespace fjell

@@ -1,7 +1,7 @@
 // Activating and deactivating one vertex, and what follows for those around it.
 #pragma once
 
-#include "cut/find.h"
+#include "cut/pages.h"
 
 namespace fjell {
 
@@ -11,9 +11,6 @@ enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, no_pages, g
 Outcome activate(CutState& s, std::uint32_t vertex);
 // The vertex must be active and without active children. Evaluates the parents that become childless. Fails, changing
 // nothing, only when triangles that were hidden need a segment and none is left.
-Outcome deactivate(CutState& s, std::uint32_t vertex);
-
-// Computes flat_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).
-void flatten_all(CutState& s);
+Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std::uint32_t vertex);
 
 } // namespace fjell

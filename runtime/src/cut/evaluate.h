@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cut/find.h"
+#include "cut/views.h"
 
 namespace fjell {
 
@@ -29,7 +29,7 @@ struct LaneAnswers {
 };
 
 void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
-// The same, bit for bit, without vector instructions.
+// The same, bit for bit, a lane at a time, on any machine.
 void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
 
 // Vertices of one page and step, wherever they lie in it. picked: of each, from the lowest bit on, its place among the
@@ -89,7 +89,6 @@ std::uint32_t place_rows(const Criterion& decision, const PageRows* planes, std:
 
 inline constexpr float apart_rounding = 0x1p-18f; // of distances and radii
 inline constexpr float least_apart_m = 1e-6f;     // or what a vertex hides may touch the eye
-inline constexpr float slack_rounding = 0x1p-19f;
 
 // Of one vertex: the same numbers as evaluate() gives for its lane, of one answer.
 struct Evaluation {
@@ -100,82 +99,70 @@ struct Evaluation {
     float x, y, z;
 };
 
-[[nodiscard]] inline Evaluation evaluate_vertex(const CutState& s, std::uint32_t vertex, const Site& site,
-                                                bool active) {
-    const Criterion& c = criterion_of(s, vertex / group_lanes);
-    const VertexRecord record = record_of(s, vertex);
+[[nodiscard]] inline Evaluation evaluate_vertex(const Pages& pages, const Views& views, std::uint32_t vertex,
+                                                const Site& site, bool active) {
+    const Criterion& c = criterion_of(pages, views, vertex / group_lanes);
+    const VertexRecord record = record_of(pages, vertex);
     const Coord at = site_coord(site);
-    const std::int32_t base = s.page_state[vertex / group_lanes / max_page_groups].base;
+    const std::int32_t base = pages.state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
     v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
     v.error_m = c.error_m[record.error];
     v.code = record.error;
-    v.radius_m = s.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
+    v.radius_m = pages.grid.level_unit_m[2 * site.z + (site.kind == VertexKind::centre ? 0 : 1)] *
                  c.radius_factor[record.radius & (radius_codes - 1)];
     float margin = -3.4e38f, span = 0;
     for (std::uint32_t i = 0; i < c.views; ++i) {
         const Reach& r = active && c.hysteresis ? c.keep[i] : c.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float squared = dx * dx + dy * dy + dz * dz, distance = std::sqrt(squared);
-        const float reach = (v.radius_m + v.error_m * r.q) * reach_grow + r.pad;
-        v.wanted = v.wanted || squared < reach * reach;
-        margin = std::max(margin, reach - distance);
-        span = std::max(span, reach + distance);
+        const float squared = floats::squared_distance(floats::One(), r, v.x, v.y, v.z);
+        floats::add_view(squared, std::sqrt(squared), floats::reach_m(floats::One(), r, v.error_m, v.radius_m), margin,
+                         span, v.wanted);
     }
-    v.slack_m = std::max(std::abs(margin) - span * slack_rounding, 0.0f);
+    v.slack_m = std::max(floats::slack_m(floats::One(), margin, span), 0.0f);
     return v;
 }
 
 // Where its lanes stand, and their records: in the page, or gathered.
-[[nodiscard]] inline LaneGroup lanes_of(const CutState& s, std::uint32_t number,
+[[nodiscard]] inline LaneGroup lanes_of(const Pages& pages, std::uint32_t number,
                                         VertexRecord (&gathered)[group_lanes]) {
     const std::uint32_t slot = number / max_page_groups;
-    const PageState& info = s.page_state[slot];
-    const GroupShape& shape = s.shapes[info.shape].groups[number - slot * max_page_groups];
+    const PageState& info = pages.state[slot];
+    const GroupShape& shape = pages.grid.shapes[info.shape].groups[number - slot * max_page_groups];
     const int z = info.z + shape.z;
     const std::int32_t apart = 2 << z;
-    LaneGroup lanes{records_of(s, slot) + shape.first,
+    LaneGroup lanes{records_of(pages, slot) + shape.first,
                     info.x0 + (std::int32_t{shape.x} << z),
                     info.y0 + (std::int32_t{shape.y} << z),
                     shape.along_y ? 0 : apart,
                     shape.along_y ? apart : 0,
                     info.base,
-                    s.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
+                    pages.grid.level_unit_m[2 * z + (shape.kind == VertexKind::centre ? 0 : 1)],
                     0,
                     0};
-    if (shape.lanes != group_lanes || shape.stride != 1 || s.hz_places) {
+    if (shape.lanes != group_lanes || shape.stride != 1 || pages.grid.hz_places) {
         for (std::uint32_t lane = 0; lane < group_lanes; ++lane)
-            gathered[lane] = record_of(s, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
+            gathered[lane] = record_of(pages, number * group_lanes + std::min<std::uint32_t>(lane, shape.lanes - 1u));
         lanes.records = gathered;
     }
     return lanes;
 }
 
-[[nodiscard]] inline bool seen(const CutState& s, const Evaluation& v) {
-    for (std::uint32_t i = 0; i < s.view_count; ++i) {
-        const Vec3 p = Vec3{v.x, v.y, v.z} - s.views[i].eye_m;
-        bool inside = true;
-        for (int plane = 0; plane < 6 && inside; ++plane)
-            inside =
-                dot(s.frustums[i].normal[plane], p) >= s.frustums[i].offset[plane] - static_cast<double>(v.radius_m);
-        if (inside) return true;
-    }
-    return false;
+[[nodiscard]] inline bool seen(const Views& views, const Evaluation& v) {
+    return is_seen(views, {v.x, v.y, v.z}, static_cast<double>(v.radius_m));
 }
 
 // Worst first: 16 ranks of a factor 2 of screen error over the threshold, and 16 above them for what is seen.
-[[nodiscard]] inline std::uint32_t rank_of(const CutState& s, const Evaluation& v) {
+[[nodiscard]] inline std::uint32_t rank_of(const Views& views, const Evaluation& v) {
     float worst = 0;
-    for (std::uint32_t i = 0; i < s.criterion.views; ++i) {
-        const Reach& r = s.criterion.reach[i];
-        const float dx = v.x - r.eye_x, dy = v.y - r.eye_y, dz = v.z - r.eye_z;
-        const float depth = std::sqrt(dx * dx + dy * dy + dz * dz) - v.radius_m;
+    for (std::uint32_t i = 0; i < views.criterion.views; ++i) {
+        const Reach& r = views.criterion.reach[i];
+        const float depth = std::sqrt(floats::squared_distance(floats::One(), r, v.x, v.y, v.z)) - v.radius_m;
         worst = std::max(worst, v.error_m * r.q / std::max(depth, 1e-3f));
     }
     const int log2 = std::clamp(worst < 0x1p15f ? std::ilogb(std::max(worst, 1.0f)) : 15, 0, 15);
-    return static_cast<std::uint32_t>(log2) + (seen(s, v) ? 16u : 0u);
+    return static_cast<std::uint32_t>(log2) + (seen(views, v) ? 16u : 0u);
 }
 
 } // namespace fjell

@@ -36,7 +36,7 @@ struct GroupShape {
     bool along_y;        // lanes go south; otherwise east
     std::uint8_t parts;  // of the page that it lies in, as bits
 };
-// A page has 2 x 4 parts, of 16 x 8 squares each, which are in sight or not (sight.h); page 0 is one.
+// A page has 2 x 4 parts, of 16 x 8 squares each, which are in sight or not (visibility.h); page 0 is one.
 inline constexpr std::uint32_t parts_x = 2, parts_y = 4, page_parts = parts_x * parts_y;
 inline constexpr std::uint32_t part_columns = page_squares / parts_x, part_rows = page_squares / parts_y;
 inline constexpr std::uint8_t all_parts = 0xff;

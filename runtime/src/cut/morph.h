@@ -1,27 +1,41 @@
 // Morphing in and out by time: which vertices were activated late, and what has to wait for them.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
-#include "cut/state.h"
+#include "cut/frame.h"
+#include "cut/mesh.h"
+#include "cut/views.h"
 
 namespace fjell {
 
-// How far a vertex has morphed in by its distance alone, 0 to 1.
-[[nodiscard]] inline float morph_fraction(const MorphFrame& frame, float x, float y, float z, float error_m,
-                                          float radius_m) {
-    float most = 0;
-    for (std::uint32_t i = 0; i < frame.views; ++i) {
-        const MorphView& v = frame.view[i];
-        const float dx = x - v.eye_x, dy = y - v.eye_y, dz = z - v.eye_z;
-        const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const float start = radius_m + error_m * v.q_start, full = radius_m + error_m * v.q_full;
-        const float t = start > full ? (start - distance) / (start - full) : distance < start ? 1.0f : 0.0f;
-        most = std::max(most, std::min(t, 1.0f));
+// The clock of morphing: the host's, in whole ticks that floats hold, however large its numbers are. Only what passes
+// from one update to the next counts; of a gap no more than any morph takes.
+inline constexpr std::int32_t ticks_a_second = 1 << 14;
+inline constexpr std::int64_t clock_ticks = std::int64_t{ticks_a_second} * static_cast<std::int64_t>(morph_clock_s);
+inline constexpr std::int64_t longest_gap_ticks = 16 * ticks_a_second; // CutSettings::morph_s is 10 at most
+static_assert(clock_ticks <= 1 << 24, "floats hold 24 bits");
+
+struct MorphClock {
+    std::int64_t host_ticks;  // of the last update
+    std::int64_t ticks;       // since the first update; an int64 lasts 17 million years
+    std::int64_t timed_ticks; // when a vertex last began to morph by time
+    [[nodiscard]] float now_s() const {
+        return static_cast<float>(ticks % clock_ticks) / static_cast<float>(ticks_a_second);
     }
-    return most;
-}
+};
+
+struct Morphing {
+    MorphClock clock;
+    MorphFrame now, before;
+    std::uint32_t ring_size; // Mesh::capacity
+    float* late_s;           // activated_s of vertices activated late, a ring: oldest first
+    std::uint32_t first_late, late_count;
+    std::uint32_t* late_pages; // states of pages with such vertices
+    std::uint32_t late_page_count;
+    std::uint32_t* out; // vertices that morph out, a ring: those that began first
+    std::uint32_t first_out, out_count;
+};
 
 // A terrain that ends inside a tile: what would lie beyond the rim stands on it (tree/tree.h), so there a vertex is
 // not in the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices
@@ -29,115 +43,58 @@ namespace fjell {
 // height. Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs,
 // sides of step 2s. So reaching out by 2s and 3s from sides and centres, whatever holds for a vertex holds for its
 // parents.
-[[nodiscard]] inline bool stands_near_cut_rim(const CutState& s, Coord at, int z, bool centre) {
-    const Tree& tree = s.terrain->tree;
+[[nodiscard]] inline bool stands_near_cut_rim(const Grid& grid, Coord at, int z, bool centre) {
+    const Tree& tree = grid.terrain->tree;
     const std::int32_t out = (centre ? 3 : 2) << z;
     return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
 }
 
 // Where a vertex starts: in the middle of the edge that it splits.
-[[nodiscard]] inline float flat_height(const CutState& s, std::uint32_t vertex, Coord at, int z, bool centre,
-                                       std::uint32_t end_a, std::uint32_t end_b) {
-    if (stands_near_cut_rim(s, at, z, centre)) return s.vertices[vertex].height_m;
-    return (s.vertices[end_a].height_m + s.vertices[end_b].height_m) * 0.5f;
-}
-
-// Displacement on screen below which nobody can see a vertex jump.
-inline constexpr float unseen_px = 0.01f;
-
-// activated_s of a vertex that is activated now: long_active_s, unless it must morph by time.
-[[nodiscard]] inline float activation_time_s(CutState& s, float x, float y, float z, float error_m, float radius_m) {
-    const MorphFrame& now = s.morph_now;
-    if (now.morph == Morph::none) return long_active_s;
-    if (now.morph == Morph::error) {
-        // Late: the frame before would have shown it above its edge already.
-        const float before = morph_fraction(s.morph_before, x, y, z, error_m, radius_m);
-        if (before * static_cast<float>(s.report.threshold_px * s.largest_ratio) <= unseen_px) return long_active_s;
-    }
-    if (s.late_count == s.budget.vertices) return long_active_s; // cannot be: a slot each; but no reason to fail
-    s.late_s[(s.first_late + s.late_count++) % s.budget.vertices] = now.now_s;
-    s.clock.timed_ticks = s.clock.ticks;
-    return now.now_s;
+[[nodiscard]] inline float flat_height(const Grid& grid, const Mesh& mesh, std::uint32_t vertex, Coord at, int z,
+                                       bool centre, std::uint32_t end_a, std::uint32_t end_b) {
+    if (stands_near_cut_rim(grid, at, z, centre)) return mesh.vertices[vertex].height_m;
+    return (mesh.vertices[end_a].height_m + mesh.vertices[end_b].height_m) * 0.5f;
 }
 
 // While an edge's ends still morph, the edge is not where their full heights say: what would split it has to wait.
-[[nodiscard]] inline bool is_morphing(const CutState& s, std::uint32_t slot) {
-    return morph_age_s(s.morph_now.now_s, s.morph[slot].activated_s) < s.morph_now.morph_s;
+[[nodiscard]] inline bool is_morphing(const Mesh& mesh, const Morphing& morphing, std::uint32_t slot) {
+    return morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s) < morphing.now.morph_s;
 }
 
 // What waited for a vertex that morphs, or for a page that is evicted, is tried again.
-inline void open_gate(CutState& s) {
-    s.gate_passes = s.queues.sizes[gated_queues + s.gated_turn] == 0 ? 1 : 2;
-}
-
-// Forgets vertices that have reached their height.
-inline void end_morphing_in(CutState& s) {
-    while (s.late_count != 0 && (s.morph_now.morph == Morph::none ||
-                                 morph_age_s(s.morph_now.now_s, s.late_s[s.first_late]) >= s.morph_now.morph_s)) {
-        s.first_late = (s.first_late + 1) % s.budget.vertices;
-        --s.late_count;
-        open_gate(s);
-    }
-}
-
-// Moves the clock on to the host's time.
-inline void advance_clock(CutState& s, bool first) {
-    MorphClock& c = s.clock;
-    constexpr double most = 0x1p62; // so that a difference of two fits an int64
-    const double exact = std::clamp(s.settings.now_s * static_cast<double>(ticks_a_second), -most, most);
-    const auto host = static_cast<std::int64_t>(std::floor(exact + 0.5));
-    if (!first) c.ticks += std::clamp<std::int64_t>(host - c.host_ticks, 0, longest_gap_ticks);
-    c.host_ticks = host;
-}
-
-// Before the clock's numbers return, what was activated the last time round becomes long_active_s: a cursor passes over
-// all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still show.
-inline void retire_times(CutState& s, std::int64_t ticks_before) {
-    constexpr std::int64_t round = clock_ticks / 2;
-    const std::int64_t now = s.clock.ticks;
-    if (now == ticks_before || ticks_before - s.clock.timed_ticks > round + longest_gap_ticks) return;
-    const auto cursor = [&](std::int64_t ticks) {
-        return static_cast<std::uint32_t>(ticks % round * static_cast<std::int64_t>(s.budget.vertices) / round);
-    };
-    const auto pass = [&](std::uint32_t first, std::uint32_t end) {
-        for (std::uint32_t slot = first; slot < std::min(end, s.fresh_vertex); ++slot) {
-            MorphVertex& m = s.morph[slot];
-            if (m.activated_s == long_active_s ||
-                morph_age_s(s.clock.now_s(), m.activated_s) * static_cast<float>(ticks_a_second) <
-                    static_cast<float>(longest_gap_ticks))
-                continue;
-            m.activated_s = long_active_s;
-            s.dirty_vertices.mark(slot);
-        }
-    };
-    const std::uint32_t first = cursor(ticks_before), end = cursor(now);
-    if (first <= end) return pass(first, end);
-    pass(first, s.budget.vertices);
-    pass(0, end);
+inline void open_gate(Work& work) {
+    work.queues.gate_passes = work.queues.sizes[gated_queues + work.queues.gated_turn] == 0 ? 1 : 2;
 }
 
 // Vertices of pages that are being evicted morph out: back to the edge that they split, in morph_s.
-[[nodiscard]] inline bool morphs_out(const CutState& s, std::uint32_t slot) {
-    return (s.hole[slot] & morphs_out_bit) != 0;
+[[nodiscard]] inline bool morphs_out(const Mesh& mesh, std::uint32_t slot) {
+    return (mesh.hole[slot] & morphs_out_bit) != 0;
 }
+
+// activated_s of a vertex that is activated now: long_active_s, unless it must morph by time.
+[[nodiscard]] float activation_time_s(const Views& views, Morphing& morphing, const Frame& frame, float x, float y,
+                                      float z, float error_m, float radius_m);
+
+// Forgets vertices that have reached their height.
+void end_morphing_in(Work& work, Morphing& morphing);
 
 // The vertex is active, has no active children and does not morph out yet. To the shader, a vertex that morphs out is
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
-inline void begin_morphing_out(CutState& s, std::uint32_t vertex) {
-    const std::uint32_t slot = s.vertex_slot[vertex];
-    MeshVertex& v = s.vertices[slot];
-    MorphVertex& m = s.morph[slot];
-    const float edge_m = m.flat_m;
-    m.flat_m = morphed_height_m(s.terrain_handle, v, m, s.morph_now);
-    v.height_m = edge_m;
-    m.error_m = 1e30f; // by distance it has arrived
-    m.radius_m = 0;
-    m.activated_s = s.morph_now.now_s;
-    s.clock.timed_ticks = s.clock.ticks;
-    s.hole[slot] |= morphs_out_bit;
-    s.dirty_vertices.mark(slot);
-    FJELL_ASSERT(s.morphing_out_count < s.budget.vertices); // a full ring would forget the first
-    s.morphing_out[(s.first_morphing_out + s.morphing_out_count++) % s.budget.vertices] = vertex;
-}
+void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std::uint32_t vertex);
+
+// A vertex has begun to morph by time: its page hides something until it has arrived.
+void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot);
+// Their vertices have morphed in; all: no vertex morphs by time any more.
+void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all);
+void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // it loses its state
+
+// Moves the clock on to the host's time.
+void advance_clock(Morphing& morphing, const Frame& frame, bool first);
+// Before the clock's numbers return, what was activated the last time round becomes long_active_s: a cursor passes over
+// all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still show.
+void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before);
+
+// Computes flat_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).
+void flatten_all(const Pages& pages, Mesh& mesh);
 
 } // namespace fjell

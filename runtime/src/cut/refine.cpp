@@ -7,10 +7,9 @@
 
 #include "compiler.h"
 #include "cut/change.h"
+#include "cut/error_bound.h"
 #include "cut/evaluate.h"
-#include "cut/lag.h"
-#include "cut/morph.h"
-#include "cut/pages.h"
+#include "cut/state.h"
 
 namespace fjell {
 
@@ -36,60 +35,62 @@ struct Evaluated {
 };
 
 Evaluated evaluate_group(CutState& s, std::uint32_t number) {
-    Evaluated group{s.groups[number]};
-    group.evicting = s.page_state[number / max_page_groups].status == PageStatus::evicting;
-    for (std::uint32_t lanes = s.morphing_out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
+    Evaluated group{s.pages.groups[number]};
+    group.evicting = s.pages.state[number / max_page_groups].status == PageStatus::evicting;
+    for (std::uint32_t lanes = s.morphing.out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        if (morphs_out(s, s.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
+        if (morphs_out(s.mesh, s.pages.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
     }
-    ++s.report.evaluations;
-    ++s.report.items;
-    ++s.report.visits;
+    ++s.frame.report.evaluations;
+    ++s.frame.report.items;
+    ++s.frame.report.visits;
     VertexRecord gathered[group_lanes];
-    LaneGroup lanes = lanes_of(s, number, gathered);
+    LaneGroup lanes = lanes_of(s.pages, number, gathered);
     lanes.inactive = group.inactive();
     lanes.childless = group.childless();
-    if ((lanes.inactive | lanes.childless) != 0) s.evaluate(criterion_of(s, number), lanes, group.answers);
+    if ((lanes.inactive | lanes.childless) != 0)
+        s.views.evaluate(criterion_of(s.pages, s.views, number), lanes, group.answers);
     return group;
 }
 
 // Everything in the group agrees with the decision: when might that end?
-void schedule_group(CutState& s, std::uint32_t number, const Evaluated& group) {
-    s.groups[number].queue = unqueued;
+void schedule_group(Pages& pages, Work& work, std::uint32_t number, const Evaluated& group) {
+    pages.groups[number].queue = unqueued;
     if ((group.inactive() | group.childless()) == 0) return;
-    tighten(s.schedule, number, group.answers.slack_m, grade_of(group.answers.code));
+    tighten(work.schedule, number, group.answers.slack_m, grade_of(group.answers.code));
 }
 
-void queue(CutState& s, std::uint32_t number, const Evaluated& group, std::uint32_t queue) {
-    push_back(s.queues, queue, number);
-    s.queues.nodes[number].calls = group.to_activate() | group.to_deactivate() << 16;
+void queue(Work& work, std::uint32_t number, const Evaluated& group, std::uint32_t queue) {
+    push_back(work.queues, queue, number);
+    work.queues.nodes[number].calls = group.to_activate() | group.to_deactivate() << 16;
 }
 
-void queue_activations(CutState& s, std::uint32_t number, const Evaluated& group) {
+void queue_activations(const Pages& pages, Work& work, const Views& views, std::uint32_t number,
+                       const Evaluated& group) {
     std::uint32_t rank = 0;
     for (std::uint32_t lanes = group.to_activate(); lanes != 0; lanes &= lanes - 1) {
         const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-        rank = std::max(rank, rank_of(s, evaluate_vertex(s, vertex, site_of(s, vertex), false)));
+        rank = std::max(rank, rank_of(views, evaluate_vertex(pages, views, vertex, site_of(pages, vertex), false)));
     }
-    s.work_ranks |= 1u << rank;
-    queue(s, number, group, work_queues + rank);
+    work.queues.work_ranks |= 1u << rank;
+    queue(work, number, group, work_queues + rank);
 }
 
 // Puts the group in the queue that its lanes call for, or schedules it.
 void examine(CutState& s, std::uint32_t number) {
-    FJELL_ASSERT(s.groups[number].queue == unqueued); // what waits in a queue is not scheduled
-    forget(s.schedule, number);
+    FJELL_ASSERT(s.pages.groups[number].queue == unqueued); // what waits in a queue is not scheduled
+    forget(s.work.schedule, number);
     const Evaluated group = evaluate_group(s, number);
-    if (group.to_activate() != 0) return queue_activations(s, number, group);
-    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_queue);
-    schedule_group(s, number, group);
+    if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
+    if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);
+    schedule_group(s.pages, s.work, number, group);
 }
 
 // Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
 // What is left over keeps the group in a queue; otherwise it is scheduled.
 void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
     const Evaluated group = evaluate_group(s, number);
-    CutReport& r = s.report;
+    CutReport& r = s.frame.report;
     bool blocked = false, gated = false;
     // Evaluating the group is part of the first change: with one item a frame a mesh must get somewhere, too.
     bool looked = true;
@@ -101,18 +102,18 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
             ++r.items;
         looked = false;
     };
-    const auto may_go_on = [&] { return looked || r.items < s.item_limit; };
+    const auto may_go_on = [&] { return looked || r.items < s.frame.item_limit; };
     for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
         switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
         case Outcome::done: spend(r.activations); break;
         case Outcome::gated: gated = true; break;
         case Outcome::no_vertices:
         case Outcome::no_pages: // states come with vertices
-            s.full_capacities |= cut_budget_vertices;
+            s.frame.full_capacities |= cut_budget_vertices;
             blocked = true;
             break;
         case Outcome::no_triangles:
-            s.full_capacities |= cut_budget_triangles;
+            s.frame.full_capacities |= cut_budget_triangles;
             blocked = true;
             break;
         }
@@ -120,18 +121,18 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
     if (may_deactivate)
         for (std::uint32_t lanes = group.to_deactivate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
             const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            if (deactivate(s, vertex) == Outcome::done) {
+            if (deactivate(s.pages, s.work, s.mesh, s.views, vertex) == Outcome::done) {
                 spend(r.deactivations);
             } else {
-                s.full_capacities |= cut_budget_triangles;
+                s.frame.full_capacities |= cut_budget_triangles;
                 blocked = true;
             }
         }
-    if (blocked) return queue(s, number, group, blocked_queues + s.turn);
-    if (gated && may_go_on()) return queue(s, number, group, gated_queues + s.gated_turn);
-    if (group.to_activate() != 0) return queue_activations(s, number, group);
-    if (group.to_deactivate() != 0) return queue(s, number, group, deactivation_queue);
-    schedule_group(s, number, group);
+    if (blocked) return queue(s.work, number, group, blocked_queues + s.work.queues.turn);
+    if (gated && may_go_on()) return queue(s.work, number, group, gated_queues + s.work.queues.gated_turn);
+    if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
+    if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);
+    schedule_group(s.pages, s.work, number, group);
 }
 
 // Prefetching what changes will touch. What a change costs is a chain of cache misses: the parents'
@@ -148,78 +149,78 @@ struct PlannedChange {
 };
 
 // What evaluating a group reads.
-inline void prefetch_group(const CutState& s, std::uint32_t group) {
-    FJELL_PREFETCH_TO_WRITE(&s.groups[group]);
-    const VertexRecord* const records = records_of(s, group / max_page_groups) + shape_of(s, group).first;
+inline void prefetch_group(const Pages& pages, std::uint32_t group) {
+    FJELL_PREFETCH_TO_WRITE(&pages.groups[group]);
+    const VertexRecord* const records = records_of(pages, group / max_page_groups) + shape_of(pages, group).first;
     FJELL_PREFETCH_TO_WRITE(records);
     FJELL_PREFETCH_TO_WRITE(records + group_lanes - 1);
 }
 
-inline void prefetch_record(const CutState& s, std::uint32_t vertex) {
+inline void prefetch_record(const Pages& pages, std::uint32_t vertex) {
     const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups;
-    const GroupShape& shape = shape_of(s, group);
-    FJELL_PREFETCH_TO_WRITE(records_of(s, slot) + shape.first + shape.stride * (vertex % group_lanes));
+    const GroupShape& shape = shape_of(pages, group);
+    FJELL_PREFETCH_TO_WRITE(records_of(pages, slot) + shape.first + shape.stride * (vertex % group_lanes));
 }
 
 // The first link: vertices around it.
-inline PlannedChange plan_change(const CutState& s, std::uint32_t vertex, bool activation) {
+inline PlannedChange plan_change(const Pages& pages, std::uint32_t vertex, bool activation) {
     PlannedChange plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
-    const Site site = site_of(s, vertex);
-    FJELL_PREFETCH_TO_WRITE(&s.vertex_slot[vertex]);
+    const Site site = site_of(pages, vertex);
+    FJELL_PREFETCH_TO_WRITE(&pages.vertex_slot[vertex]);
     if (site.kind == VertexKind::centre || site.z != 0)
         for (int d = 0; d < 4; ++d) {
             const Site child = child_site(site, d);
-            if (!exists(s, child)) continue;
-            const std::uint32_t found = find_vertex(s, child);
+            if (!exists(pages.grid, child)) continue;
+            const std::uint32_t found = find_vertex(pages, child);
             if (found == no_index) continue;
-            FJELL_PREFETCH_TO_WRITE(&s.groups[found / group_lanes]);
-            if (activation) prefetch_record(s, found);
+            FJELL_PREFETCH_TO_WRITE(&pages.groups[found / group_lanes]);
+            if (activation) prefetch_record(pages, found);
         }
-    if (site.kind == VertexKind::centre && site.z == s.terrain->tree.tile_log2 - 1) return plan;
+    if (site.kind == VertexKind::centre && site.z == pages.grid.terrain->tree.tile_log2 - 1) return plan;
     for (int n = 0; n < 2; ++n) {
         const Site parent = parent_site(site, n);
-        if (!exists(s, parent)) continue;
-        const std::uint32_t found = plan.parents[n] = find_vertex(s, parent);
+        if (!exists(pages.grid, parent)) continue;
+        const std::uint32_t found = plan.parents[n] = find_vertex(pages, parent);
         if (found == no_index) continue;
         plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
-        FJELL_PREFETCH_TO_WRITE(&s.groups[found / group_lanes]);
-        FJELL_PREFETCH_TO_WRITE(&s.vertex_slot[found]);
-        if (!activation) prefetch_record(s, found);
+        FJELL_PREFETCH_TO_WRITE(&pages.groups[found / group_lanes]);
+        FJELL_PREFETCH_TO_WRITE(&pages.vertex_slot[found]);
+        if (!activation) prefetch_record(pages, found);
     }
     return plan;
 }
 
 // The second link: the slots of their triangles.
-inline void prefetch_triangle_slots(const CutState& s, PlannedChange& plan) {
+inline void prefetch_triangle_slots(const Pages& pages, const Mesh& mesh, PlannedChange& plan) {
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
             const std::uint32_t parent = plan.parents[n];
-            if (parent == no_index || !(s.groups[parent / group_lanes].active & bit_of(parent))) continue;
-            plan.triangles[n] = s.vertex_slot[parent] * 4 + plan.directions[n];
-            FJELL_PREFETCH_TO_WRITE(&s.triangle_of[plan.triangles[n]]);
+            if (parent == no_index || !is_active(pages, parent)) continue;
+            plan.triangles[n] = pages.vertex_slot[parent] * 4 + plan.directions[n];
+            FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[plan.triangles[n]]);
         }
-    } else if (s.groups[plan.vertex / group_lanes].active & bit_of(plan.vertex)) {
-        for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = s.vertex_slot[plan.vertex] * 4 + d;
-        FJELL_PREFETCH_TO_WRITE(&s.triangle_of[plan.triangles[0]]);
+    } else if (is_active(pages, plan.vertex)) {
+        for (std::uint32_t d = 0; d < 4; ++d) plan.triangles[d] = pages.vertex_slot[plan.vertex] * 4 + d;
+        FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[plan.triangles[0]]);
     }
 }
 
 // The third: those triangles.
-inline void prefetch_triangles(const CutState& s, PlannedChange& plan) {
+inline void prefetch_triangles(const Mesh& mesh, PlannedChange& plan) {
     for (std::uint32_t& triangle : plan.triangles) {
         if (triangle == no_index) continue;
-        triangle = s.triangle_of[triangle];
+        triangle = mesh.triangle_of[triangle];
         if (triangle == no_index) continue;
-        FJELL_PREFETCH_TO_WRITE(&s.indices[std::size_t{triangle} * 3]);
+        FJELL_PREFETCH_TO_WRITE(&mesh.indices[std::size_t{triangle} * 3]);
     }
 }
 
 // The fourth: the ends of the edge that an activation splits.
-inline void prefetch_corners(const CutState& s, const PlannedChange& plan) {
-    if (!plan.activation || plan.triangles[0] == no_index || s.morph_now.morph == Morph::none) return;
-    const std::uint32_t* const t = s.indices + std::size_t{plan.triangles[0]} * 3;
-    FJELL_PREFETCH_TO_WRITE(&s.vertices[t[1]]);
-    FJELL_PREFETCH_TO_WRITE(&s.vertices[t[2]]);
+inline void prefetch_corners(const Mesh& mesh, const Morphing& morphing, const PlannedChange& plan) {
+    if (!plan.activation || plan.triangles[0] == no_index || morphing.now.morph == Morph::none) return;
+    const std::uint32_t* const t = mesh.indices + std::size_t{plan.triangles[0]} * 3;
+    FJELL_PREFETCH_TO_WRITE(&mesh.vertices[t[1]]);
+    FJELL_PREFETCH_TO_WRITE(&mesh.vertices[t[2]]);
 }
 
 // Groups that are changed together, so that what they touch can be prefetched for all of them first.
@@ -227,51 +228,52 @@ constexpr std::uint32_t batch_groups = 16;
 
 } // namespace
 
-bool out_of_time(CutState& s, bool done_something) {
-    if (s.report.visits >= s.settings.visits) return true;
-    if (s.settings.budget_us <= 0 || !done_something ||
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - s.started).count() <
-            s.settings.budget_us - s.reserved_us)
+bool out_of_time(Frame& frame, bool done_something) {
+    if (frame.report.visits >= frame.settings.visits) return true;
+    if (frame.settings.budget_us <= 0 || !done_something ||
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - frame.started).count() <
+            frame.settings.budget_us - frame.reserved_us)
         return false;
-    s.report.exhausted |= cut_budget_time;
+    frame.report.exhausted |= cut_budget_time;
     return true;
 }
 
-bool has_done_something(const CutState& s) {
-    return s.report.items != 0 || s.report.visits != 0;
+bool has_done_something(const Frame& frame) {
+    return frame.report.items != 0 || frame.report.visits != 0;
 }
 
 namespace {
 
-void prefetch_changes(const CutState& s, std::span<const std::uint32_t> groups) {
+void prefetch_changes(const Pages& pages, const Work& work, const Mesh& mesh, const Morphing& morphing,
+                      std::span<const std::uint32_t> groups) {
     constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
     PlannedChange plans[most];
     std::uint32_t count = 0;
     for (const std::uint32_t group : groups)
-        for (std::uint32_t lanes = s.queues.nodes[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
+        for (std::uint32_t lanes = work.queues.nodes[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            plans[count++] = plan_change(s, group * group_lanes + lane % group_lanes, lane < group_lanes);
+            plans[count++] = plan_change(pages, group * group_lanes + lane % group_lanes, lane < group_lanes);
         }
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangle_slots(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangles(s, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_corners(s, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangle_slots(pages, mesh, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangles(mesh, plans[i]);
+    for (std::uint32_t i = 0; i < count; ++i) prefetch_corners(mesh, morphing, plans[i]);
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
 bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     std::uint32_t groups[batch_groups], count = 0;
-    for (; count < batch_groups && s.queues.sizes[queue] != 0; ++count) {
-        groups[count] = pop_front(s.queues, queue);
-        s.groups[groups[count]].queue = being_visited;
+    for (; count < batch_groups && s.work.queues.sizes[queue] != 0; ++count) {
+        groups[count] = pop_front(s.work.queues, queue);
+        s.pages.groups[groups[count]].queue = being_visited;
     }
-    prefetch_changes(s, {groups, count});
+    prefetch_changes(s.pages, s.work, s.mesh, s.morphing, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (s.report.items < s.item_limit && !out_of_time(s, has_done_something(s))) {
+        if (s.frame.report.items < s.frame.item_limit && !out_of_time(s.frame, has_done_something(s.frame))) {
             change_group(s, groups[i], may_deactivate);
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
-        while (count > i) push_front(s.queues, queue, groups[--count]);
+        while (count > i) push_front(s.work.queues, queue, groups[--count]);
         return false;
     }
     return true;
@@ -279,32 +281,33 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
 
 // While the mesh lags, some batches give slots back, or it would outgrow what the view wants: one in sixteen while
 // there is room, one in three when there is not.
-std::uint32_t deactivation_interval(const CutState& s) {
-    const bool room = free_vertices(s) > s.budget.vertices / 4 && s.free_segment_count > s.segment_count / 4;
+std::uint32_t deactivation_interval(const Mesh& mesh) {
+    const bool room = free_vertices(mesh) > mesh.capacity / 4 && mesh.free_segment_count > mesh.segment_count / 4;
     return room ? 16 : 3;
 }
 
 // The queue that comes next; unqueued when all are done. Deactivations come last, but first when a capacity is spent,
 // and then what was blocked is tried again.
-std::uint32_t next_queue(CutState& s) {
-    const bool can_deactivate = s.queues.sizes[deactivation_queue] != 0;
-    if (can_deactivate && (s.full_capacities != 0 || (s.lagging && s.batches % deactivation_interval(s) == 0)))
+std::uint32_t next_queue(Work& work, const Mesh& mesh, const Morphing& morphing, Frame& frame) {
+    const bool can_deactivate = work.queues.sizes[deactivation_queue] != 0;
+    if (can_deactivate &&
+        (frame.full_capacities != 0 || (frame.lagging && frame.batches % deactivation_interval(mesh) == 0)))
         return deactivation_queue;
-    if (s.full_capacities != 0 && s.deactivations_when_full != s.report.deactivations) {
-        s.full_capacities = 0;
-        s.turn ^= 1;
+    if (frame.full_capacities != 0 && frame.deactivations_when_full != frame.report.deactivations) {
+        frame.full_capacities = 0;
+        work.queues.turn ^= 1;
     }
-    while (s.work_ranks != 0) {
-        const auto rank = static_cast<std::uint32_t>(std::bit_width(s.work_ranks)) - 1;
-        if (s.queues.sizes[work_queues + rank] != 0) return work_queues + rank;
-        s.work_ranks &= ~(1u << rank);
+    while (work.queues.work_ranks != 0) {
+        const auto rank = static_cast<std::uint32_t>(std::bit_width(work.queues.work_ranks)) - 1;
+        if (work.queues.sizes[work_queues + rank] != 0) return work_queues + rank;
+        work.queues.work_ranks &= ~(1u << rank);
     }
     if (can_deactivate) return deactivation_queue;
-    const std::uint32_t gated_before = gated_queues + (s.gated_turn ^ 1);
-    const bool open = s.gate_passes != 0 || s.morph_now.morph == Morph::none;
-    if (open && s.queues.sizes[gated_before] != 0) return gated_before;
-    const std::uint32_t blocked_before = blocked_queues + (s.turn ^ 1);
-    return s.queues.sizes[blocked_before] != 0 && s.full_capacities == 0 ? blocked_before : unqueued;
+    const std::uint32_t gated_before = gated_queues + (work.queues.gated_turn ^ 1);
+    const bool open = work.queues.gate_passes != 0 || morphing.now.morph == Morph::none;
+    if (open && work.queues.sizes[gated_before] != 0) return gated_before;
+    const std::uint32_t blocked_before = blocked_queues + (work.queues.turn ^ 1);
+    return work.queues.sizes[blocked_before] != 0 && frame.full_capacities == 0 ? blocked_before : unqueued;
 }
 
 // Due pages, a batch at a time: what a visit costs is a chain of cache misses, a page's ticks, then its spent groups.
@@ -316,18 +319,18 @@ public:
     PageVisits& operator=(const PageVisits&) = delete;
     // What was not finished stays due.
     ~PageVisits() {
-        while (page_count_ != 0) put_back_due(s.schedule, pages_[--page_count_]);
+        while (page_count_ != 0) put_back_due(s.work.schedule, pages_[--page_count_]);
     }
 
     // Is there a group to be evaluated? Closes pages that have none left. Whoever looks at the clock asks first: where
     // a frame ends must not depend on groups that were queued meanwhile, or it could not be replayed by its visits.
     [[nodiscard]] bool any() {
         while (page_count_ != 0) {
-            while (next_ != count_ && ticks_of(s.schedule, groups_[next_]) != spent) ++next_;
+            while (next_ != count_ && ticks_of(s.work.schedule, groups_[next_]) != spent) ++next_;
             if (next_ != count_) return true;
             while (page_count_ != 0) {
-                close_page(s.schedule, pages_[--page_count_]);
-                note_bound(s, pages_[page_count_]);
+                close_page(s.work.schedule, pages_[--page_count_]);
+                note_bound(s.pages, s.work, s.views, pages_[page_count_]);
             }
             open();
         }
@@ -335,9 +338,9 @@ public:
     }
     // Evaluates it.
     void examine_next() {
-        if (next_ + ahead < count_) prefetch_group(s, groups_[next_ + ahead]);
+        if (next_ + ahead < count_) prefetch_group(s.pages, groups_[next_ + ahead]);
         examine(s, groups_[next_++]);
-        ++s.examined;
+        ++s.frame.examined;
     }
 
 private:
@@ -347,23 +350,23 @@ private:
         next_ = count_ = 0;
         std::uint32_t popped[most_pages], n = 0;
         for (; n < most_pages; ++n) {
-            popped[n] = pop_due(s.schedule);
+            popped[n] = pop_due(s.work.schedule);
             if (popped[n] == no_index) break;
-            FJELL_PREFETCH_TO_WRITE(&s.schedule.pages[popped[n]]);
-            FJELL_PREFETCH_TO_WRITE(&s.page_state[popped[n]]);
-            const std::uint16_t* const ticks = s.schedule.ticks + std::size_t{popped[n]} * page_ticks;
+            FJELL_PREFETCH_TO_WRITE(&s.work.schedule.pages[popped[n]]);
+            FJELL_PREFETCH_TO_WRITE(&s.pages.state[popped[n]]);
+            const std::uint16_t* const ticks = s.work.schedule.ticks + std::size_t{popped[n]} * page_ticks;
             for (std::uint32_t i = 0; i < page_ticks; i += 32) FJELL_PREFETCH_TO_WRITE(ticks + i);
         }
         std::uint32_t used = 0;
         for (; used < n && count_ < enough_groups; ++used) add(popped[used]);
-        while (n > used) put_back_due(s.schedule, popped[--n]);
-        for (std::uint32_t i = 0; i < std::min(count_, ahead); ++i) prefetch_group(s, groups_[i]);
+        while (n > used) put_back_due(s.work.schedule, popped[--n]);
+        for (std::uint32_t i = 0; i < std::min(count_, ahead); ++i) prefetch_group(s.pages, groups_[i]);
     }
     void add(std::uint32_t slot) {
         pages_[page_count_++] = slot;
-        charge_page(s.schedule, slot);
+        charge_page(s.work.schedule, slot);
         std::uint64_t spent_groups[page_words];
-        find_spent(s.schedule, slot, spent_groups);
+        find_spent(s.work.schedule, slot, spent_groups);
         for (std::uint32_t word = 0; word < page_words; ++word)
             for (std::uint64_t left = spent_groups[word]; left != 0; left &= left - 1) {
                 const auto n = static_cast<std::uint32_t>(std::countr_zero(left));
@@ -379,14 +382,14 @@ private:
 
 } // namespace
 
-std::uint32_t waiting_groups(const CutState& s) {
-    std::uint32_t n = s.schedule.due_count;
-    for (const std::uint32_t size : s.queues.sizes) n += size;
+std::uint32_t waiting_groups(const Work& work) {
+    std::uint32_t n = work.schedule.due_count;
+    for (const std::uint32_t size : work.queues.sizes) n += size;
     return n;
 }
 
-std::uint32_t blocked_groups(const CutState& s) {
-    return s.queues.sizes[blocked_queues] + s.queues.sizes[blocked_queues + 1];
+std::uint32_t blocked_groups(const Work& work) {
+    return work.queues.sizes[blocked_queues] + work.queues.sizes[blocked_queues + 1];
 }
 
 namespace {
@@ -395,33 +398,34 @@ namespace {
 bool work_off(CutState& s) {
     PageVisits visits(s);
     // While the mesh lags, what is known to be bad does not wait for all that might be.
-    s.lagging = s.lagging || s.jumped;
-    const std::uint32_t most_examined = s.lagging ? 2 * batch_groups : unlimited_items;
-    while (s.report.items < s.item_limit) {
+    s.frame.lagging = s.frame.lagging || s.views.jumped;
+    const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_items;
+    while (s.frame.report.items < s.frame.item_limit) {
         const bool any_due = visits.any();
-        if (any_due && s.examined < most_examined) {
-            if (out_of_time(s, has_done_something(s))) return false;
+        if (any_due && s.frame.examined < most_examined) {
+            if (out_of_time(s.frame, has_done_something(s.frame))) return false;
             visits.examine_next();
             continue;
         }
-        s.examined = 0;
-        const std::uint32_t queue = next_queue(s);
+        s.frame.examined = 0;
+        const std::uint32_t queue = next_queue(s.work, s.mesh, s.morphing, s.frame);
         if (queue == unqueued && !any_due) return false;
         if (queue == unqueued) continue;
-        const std::uint32_t full_before = s.full_capacities;
-        if (!change_batch(s, queue, queue == deactivation_queue || !s.lagging)) break;
-        ++s.batches;
-        keep_pages_at_hand(s);
-        if (s.full_capacities != full_before) s.deactivations_when_full = s.report.deactivations;
+        const std::uint32_t full_before = s.frame.full_capacities;
+        if (!change_batch(s, queue, queue == deactivation_queue || !s.frame.lagging)) break;
+        ++s.frame.batches;
+        keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
+        if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
     }
-    return s.report.items >= s.item_limit;
+    return s.frame.report.items >= s.frame.item_limit;
 }
 
 } // namespace
 
 void refine(CutState& s) {
-    if (work_off(s) && waiting_groups(s) != blocked_groups(s) && (s.report.exhausted & cut_budget_time) == 0)
-        s.report.exhausted |= cut_budget_items;
+    if (work_off(s) && waiting_groups(s.work) != blocked_groups(s.work) &&
+        (s.frame.report.exhausted & cut_budget_time) == 0)
+        s.frame.report.exhausted |= cut_budget_items;
 }
 
 } // namespace fjell

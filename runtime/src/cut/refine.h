@@ -11,14 +11,8 @@ namespace fjell {
 // Visits groups, worst first, until nothing is left or the items or the time are spent.
 void refine(CutState& s);
 
-// Has the frame done what it may? Its time counts once it has done something.
-[[nodiscard]] bool out_of_time(CutState& s, bool done_something);
-// A step of the bulk pass and a look at pages count too. Were one more group evaluated after the last that time
-// allowed, a replay would spend that visit on the next of them.
-[[nodiscard]] bool has_done_something(const CutState& s);
-
 // Groups that still have work, and those of them that wait for a capacity. Of the last refine().
-[[nodiscard]] std::uint32_t waiting_groups(const CutState& s);
-[[nodiscard]] std::uint32_t blocked_groups(const CutState& s);
+[[nodiscard]] std::uint32_t waiting_groups(const Work& work);
+[[nodiscard]] std::uint32_t blocked_groups(const Work& work);
 
 } // namespace fjell

@@ -1,7 +1,6 @@
 #include "pack/page.h"
 
 #include "asserts.h"
-#include "compiler.h"
 #include "pack/page_loops.h"
 
 #include <algorithm>
@@ -39,9 +38,9 @@ struct Cursor {
     }
 };
 
-// A clone is of this source alone: a shared library shows others to its hosts, hidden or not (g++ 12).
-FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw,
-                           PageArrays& out) {
+} // namespace
+
+Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out) {
     const Status corrupt{Code::corrupt, "geometry page"};
     const std::uint32_t count = pages.page_vertices(page);
     Cursor cursor{raw};
@@ -80,16 +79,14 @@ FJELL_CLONES Status unpack(const PageLayout& pages, std::uint32_t page, std::spa
     else
         std::memcpy(out.radii, codes, count);
     if (holes)
-        for (std::uint32_t i = 0; i < count; ++i)
-            out.radii[i] |=
-                static_cast<std::uint8_t>(((std::to_integer<unsigned>(holes[i / 8]) >> (i % 8)) & 1) * void_bit);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const auto eight = std::to_integer<unsigned>(holes[i / 8]);
+            if (eight == 0)
+                i |= 7; // most pages have few
+            else if ((eight >> i % 8 & 1) != 0)
+                out.radii[i] |= void_bit;
+        }
     return {};
-}
-
-} // namespace
-
-Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out) {
-    return unpack(pages, page, raw, out);
 }
 
 LeafErrors::LeafErrors(const ErrorScale& scale, float quantum_m)

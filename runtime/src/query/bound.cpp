@@ -8,8 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "cut/find.h"
-#include "cut/morph.h"
+#include "cut/state.h"
 #include "fjell/measure.h"
 #include "pack/terrain_data.h"
 #include "recursive/state.h"
@@ -29,15 +28,17 @@ struct Corner {
 
 // Whether a vertex is active, and the height that it is drawn at.
 struct CutVertices {
-    const CutState& s;
+    const Pages& pages;
+    const Mesh& mesh;
+    const MorphFrame& frame;
     [[nodiscard]] bool find(Coord at, Coord /*tile*/, std::uint32_t& slot) const {
-        const std::uint32_t vertex = find_vertex(s, site_at(at));
-        if (vertex == no_index || !(s.groups[vertex / group_lanes].active & bit_of(vertex))) return false;
-        slot = s.vertex_slot[vertex];
+        const std::uint32_t vertex = find_vertex(pages, site_at(at));
+        if (vertex == no_index || !is_active(pages, vertex)) return false;
+        slot = pages.vertex_slot[vertex];
         return true;
     }
     [[nodiscard]] double drawn_m(std::uint32_t slot, double /*full_m*/) const {
-        return static_cast<double>(morphed_height_m(s.terrain_handle, s.vertices[slot], s.morph[slot], s.morph_now));
+        return static_cast<double>(morphed_height_m(pages.grid.handle, mesh.vertices[slot], mesh.morph[slot], frame));
     }
 };
 
@@ -277,7 +278,8 @@ double bound_px(const TerrainData& terrain, const Vertices& vertices, std::span<
 double bound_error_px(LiveCut cut, const View& view, bool corner_safe, double at_least_px) {
     const CutState* const s = find_cut(cut);
     if (s == nullptr || !validate(view).ok()) return unbounded_px;
-    return bound_px(*s->terrain, CutVertices{*s}, {s->ranges, s->range_count}, view, corner_safe, at_least_px);
+    return bound_px(*s->pages.grid.terrain, CutVertices{s->pages, s->mesh, s->morphing.now},
+                    {s->mesh.ranges, s->mesh.range_count}, view, corner_safe, at_least_px);
 }
 
 double bound_error_px(RecursiveMethod method, const View& view, bool corner_safe, double at_least_px) {

@@ -5,7 +5,6 @@
 #include <bit>
 
 #include "pack/memory.h"
-#include "stream/best.h"
 #include "stream/requests.h"
 #include "stream/watch.h"
 

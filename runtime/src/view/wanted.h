@@ -1,8 +1,9 @@
 // The one decision everything rests on: does a vertex belong to the mesh at this distance? (invariants 4, 7, 8)
 //
 // Thesis 5.4.1 with Lindstrom's isotropic distance: epsilon = error * lambda / (distance - radius) >= threshold, turned
-// into distance < radius + error * q with q = lambda / threshold, and squared. One fixed float expression, evaluated
-// alike by every method; nothing here may be contracted or reassociated.
+// into distance < radius + error * q with q = lambda / threshold, and squared. One fixed float expression
+// (view/decision-inl.h), compiled for floats here and for vectors in cut/evaluate.cpp; nothing of it may be contracted
+// or reassociated.
 //
 // Why it is safe. Every rounding in d2 and in reach is relative, a few units of 2^-24 of the result, except that the
 // eye is rounded to float, which `pad` covers, and that positions are, which the baker put into the leaves' radii.
@@ -13,6 +14,7 @@
 
 #include <cmath>
 
+#include "compiler.h"
 #include "fjell/view.h"
 #include "pack/record.h"
 
@@ -36,16 +38,50 @@ inline constexpr float reach_grow = 1.0f + 0x1p-20f;
     return r;
 }
 
+inline constexpr float slack_rounding = 0x1p-19f; // share of reach and distance that a slack leaves out
+
+// What the expression is made of, one float at a time.
+namespace floats {
+struct One {};
+inline float Set(One, float x) {
+    return x;
+}
+inline float Add(float a, float b) {
+    return a + b;
+}
+inline float Sub(float a, float b) {
+    return a - b;
+}
+inline float Mul(float a, float b) {
+    return a * b;
+}
+inline float Max(float a, float b) {
+    return a < b ? b : a;
+}
+inline float Abs(float a) {
+    return std::abs(a);
+}
+inline float Sqrt(float a) {
+    return std::sqrt(a);
+}
+inline bool Lt(float a, float b) {
+    return a < b;
+}
+inline bool Or(bool a, bool b) {
+    return a || b;
+}
+#include "view/decision-inl.h"
+} // namespace floats
+
 // x2, z2: squared distances from the eye along x and z.
 [[nodiscard]] inline bool wanted_at(const Reach& r, float x2, float y, float z2, float error_m, float radius_m) {
-    const float dy = y - r.eye_y;
-    const float reach = (radius_m + error_m * r.q) * reach_grow + r.pad;
-    return x2 + dy * dy + z2 < reach * reach;
+    return floats::is_within(floats::squared_sum(x2, y - r.eye_y, z2),
+                             floats::reach_m(floats::One(), r, error_m, radius_m));
 }
 
 [[nodiscard]] inline bool wanted(const Reach& r, float x, float y, float z, float error_m, float radius_m) {
-    const float dx = x - r.eye_x, dz = z - r.eye_z;
-    return wanted_at(r, dx * dx, y, dz * dz, error_m, radius_m);
+    return floats::is_within(floats::squared_distance(floats::One(), r, x, y, z),
+                             floats::reach_m(floats::One(), r, error_m, radius_m));
 }
 
 } // namespace fjell

@@ -1,0 +1,174 @@
+#include "cut/morph.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "cut/state.h"
+
+namespace fjell {
+
+namespace {
+
+// How far a vertex has morphed in by its distance alone, 0 to 1.
+float morph_fraction(const MorphFrame& frame, float x, float y, float z, float error_m, float radius_m) {
+    float most = 0;
+    for (std::uint32_t i = 0; i < frame.views; ++i) {
+        const MorphView& v = frame.view[i];
+        const float dx = x - v.eye_x, dy = y - v.eye_y, dz = z - v.eye_z;
+        const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+        const float start = radius_m + error_m * v.q_start, full = radius_m + error_m * v.q_full;
+        const float t = start > full ? (start - distance) / (start - full) : distance < start ? 1.0f : 0.0f;
+        most = std::max(most, std::min(t, 1.0f));
+    }
+    return most;
+}
+
+// Displacement on screen below which nobody can see a vertex jump.
+constexpr float unseen_px = 0.01f;
+
+} // namespace
+
+float activation_time_s(const Views& views, Morphing& morphing, const Frame& frame, float x, float y, float z,
+                        float error_m, float radius_m) {
+    const MorphFrame& now = morphing.now;
+    if (now.morph == Morph::none) return long_active_s;
+    if (now.morph == Morph::error) {
+        // Late: the frame before would have shown it above its edge already.
+        const float before = morph_fraction(morphing.before, x, y, z, error_m, radius_m);
+        if (before * static_cast<float>(frame.report.threshold_px * views.largest_ratio) <= unseen_px)
+            return long_active_s;
+    }
+    if (morphing.late_count == morphing.ring_size)
+        return long_active_s; // cannot be: a slot each; but no reason to fail
+    morphing.late_s[(morphing.first_late + morphing.late_count++) % morphing.ring_size] = now.now_s;
+    morphing.clock.timed_ticks = morphing.clock.ticks;
+    return now.now_s;
+}
+
+void end_morphing_in(Work& work, Morphing& morphing) {
+    while (morphing.late_count != 0 &&
+           (morphing.now.morph == Morph::none ||
+            morph_age_s(morphing.now.now_s, morphing.late_s[morphing.first_late]) >= morphing.now.morph_s)) {
+        morphing.first_late = (morphing.first_late + 1) % morphing.ring_size;
+        --morphing.late_count;
+        open_gate(work);
+    }
+}
+
+void advance_clock(Morphing& morphing, const Frame& frame, bool first) {
+    MorphClock& c = morphing.clock;
+    constexpr double most = 0x1p62; // so that a difference of two fits an int64
+    const double exact = std::clamp(frame.settings.now_s * static_cast<double>(ticks_a_second), -most, most);
+    const auto host = static_cast<std::int64_t>(std::floor(exact + 0.5));
+    if (!first) c.ticks += std::clamp<std::int64_t>(host - c.host_ticks, 0, longest_gap_ticks);
+    c.host_ticks = host;
+}
+
+void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before) {
+    constexpr std::int64_t round = clock_ticks / 2;
+    const std::int64_t now = morphing.clock.ticks;
+    if (now == ticks_before || ticks_before - morphing.clock.timed_ticks > round + longest_gap_ticks) return;
+    const auto cursor = [&](std::int64_t ticks) {
+        return static_cast<std::uint32_t>(ticks % round * static_cast<std::int64_t>(mesh.capacity) / round);
+    };
+    const auto pass = [&](std::uint32_t first, std::uint32_t end) {
+        for (std::uint32_t slot = first; slot < std::min(end, mesh.fresh_vertex); ++slot) {
+            MorphVertex& m = mesh.morph[slot];
+            if (m.activated_s == long_active_s ||
+                morph_age_s(morphing.clock.now_s(), m.activated_s) * static_cast<float>(ticks_a_second) <
+                    static_cast<float>(longest_gap_ticks))
+                continue;
+            m.activated_s = long_active_s;
+            mesh.dirty_vertices.mark(slot);
+        }
+    };
+    const std::uint32_t first = cursor(ticks_before), end = cursor(now);
+    if (first <= end) return pass(first, end);
+    pass(first, mesh.capacity);
+    pass(0, end);
+}
+
+void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std::uint32_t vertex) {
+    const std::uint32_t slot = pages.vertex_slot[vertex];
+    MeshVertex& v = mesh.vertices[slot];
+    MorphVertex& m = mesh.morph[slot];
+    const float edge_m = m.flat_m;
+    m.flat_m = morphed_height_m(pages.grid.handle, v, m, morphing.now);
+    v.height_m = edge_m;
+    m.error_m = 1e30f; // by distance it has arrived
+    m.radius_m = 0;
+    m.activated_s = morphing.now.now_s;
+    morphing.clock.timed_ticks = morphing.clock.ticks;
+    mesh.hole[slot] |= morphs_out_bit;
+    mesh.dirty_vertices.mark(slot);
+    FJELL_ASSERT(morphing.out_count < morphing.ring_size); // a full ring would forget the first
+    morphing.out[(morphing.first_out + morphing.out_count++) % morphing.ring_size] = vertex;
+}
+
+void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot) {
+    PageState& page = pages.state[slot];
+    page.late_ticks = morphing.clock.ticks;
+    if (page.late) return;
+    page.late = true;
+    morphing.late_pages[morphing.late_page_count++] = slot;
+}
+
+void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all) {
+    const auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
+    for (std::uint32_t i = 0; i < morphing.late_page_count;) {
+        PageState& page = pages.state[morphing.late_pages[i]];
+        if (!all && morphing.clock.ticks - page.late_ticks <= lasts) {
+            ++i;
+            continue;
+        }
+        page.late = false;
+        morphing.late_pages[i] = morphing.late_pages[--morphing.late_page_count];
+    }
+}
+
+void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot) {
+    pages.state[slot].late = false;
+    std::uint32_t* const end = morphing.late_pages + morphing.late_page_count--;
+    (void)std::remove(morphing.late_pages, end, slot);
+}
+
+namespace {
+
+std::uint32_t slot_at(const Pages& pages, Coord c) {
+    if (!pages.grid.terrain->tree.is_corner(c)) return pages.vertex_slot[find_vertex(pages, site_at(c))];
+    return pages.grid.terrain->corner_at(c.x >> pages.grid.terrain->tree.tile_log2,
+                                         c.y >> pages.grid.terrain->tree.tile_log2);
+}
+
+} // namespace
+
+void flatten_all(const Pages& pages, Mesh& mesh) {
+    for (std::uint32_t number = 0; number < pages.fresh * max_page_groups; ++number)
+        for (std::uint32_t lanes = pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
+            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const Site site = site_of(pages, vertex);
+            const Coord at = site_coord(site);
+            const Diamond split = diamond(pages.grid.terrain->tree, at);
+            const std::uint32_t slot = pages.vertex_slot[vertex];
+            mesh.morph[slot].flat_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
+                                                  slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
+            mesh.dirty_vertices.mark(slot);
+        }
+}
+
+MorphFrame cut_morph(LiveCut cut) {
+    const CutState* const s = find_cut(cut);
+    return s != nullptr ? s->morphing.now : MorphFrame{};
+}
+
+float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
+    if (frame.morph == Morph::none) return v.height_m;
+    const TerrainData* const found = find(terrain);
+    if (found == nullptr) return v.height_m;
+    float t = morph_fraction(frame, found->x_m(v.column), v.height_m, found->z_m(v.row), m.error_m, m.radius_m);
+    t = std::min(t, morph_age_s(frame.now_s, m.activated_s) / frame.morph_s);
+    return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
+}
+
+} // namespace fjell
