@@ -38,7 +38,8 @@ void load_gdal() {
         void* const gdal = dlopen(FJELL_GDAL, RTLD_LAZY);
         const auto find = [&](const char* name) {
             if (void* const found = gdal ? dlsym(gdal, name) : nullptr) return found;
-            throw Failure(3, fmt::format("GDAL cannot be loaded ({}); install {}", dlerror(), FJELL_GDAL));
+            const char* const why = dlerror();
+            throw Failure(3, fmt::format("GDAL cannot be loaded ({}); install " FJELL_GDAL, why ? why : "not found"));
         };
         char* to = fjell_gdal_table;
         void* found = nullptr;
