@@ -34,10 +34,11 @@ struct RecipeKey {
     const char* name = nullptr;
     Of of = Of::pack;
     Member member;
-    const char* about = nullptr;         // what it is, its unit and default: one paragraph
-    std::vector<std::string> words = {}; // that it takes; empty: any
-    bool path = false;                   // a file's name
-    double least = -std::numeric_limits<double>::infinity(), most = -least; // of a number
+    const char* about = nullptr;                             // what it is, its unit and default: one paragraph
+    std::vector<std::string> words = {};                     // that it takes; empty: any
+    bool path = false;                                       // a file's name
+    double least = -std::numeric_limits<double>::infinity(); // of a number
+    double most = std::numeric_limits<double>::infinity();
 };
 // In the order in which help and files have them.
 [[nodiscard]] const std::vector<RecipeKey>& recipe_keys();
