@@ -293,8 +293,10 @@ std::string wkt_of(const OGRSpatialReference& crs) {
 
 void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]) {
     step[0] = step[1] = 0;
+    if (crs_wkt.empty()) return;
+    load_gdal();
     OGRSpatialReference crs;
-    if (crs_wkt.empty() || crs.importFromWkt(crs_wkt.c_str()) != OGRERR_NONE) return;
+    if (crs.importFromWkt(crs_wkt.c_str()) != OGRERR_NONE) return;
     if (!crs.IsProjected() && !crs.IsLocal()) return;
     const double unit_m = crs.GetLinearUnits();
     for (const int axis : {0, 1})
