@@ -5,22 +5,28 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <memory>
 #include <optional>
+#include <sstream>
 #include <thread>
 #include <utility>
 
 #include <epoxy/gl.h>
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include "editor/dump.h"
+#include "editor/files/listing.h"
 #include "editor/files/persistence.h"
 #include "editor/handlers/handlers.h"
-#include "editor/jobs/factories.h"
+#include "editor/jobs/work.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
-#include "editor/strings.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
@@ -40,6 +46,29 @@ const char* dump_file() {
     return file;
 }
 
+constexpr double stirred_for_s = 0.3;               // dialogs dim, lists open: what ImGui does over several frames
+constexpr std::uint64_t stirred_frames = 3;         // a command, what it changes, and where things then lie
+constexpr double look_s = 0.1, look_soon_s = 0.002; // for signals and jobs, which wake nobody; and while a test asks
+
+// A terrain that is only rebuilt, for other budgets, looks the same from above.
+bool looks_the_same(const OverviewSource& now, const OverviewSource& source) {
+    if (!now.pack || !source.pack) return now.pack == source.pack;
+    const gl::LayerSettings &a = now.settings, &b = source.settings;
+    return now.pack->pack().header.directory_hash == source.pack->pack().header.directory_hash &&
+           now.layers == source.layers && (!now.layers || (a.on == b.on && a.tint == b.tint && a.control == b.control));
+}
+
+// What shows in panels alone. Everything else may show in the terrain's picture.
+template <typename... C>
+bool is_one_of(const Command& command) {
+    return (std::holds_alternative<C>(command) || ...);
+}
+bool only_panels(const Command& command) {
+    return is_one_of<MoveCamera, ShowPanel, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe, MarkPlace,
+                     ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
+                     BrowseFolder, BrowseFor, DraftBake, GiveBakeFile, BrowseAllKinds, SetHeat, ForgetRun>(command);
+}
+
 void write_text(const std::string& path, const std::string& text) {
     io::AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
@@ -48,16 +77,8 @@ void write_text(const std::string& path, const std::string& text) {
 
 } // namespace
 
-bool App::dump_is_wanted() {
-    return dump_file() != nullptr;
-}
-
-bool App::dump_asked_for() {
-    return dump_requested != 0;
-}
-
 App::App(Options options) : options_(std::move(options)) {
-    read_script();
+    script_.read(options_.commands, options_.script);
     if (!options_.materials.empty())
         engine_.set_layers(std::make_shared<const flight::GroundLayers>(
             flight::read_ground_layers(options_.materials, options_.layers)));
@@ -66,6 +87,7 @@ App::App(Options options) : options_(std::move(options)) {
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
+    io.UserData = &panels_.ui;
     io.IniFilename = nullptr; // the state is ours to keep
     io.LogFilename = nullptr;
     state_.headless = options_.headless;
@@ -89,9 +111,6 @@ App::~App() {
     finish_persistence(state_, ended_);
     jobs_.cancel();
     engine_.abandon_opening();
-    shown_ = nullptr;
-    target_.reset();
-    half_target_.reset();
     drop_graphics();
     engine_.close();
     surface_.reset();
@@ -100,8 +119,8 @@ App::~App() {
 
 // Before the context goes.
 void App::drop_graphics() {
+    picture_.drop_graphics();
     overview_.drop_graphics(state_.overview);
-    thumbnails_.drop_graphics(state_.bookmarks);
     gpu_timer_.drop_graphics();
     comparison_.drop_graphics();
     preview_.drop_graphics(state_.bake);
@@ -116,10 +135,9 @@ void App::make_surface_and_graphics() {
     engine_.set_second_context(surface_->second_context());
     state_.graphics = surface_->description();
     for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
-        software_ = software_ || state_.graphics.find(name) != std::string::npos;
+        state_.software = state_.software || state_.graphics.find(name) != std::string::npos;
     if (!options_.headless) rehearse_blit(*surface_);
-    state_.software = software_;
-    picture_old_ = true;
+    picture_.redraw();
 }
 
 // Everything on the GPU is gone, or shall be: what is open and edited stays.
@@ -128,9 +146,6 @@ void App::replace_surface() {
     surface_->size(width, height);
     options_.width = std::max(width, 320u);
     options_.height = std::max(height, 320u);
-    shown_ = nullptr;
-    target_.reset();
-    half_target_.reset();
     drop_graphics();
     const InputCounts counted = surface_->input;
     surface_.reset();
@@ -146,11 +161,10 @@ void App::replace_surface() {
     surface_->input = counted;
     engine_.make_graphics();
     preview_.set(state_.bake);
-    post_message(state_, Severity::warning, strings::notices::driver_reset);
+    post_message(state_, Severity::warning, "the graphics driver was reset; all GPU resources were recreated");
 }
 
 int App::run() {
-    const HandlerContext context{state_, engine_, jobs_};
     if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
     if (!options_.pack.empty())
         open_input();
@@ -159,9 +173,9 @@ int App::run() {
     if (!options_.path.empty()) {
         const OpenPath path{options_.path, true};
         if (baking_input_)
-            script_.insert(script_.begin(), ScriptLine{Command(path), {}});
+            script_.put_first(path);
         else
-            apply(path, context);
+            apply(path, context());
     }
     if (!baking_input_ && !engine_.is_open() && state_.interface.dialog == Dialog::none)
         state_.interface.dialog = Dialog::start;
@@ -205,7 +219,6 @@ void App::frame() {
     next_frame_.clear();
     const bool recording = dumping_ || !after_frame_.empty();
     if (recording) ui::record_marks(true);
-    thumbnails_.upload(state_.bookmarks);
     {
         const OwnCode own(watch_);
         follow_overview(); // before the panels, which show its texture
@@ -213,14 +226,16 @@ void App::frame() {
     times_.editor_us = interface();
     times_.editor_us += handle_commands();
     attempt([&] { times_.editor_us += move_and_update(); });
-    judge_picture();
-    const bool drawn = picture_old_;
-    draw();
+    const PictureFrame shown{entry_, !after_frame_.empty(), rehearsed_ != 0, compared_changed_, watch_};
+    picture_.judge(state_, engine_, shown);
+    const bool drawn = picture_.old();
+    if (drawn && engine_.is_open()) stir();
+    draw(shown);
     if (recording) ui::record_marks(false);
     state_.measures.observe(entry_); // before a dump tells of it
     finish_requests();
     const auto present = Clock::now();
-    if (!software_) {
+    if (!state_.software) {
         gpu_timer_.end();
         times_.gpu_us = gpu_timer_.take_us();
     }
@@ -231,9 +246,7 @@ void App::frame() {
     const OwnCode own(watch_);
     state_.programs = gl::programs_made();
     state_.longest_frame_us = std::max(std::exchange(dumped_, false) ? 0 : state_.longest_frame_us, times_.frame_us);
-    // Where software catches up.
-    if (drew_half_) half_us_ = (times_.draw_us + times_.present_us) * std::exchange(first_bands_, 1);
-    drew_half_ = false;
+    picture_.end_frame(times_);
     state_.measures.record(times_, state_.eye.pose(), drawn);
 }
 
@@ -246,7 +259,7 @@ double App::interface() {
     keyboard::begin_frame(state_);
     ImGui::NewFrame();
     place_view();
-    draw_panels(state_, commands_);
+    draw_panels(state_, panels_, commands_);
     ImGui::Render();
     ui::leave_room();
     return microseconds(Clock::now() - start);
@@ -255,14 +268,14 @@ double App::interface() {
 double App::handle_commands() {
     std::optional<OwnCode> own(watch_);
     const auto start = Clock::now();
-    const HandlerContext context{state_, engine_, jobs_};
-    for (const std::string& file : std::exchange(surface_->dropped, {})) apply(OpenFile{file, false}, context), stir();
+    for (const std::string& file : std::exchange(surface_->dropped, {}))
+        apply(OpenFile{file, false}, context()), stir();
     for (const Command& command : commands_.list()) {
         // The panels of this frame are drawn already, with the dialog that asked: the next one's are shown.
-        if (std::holds_alternative<TakeScreenshot>(command) || std::holds_alternative<DumpState>(command))
+        if (is_one_of<TakeScreenshot, DumpState>(command))
             next_frame_.push_back(command);
         else
-            apply(command, context);
+            apply(command, context());
         note(command);
     }
     commands_.clear();
@@ -271,14 +284,14 @@ double App::handle_commands() {
         stir();
     }
     if (jobs_.poll(state_.job)) {
-        handle_job_result(context);
-        if (state_.job.kind != JobKind::bake) redraw(); // whose terrain is not shown yet
+        handle_job_result(context());
+        if (state_.job.kind != JobKind::bake) picture_.redraw(); // whose terrain is not shown yet
         stir();
     }
     own.reset();
     const auto follow = Clock::now();
     if (engine_.opening_done()) finish_opening();
-    follow_document(context); // rebuilding a terrain is not what the editor costs
+    follow_document(context()); // rebuilding a terrain is not what the editor costs
     const auto followed = Clock::now();
     own.emplace(watch_);
     update_file_state(state_);
@@ -289,7 +302,7 @@ double App::handle_commands() {
     for (std::string& line : engine_.take_messages()) post_message(state_, Severity::warning, std::move(line));
     if (surface_->should_close()) {
         surface_->stay_open();
-        apply(Quit{}, context);
+        apply(Quit{}, context());
     }
     return microseconds(Clock::now() - start) - microseconds(followed - follow);
 }
@@ -301,7 +314,7 @@ double App::move_and_update() {
     const auto start = Clock::now();
     {
         const OwnCode own(watch_);
-        move_camera({state_, engine_, jobs_}, state_.frame_s);
+        move_camera(context(), state_.frame_s);
     }
     const auto moved = Clock::now();
     if (rehearsals_ != 0) { // nothing else is done in these frames
@@ -313,7 +326,7 @@ double App::move_and_update() {
         const OwnCode own(watch_);
         comparison_.follow(state_, engine_);
     }
-    if (!software_) gpu_timer_.begin(); // ends when all of the frame was given to the driver
+    if (!state_.software) gpu_timer_.begin(); // ends when all of the frame was given to the driver
     const View& refining = state_.eye.refining ? *state_.eye.refining : state_.eye.view;
     entry_ = engine_.update(refining, state_.document.profile(), state_.now_s, times_.upload_us);
     compared_changed_ = comparison_.update(state_, refining);
@@ -334,26 +347,17 @@ void App::finish_opening() {
     attempt([&] {
         const std::string pack = engine_.finish_opening();
         if (pack.empty()) return;
-        show_opened(pack, {state_, engine_, jobs_});
+        show_opened(pack, context());
         rehearsals_ = 2;
     });
     if (!engine_.opening()) state_.opening.clear(); // otherwise another one was asked for meanwhile
-}
-
-// A terrain that is only rebuilt, for other budgets, looks the same from above.
-bool App::overview_is_of(const OverviewSource& source) const {
-    const OverviewSource& now = overview_of_;
-    if (!now.pack || !source.pack) return now.pack == source.pack;
-    const gl::LayerSettings &a = now.settings, &b = source.settings;
-    return now.pack->pack().header.directory_hash == source.pack->pack().header.directory_hash &&
-           now.layers == source.layers && (!now.layers || (a.on == b.on && a.tint == b.tint && a.control == b.control));
 }
 
 void App::follow_overview() {
     OverviewSource source;
     if (engine_.is_open()) source = {engine_.session().file, engine_.layers(), state_.document.profile().layers};
     // A slider that is held would begin it anew in every frame.
-    if (overview_is_of(source)) {
+    if (looks_the_same(overview_of_, source)) {
         overview_of_ = std::move(source); // the file may be another one of the same contents
     } else if (!state_.document.dragging()) {
         overview_of_ = source;
@@ -404,8 +408,8 @@ void App::finish_requests() {
                 gl::Image image;
                 if (shot->with_panels)
                     surface_->read(image);
-                else if (shown_ != nullptr)
-                    shown_->read_colour(image);
+                else if (picture_.shown() != nullptr)
+                    picture_.shown()->read_colour(image);
                 const std::string error = gl::write_png(image, shot->path);
                 if (!error.empty()) throw Failure(3, error);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
@@ -415,6 +419,160 @@ void App::finish_requests() {
             }
         });
     }
+}
+
+void App::draw(const PictureFrame& frame) {
+    const unsigned framebuffer = surface_->framebuffer();
+    if (engine_.is_open() && picture_.old() && state_.frame != rehearsed_)
+        attempt([&] { picture_.draw(state_, engine_, comparison_, frame, times_); });
+    const auto start = Clock::now();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glClearColor(0.06F, 0.065F, 0.075F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    const Interface& i = state_.interface;
+    if (engine_.is_open() && picture_.shown() != nullptr)
+        blit(*picture_.shown(), framebuffer, i.height_px,
+             {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px});
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    surface_->draw_interface();
+    times_.present_us = microseconds(Clock::now() - start);
+}
+
+// --- What an editor does before and beside its hands: heights given on the command line, and scripts.
+
+// A window asks how heights are to be baked; without one they are baked as that dialog would begin.
+void App::open_input() {
+    const std::string& input = options_.pack;
+    attempt([&] {
+        if (!options_.headless || file_kind_of(input) != FileKind::heights)
+            return apply(OpenFile{input, true}, context());
+        bake_beside(input, context());
+        baking_input_ = true;
+    });
+}
+
+void App::show_baking() {
+    if (!jobs_.running()) {
+        baking_input_ = false;
+        state_.frame = 0; // --frames counts from here
+        return;
+    }
+    if (state_.now_s - baking_shown_s_ < 1) return;
+    baking_shown_s_ = state_.now_s;
+    fmt::print(stderr, "fjell-editor: baking {}: {} {:.0f}%\n", options_.pack, state_.job.stage,
+               100 * state_.job.share);
+}
+
+bool App::settled() const {
+    if (jobs_.running()) return false;
+    if (!engine_.is_open()) return true;
+    if (!comparison_.settled()) return false;
+    if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
+    if (state_.probe.looking) return false;
+    const flight::FrameEntry& e = state_.measures.last();
+    const StreamReport& r = e.stream;
+    // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
+    const bool resting = r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 &&
+                         r.mips_uploaded == 0 && r.pages_evicting == 0 && e.activations == 0 && e.deactivations == 0;
+    const bool streamed = !e.streamed || (r.converged && r.maps_converged) || resting;
+    return state_.measures.frames() > 1 && e.waiting == e.blocked && e.morphing == 0 && streamed;
+}
+
+// Carries on with the script where nothing waits. False: a headless run is over.
+bool App::run_script() {
+    if (baking_input_ || engine_.opening() || rehearsals_ != 0) return true;
+    if (state_.frame == 0) return true; // how large the picture is, is known after a frame
+    const auto done = [this] { return settled() && overview_.done(); };
+    while (const ScriptLine* const line = script_.next(state_.frame, done)) {
+        run_line(*line);
+        if (engine_.opening() || rehearsals_ != 0) return true;
+    }
+    return !script_.over(state_.frame, settled()) || !options_.headless || options_.frames != 0;
+}
+
+void App::run_line(const ScriptLine& line) {
+    if (!line.command) return post_failure(state_, Failure(2, line.problem));
+    const Command& command = *line.command;
+    if (const auto* wait = std::get_if<WaitFrames>(&command)) {
+        script_.wait_until(state_.frame + wait->frames);
+    } else if (std::holds_alternative<WaitSettled>(command)) {
+        script_.wait_until(state_.frame + 2, true); // what was just asked for shows in the frames that follow
+    } else if (is_one_of<TakeScreenshot, DumpState>(command)) {
+        after_frame_.push_back(command);
+        script_.wait_until(state_.frame + 2); // drawn with what came before it
+    } else if (const auto* size = std::get_if<ResizeWindow>(&command)) {
+        surface_->resize(size->width, size->height);
+        script_.wait_until(state_.frame + 3);
+    } else if (std::holds_alternative<LoseGraphics>(command)) {
+        replace_surface();
+    } else {
+        const bool ran = jobs_.running();
+        apply(command, context());
+        note(command);
+        // Heights that a script opens are baked first; what follows is about the terrain.
+        if (std::holds_alternative<OpenFile>(command) && options_.headless && !ran && jobs_.running())
+            script_.wait_until(state_.frame + 2, true);
+    }
+}
+
+// --- When there is something to draw: an editor at rest waits for input, and a frame whose terrain looks as before
+// shows the picture that is there.
+
+void App::stir() {
+    stirred_s_ = state_.now_s;
+    stirred_frame_ = state_.frame;
+}
+
+void App::note(const Command& command) {
+    if (std::holds_alternative<MoveCamera>(command)) return; // of every frame; the view tells whether it moved
+    stir();
+    const auto* const file = std::get_if<OpenFile>(&command);
+    const bool read_by_thread = file != nullptr && engine_.opening() && file->path == state_.opening;
+    if (!read_by_thread && !only_panels(command)) picture_.redraw();
+}
+
+bool App::at_rest() const {
+    const bool stirred = state_.now_s - stirred_s_ < stirred_for_s || state_.frame < stirred_frame_ + stirred_frames;
+    if (stirred || script_.goes_on(state_.frame) || options_.frames != 0 || state_.quit) return false;
+    if (!after_frame_.empty() || !next_frame_.empty() || !surface_->dropped.empty()) return false;
+    if (!engine_.is_open()) return true;
+    if (!comparison_.settled()) return false;
+    const bool plays = state_.route.playing() || state_.route.recording();
+    return !plays && !picture_.old() && !state_.probe.looking && (settled() || jobs_.running());
+}
+
+double App::next_change_s() const {
+    double next_s = 3600;
+    const double tip_s = ui::tip_due_s();
+    if (tip_s > 0) next_s = tip_s;
+    for (const double until_s : {state_.messages.shown_until_s, state_.eye.speed_shown_until_s})
+        if (until_s > frame_s_) next_s = std::min(next_s, until_s - frame_s_);
+    if (ImGui::GetIO().WantTextInput) next_s = std::min(next_s, 0.5); // the caret blinks
+    if (jobs_.running()) next_s = std::min(next_s, 1.0);              // how long it has run
+    return next_s;
+}
+
+void App::rest() {
+    frame_s_ = state_.now_s; // of the frame that was drawn last
+    if (!at_rest()) return;
+    const double begun_s = state_.now_s, until_s = begun_s + next_change_s();
+    const auto begun = Clock::now();
+    const double look = dump_file() != nullptr ? look_soon_s : look_s;
+    while (state_.now_s < until_s) {
+        io::check_interrupt();
+        const bool event = surface_->wait(std::clamp(until_s - state_.now_s, 0.001, look));
+        state_.now_s = begun_s + microseconds(Clock::now() - begun) * 1e-6;
+        if (event || surface_->should_close()) {
+            stir();
+            break;
+        }
+        if (dump_requested != 0 || jobs_.news() || look_.news() || overview_.news() || engine_.opening_done()) break;
+        update_file_state(state_); // what is not saved is kept at its time, frames or not
+    }
+    if (state_.now_s >= until_s) stirred_frame_ = state_.frame; // a tip takes a frame to find its size
+    rested_ = state_.now_s - begun_s;
+    state_.rested_s += rested_;
 }
 
 } // namespace fjell::editor

@@ -1,8 +1,9 @@
 // The editor's program: surface, frame, and the order of things in it.
 //
 // A frame: input; panels read the state and push commands; commands are applied; the camera moves, the terrain is
-// updated and drawn; the panels are drawn over it; what it cost is recorded. Thread: main. Failure: io::Failure gets
-// out only when nothing can be shown at all; everything else is a message in the window.
+// updated and drawn (editor/picture.h); the panels are drawn over it; what it cost is recorded. Where nothing changes
+// the program waits for input instead. Thread: main. Failure: io::Failure gets out only when nothing can be shown at
+// all; everything else is a message in the window.
 #pragma once
 
 #include <functional>
@@ -11,39 +12,33 @@
 #include <string>
 #include <vector>
 
-#include "editor/clock.h"
 #include "editor/command.h"
 #include "editor/comparison.h"
 #include "editor/engine.h"
-#include "editor/handlers/apply.h"
-#include "editor/jobs/height_look.h"
+#include "editor/handlers/handlers.h"
+#include "editor/jobs/heights.h"
 #include "editor/jobs/jobs.h"
-#include "editor/options.h"
-#include "editor/scene/gpu_timer.h"
-#include "editor/scene/overview.h"
-#include "editor/scene/preview_texture.h"
-#include "editor/scene/thumbnails.h"
+#include "editor/panels/panels.h"
+#include "editor/picture.h"
+#include "editor/scene/textures.h"
+#include "editor/script.h"
 #include "editor/state.h"
 #include "editor/surface.h"
 
 namespace fjell::editor {
 
-// A command of --do or --script, or what is wrong with it.
-struct ScriptLine {
-    std::optional<Command> command;
-    std::string problem;
-};
-
-// A stretch of the editor's own code in a frame, told to whoever watches.
-class OwnCode {
-public:
-    explicit OwnCode(void (*watch)(bool begins)) : watch_(watch) { watch_(true); }
-    ~OwnCode() { watch_(false); }
-    OwnCode(const OwnCode&) = delete;
-    OwnCode& operator=(const OwnCode&) = delete;
-
-private:
-    void (*watch_)(bool begins);
+// The command line's.
+struct Options {
+    std::string pack, profile, path;   // may be empty
+    std::string materials, layers;     // of detail layers: both or neither
+    std::string screenshot;            // of the last of so many frames
+    std::size_t frames = 0;            // then it quits; 0: until it is closed
+    std::string script;                // a file of commands, "-": standard input
+    std::vector<std::string> commands; // --do: before the script's
+    bool headless = false;
+    std::uint32_t width = 0, height = 0; // 0: as last time, or 1280x720
+    double scale = 0;                    // 0: the desktop's
+    bool vsync = true;
 };
 
 class App {
@@ -63,18 +58,13 @@ private:
     double interface(); // what it took, us
     double handle_commands();
     double move_and_update(); // what the editor itself took of it, us
-    void draw();
-    void draw_terrain();
-    [[nodiscard]] PictureRows next_band(std::uint32_t height) const;
-    PictureRows next_first_band(std::uint32_t height);
-    void take_thumbnail(const gl::Target& target); // of a bookmark that wants one
+    void draw(const PictureFrame& frame);
     void attempt(const std::function<void()>& what);
-    [[nodiscard]] bool overview_is_of(const OverviewSource& source) const;
     void follow_overview();
     void finish_opening();  // of a pack that a thread has read
     void finish_requests(); // screenshots and dumps of the frame that was just drawn
-    void read_script();
-    bool run_script();    // false: it is over
+    bool run_script();      // false: it is over
+    void run_line(const ScriptLine& line);
     bool settled() const; // all that was requested is done and drawn
     void open_input();    // the command line's: a pack, or heights that are baked before the script begins
     void show_baking();   // on stderr, once a second
@@ -82,27 +72,20 @@ private:
     void replace_surface();
     void drop_graphics();
     void place_view();
-    gl::Target& fit_target(bool half);
+    [[nodiscard]] HandlerContext context() { return {state_, engine_, jobs_}; }
 
-    // When there is something to draw (app_rest.cpp).
-    void rest(); // returns when there is
+    void rest(); // returns when there is something to draw
     [[nodiscard]] bool at_rest() const;
     [[nodiscard]] double next_change_s() const; // until something shows or goes of itself
-    [[nodiscard]] static bool dump_is_wanted(); // by a test, now and then: FJELL_EDITOR_DUMP
-    [[nodiscard]] static bool dump_asked_for(); // now
     void stir();                                // the next frames are drawn
     void note(const Command& command);          // that was applied
-    void judge_picture();                       // sets picture_old_, of this frame's view and mesh
-    void redraw();                              // all of the terrain's picture, bands that are drawn already too
 
     Options options_;
     State state_;
+    PanelState panels_;
     Jobs jobs_;
     Commands commands_;
-    std::vector<ScriptLine> script_;
-    std::size_t script_at_ = 0;
-    std::uint64_t wait_until_frame_ = 0;
-    bool waiting_settled_ = false;
+    Script script_;
     bool baking_input_ = false; // headless: frames and the script begin when it is done
     double baking_shown_s_ = 0;
     std::string shown_title_;
@@ -121,29 +104,15 @@ private:
     HeightLook look_; // at what is to be baked
     PreviewTexture preview_;
     Comparison comparison_;
-    Thumbnails thumbnails_;
     GpuTimer gpu_timer_; // off where software draws
     Overview overview_;
-    OverviewSource overview_of_;                       // that it shows
-    std::unique_ptr<gl::Target> target_, half_target_; // the terrain's picture, and that of a moving camera
-    const gl::Target* shown_ = nullptr;                // the one that was drawn last
-    bool software_ = false;                            // draws
-    bool picture_old_ = true;                          // the terrain's, of this frame
-    bool mesh_changed_ = false;                        // in this frame
-    std::uint32_t first_row_ = 0;                      // of a terrain's first picture, rows below it are drawn already
-    std::uint32_t first_bands_ = 1;                    // that it is drawn in
-    View first_view_;                                  // of it
-    int rehearsals_ = 0;                               // frames that the driver compiles in, before the first picture
-    std::uint64_t rehearsed_ = 0;                      // the last such frame
-    bool drew_half_ = false;                           // in this frame
-    double half_us_ = 0;                               // what the last picture of half resolution took, with its copy
-    std::uint32_t band_row_ = 0;                       // of the whole picture, rows below this one are drawn already
-    bool compared_changed_ = false;                    // the other profile's mesh, in this frame
-    bool moving_ = false;                              // the camera, since the last picture
-    View drawn_view_;                                  // of the last picture
-    std::uint64_t drawn_terrain_ = 0;                  // the same, by Engine::terrains()
-    double frame_s_ = 0;                               // the clock of the last frame
-    double stirred_s_ = 0;                             // when, by State::now_s
+    OverviewSource overview_of_; // that it shows
+    TerrainPicture picture_;
+    int rehearsals_ = 0;            // frames that the driver compiles in, before the first picture
+    std::uint64_t rehearsed_ = 0;   // the last such frame
+    bool compared_changed_ = false; // the other profile's mesh, in this frame
+    double frame_s_ = 0;            // the clock of the last frame
+    double stirred_s_ = 0;          // when, by State::now_s
     std::uint64_t stirred_frame_ = 0;
     Clock::time_point frame_began_{};
     double rested_ = 0; // before this frame, seconds

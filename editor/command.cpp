@@ -1,16 +1,142 @@
 #include "editor/command.h"
 
-#include "editor/arrangement.h"
-#include "editor/command_words.h"
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "editor/files/settings.h"
 #include "editor/measures.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
+#include "flight/profile.h"
 
 namespace fjell::editor {
 
 namespace {
 
 using io::Failure;
+
+constexpr const char* a_point = "a point, from 0";
+
+// The words after the verb. Quotes hold words with spaces together.
+class Words {
+public:
+    explicit Words(std::vector<std::string> words) : words_(std::move(words)) {}
+
+    [[nodiscard]] bool more() const { return at_ < words_.size(); }
+    [[nodiscard]] std::string text(const char* what) {
+        if (!more()) throw Failure(2, fmt::format("{} is missing", what));
+        return words_[at_++];
+    }
+    [[nodiscard]] std::string text_or(std::string otherwise) { return more() ? words_[at_++] : std::move(otherwise); }
+    [[nodiscard]] double number(const char* what) { return number_of(text(what), what); }
+    [[nodiscard]] double number_or(double otherwise, const char* what) { return more() ? number(what) : otherwise; }
+    [[nodiscard]] std::size_t count(const char* what) { return count_of(text(what), what); }
+    // Whether the last word is that one; no other may be there.
+    [[nodiscard]] bool flag(const char* name) {
+        if (!more()) return false;
+        const std::string word = text(name);
+        if (word != name) throw Failure(2, fmt::format("{}: only {} may follow", word, name));
+        return true;
+    }
+    [[nodiscard]] bool on() {
+        const std::string word = text("on or off");
+        if (word != "on" && word != "off") throw Failure(2, fmt::format("{}: must be on or off", word));
+        return word == "on";
+    }
+    template <typename E>
+    [[nodiscard]] E one_of(std::span<const char* const> names, const char* what) {
+        const std::string word = text(what);
+        std::string all;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (word == names[i]) return static_cast<E>(i);
+            all += (all.empty() ? "" : ", ") + std::string(names[i]);
+        }
+        throw Failure(2, fmt::format("{}: no such {}; choose one of {}", word, what, all));
+    }
+    // NAME=VALUE words from here on.
+    void options(const std::map<std::string, std::function<void(const std::string&)>>& known) {
+        while (more()) {
+            const std::string word = text("");
+            const std::size_t sign = word.find('=');
+            const auto found = sign == std::string::npos ? known.end() : known.find(word.substr(0, sign));
+            if (found == known.end()) {
+                std::string all;
+                for (const auto& [name, set] : known) all += (all.empty() ? "" : ", ") + name + "=";
+                throw Failure(2, fmt::format("{}: no such option; choose from {}", word, all));
+            }
+            found->second(word.substr(sign + 1));
+        }
+    }
+    // NAME=..., which no file is called here; after a folder it may be.
+    [[nodiscard]] bool is_option() const {
+        const std::size_t sign = words_[at_].find('=');
+        return sign != std::string::npos && sign != 0 && words_[at_].find('/') > sign;
+    }
+    void end() const {
+        if (more()) throw Failure(2, fmt::format("{}: unexpected extra word", words_[at_]));
+    }
+    [[nodiscard]] static double number_of(const std::string& word, const char* what) {
+        double value = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value))
+            throw Failure(2, fmt::format("{}: {} must be a number", word, what));
+        return value;
+    }
+    [[nodiscard]] static std::uint32_t count_of(const std::string& word, const char* what, double least = 0,
+                                                double most = 1e9) {
+        const double value = number_of(word, what);
+        if (!(value >= least && value <= most && value == std::floor(value)))
+            throw Failure(2, fmt::format("{} must be a whole number from {} to {}", what, least, most));
+        return static_cast<std::uint32_t>(value);
+    }
+    [[nodiscard]] static double number_in(const std::string& word, const char* what, double least, double most) {
+        const double value = number_of(word, what);
+        if (!(value >= least && value <= most))
+            throw Failure(2, fmt::format("{} must be a number from {} to {}", what, least, most));
+        return value;
+    }
+
+private:
+    std::vector<std::string> words_;
+    std::size_t at_ = 0;
+};
+
+struct Verb {
+    const char *name, *words, *about;
+    std::function<Command(Words&)> parse;
+};
+
+template <typename C>
+std::function<Command(Words&)> plain() {
+    return [](Words&) { return C{}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_path(bool needed) {
+    return [=](Words& w) { return C{needed ? w.text("a file") : w.text_or("")}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_path_and_discard() {
+    return [](Words& w) {
+        const std::string path = w.text("a file");
+        return C{path, w.flag("discard")};
+    };
+}
+template <typename C>
+std::function<Command(Words&)> with_switch() {
+    return [](Words& w) { return C{w.on()}; };
+}
+template <typename C>
+std::function<Command(Words&)> with_point() {
+    return [](Words& w) { return C{w.count(a_point)}; };
+}
 
 // Of an export: nothing, "converged" or a threshold.
 struct MeshChoice {
@@ -29,7 +155,7 @@ constexpr double degree = 3.14159265358979323846 / 180;
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.error_px");
     const flight::ProfileKey* const key = flight::find_profile_key(name);
-    if (key == nullptr) throw Failure(2, fmt::format(strings::refusals::no_key, name));
+    if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
     if (const std::string problem = flight::parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
@@ -102,7 +228,8 @@ Command tune(Words& w) {
     TuneSettings& s = t.settings;
     w.options({{"measure",
                 [&](const std::string& v) {
-                    if (v != "update" && v != "frame") throw Failure(2, fmt::format(strings::refusals::bad_measure, v));
+                    if (v != "update" && v != "frame")
+                        throw Failure(2, fmt::format("{}: measure must be update or frame", v));
                     s.measure = v == "frame" ? TuneMeasure::frame : TuneMeasure::update;
                 }},
                {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
@@ -110,7 +237,7 @@ Command tune(Words& w) {
                {"csv", [&](const std::string& v) { t.csv = v; }},
                {"apply",
                 [&](const std::string& v) {
-                    if (v != "yes" && v != "no") throw Failure(2, fmt::format(strings::refusals::bad_apply, v));
+                    if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: apply must be yes or no", v));
                     s.apply = v == "yes";
                 }},
                {"least_px",
@@ -196,16 +323,43 @@ std::vector<Verb> camera_verbs() {
         {"remove-point", "N", "removes a point", with_point<RemovePoint>()},
         {"move-point", "N TO", "moves a point to index TO",
          [](Words& w) {
-             const std::size_t point = w.count("a point, from 0");
+             const std::size_t point = w.count(a_point);
              return MovePoint{point, w.count("its new index, from 0")};
          }},
         {"clear-path", "", "removes the path", plain<ClearPath>()},
         {"restore-path", "", "restores the path before it was last edited, cleared or replaced", plain<RestorePath>()},
-        {"path-seconds", "N",
-         "duration of the flight, to which times of points are stretched; 0: without times, chosen from the terrain's "
-         "size",
+        {"path-seconds", "N", "duration of the flight; 0: chosen from the terrain's size",
          [](Words& w) { return SetPathSeconds{w.number("seconds")}; }},
         {"loop-path", "on|off", "starts again at its end", with_switch<LoopPath>()},
+    };
+}
+
+Command place_point(Words& w) {
+    PlacePoint place;
+    place.point = w.count(a_point);
+    place.x_m = w.number("x in metres");
+    place.z_m = w.number("z in metres");
+    if (w.more()) place.y_m = w.number("y in metres");
+    return place;
+}
+
+Command insert_point(Words& w) {
+    InsertPoint insert;
+    if (w.more()) insert.share = Words::number_in(w.text("a share"), "a share", 0, 1);
+    return insert;
+}
+
+std::vector<Verb> path_verbs() {
+    return {
+        {"select-point", "N [stay]", "selects a point and looks from there, or stays",
+         [](Words& w) {
+             const std::size_t point = w.count(a_point);
+             return SelectPoint{point, !w.flag("stay")};
+         }},
+        {"insert-point", "[SHARE]",
+         "adds a point on the path, at a fraction of its duration, or where it is being played", insert_point},
+        {"place-point", "N X Z [Y]",
+         "moves a point over that place, as high above the ground as it was, or to height Y", place_point},
     };
 }
 
@@ -312,6 +466,48 @@ std::vector<Verb> program_verbs() {
     };
 }
 
+Command render(Words& w) {
+    RenderPicture r;
+    r.path = w.text("a file");
+    w.options({{"width", [&](const std::string& v) { r.width = Words::count_of(v, "width", 16, 32768); }},
+               {"height", [&](const std::string& v) { r.height = Words::count_of(v, "height", 16, 32768); }}});
+    return r;
+}
+
+Command compare_pictures(Words& w) {
+    const std::string word = w.text("off, profile or a threshold");
+    if (word == "off") return ComparePictures{};
+    if (word == "profile") return ComparePictures{CompareWith::profile, 0};
+    return ComparePictures{CompareWith::threshold, Words::number_in(word, "the threshold, unless off or profile,",
+                                                                    flight::min_error_px, flight::max_error_px)};
+}
+
+std::vector<Verb> study_verbs() {
+    return {
+        {"run-place", "RUN SHARE", "chooses a place of a benchmark's run, 0 the latest, and looks from there",
+         [](Words& w) {
+             const std::size_t run = w.count("a run, from 0");
+             return ChoosePlace{run, Words::number_in(w.text("a share"), "a share", 0, 1)};
+         }},
+        {"forget-run", "RUN", "drops a benchmark's run from the panel; its CSV stays",
+         [](Words& w) { return ForgetRun{w.count("a run, from 0")}; }},
+        {"heat", "none|time|error", "colours the overview along the latest run's path",
+         [](Words& w) { return SetHeat{w.one_of<Heat>(heat_names, "heat")}; }},
+        {"render", "FILE.png [width=W] [height=H]", "a picture of any size of what the camera sees", render},
+        {"add-bookmark", "[NAME]", "keeps the camera's pose", [](Words& w) { return AddBookmark{w.text_or("")}; }},
+        {"bookmark", "N", "looks from a bookmark, 0 the first",
+         [](Words& w) { return GoToBookmark{w.count("a bookmark, from 0")}; }},
+        {"remove-bookmark", "N", "removes a bookmark",
+         [](Words& w) { return RemoveBookmark{w.count("a bookmark, from 0")}; }},
+        {"compare-picture", "off|profile|ERROR_PX",
+         "draws the compared profile, or this one at another threshold, into the same picture", compare_pictures},
+        {"compare-view", "split|difference", "both sides of a divider, or how much the pictures differ",
+         [](Words& w) { return SetCompareView{w.one_of<CompareView>(compare_view_names, "view")}; }},
+        {"divider", "SHARE", "where the compared picture begins, 0 to 1 of the width",
+         [](Words& w) { return SetDivider{Words::number_in(w.text("a share"), "a share", 0, 1)}; }},
+    };
+}
+
 const std::vector<Verb>& verbs() {
     static const std::vector<Verb> all = [] {
         std::vector<Verb> list = terrain_verbs();
@@ -338,7 +534,7 @@ std::vector<std::string> split(std::string_view line) {
             words.back() += c;
         }
     }
-    if (quoted) throw Failure(2, strings::refusals::quote_not_closed);
+    if (quoted) throw Failure(2, "a quote is not closed");
     return words;
 }
 
@@ -357,10 +553,14 @@ std::optional<Command> parse_command(std::string_view line) {
             words.end();
             return command;
         } catch (const Failure& failure) {
-            throw Failure(2, fmt::format(strings::refusals::bad_command, name, failure.what(), verb.name, verb.words));
+            throw Failure(2, fmt::format("{}: {}; usage: {} {}", name, failure.what(), verb.name, verb.words));
         }
     }
-    throw Failure(2, fmt::format(strings::refusals::no_command, name));
+    throw Failure(2, fmt::format("{}: no such command; fjell-editor --help-commands lists them", name));
+}
+
+void Commands::push(Command command) {
+    list_.push_back(std::move(command));
 }
 
 std::string command_help() {

@@ -8,16 +8,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
-#include "editor/jobs/tune_settings.h"
 #include "editor/names.h"
-#include "editor/path_command.h"
-#include "editor/study_command.h"
 #include "fjell/view.h"
 #include "flight/camera.h"
 #include "flight/profile_keys.h"
@@ -124,6 +122,20 @@ struct LoopPath {
     bool on = true;
 };
 
+struct SelectPoint {
+    std::size_t point = 0;
+    bool looks = true; // from there
+};
+struct InsertPoint {                  // on the path, where it is at that share of its time
+    std::optional<double> share = {}; // none: where it is being played
+};
+struct PlacePoint { // over that place: at that height, or as high above the ground as it was
+    std::size_t point = 0;
+    double x_m = 0, z_m = 0;
+    bool dragging = false; // more of the same follows: one step of undo
+    std::optional<double> y_m = {};
+};
+
 // --- the probe (editor/probe.h) ---
 struct PointProbe { // at this place of the picture, in shares of its width and height
     double x = 0, y = 0;
@@ -211,6 +223,19 @@ struct BrowseFor { // files of a kind, from the folder of a file that is named
     FileFilter filter = FileFilter::everything;
     std::string beside; // empty: where the last dialog looked
 };
+// What auto-tuning is asked for.
+enum class TuneMeasure : std::uint8_t { update, frame }; // update: the CPU's; frame: with upload, drawing and the GPU
+inline constexpr const char* tune_measure_names[] = {"update", "frame"};
+
+struct TuneSettings {
+    TuneMeasure measure = TuneMeasure::update;
+    double budget_us = 2000; // that p99 shall keep; 10 to 1e6
+    // Of each flight, 10 to 100,000; 0: as many as the path has at 60 a second. Fewer fly the same path faster, and a
+    // faster camera changes more in a frame.
+    std::uint32_t frames = 0;
+    double least_px = 0.25, most_px = 32; // where the threshold is looked for
+    bool apply = false;                   // sets refine.error_px to what was found
+};
 struct TuneThreshold {
     TuneSettings settings;
     std::string csv; // of the curve; empty: none
@@ -229,6 +254,53 @@ struct PreviewExport { // size and counts of it, nothing written
     double error_px = 0;
 };
 struct CancelJob {};
+
+// --- runs that benchmarks flew (editor/runs.h) ---
+struct ChoosePlace { // of a run, and look from there
+    std::size_t run = 0;
+    double share = 0; // 0..1 of its frames
+};
+struct ForgetRun {
+    std::size_t run = 0;
+};
+enum class Heat : std::uint8_t { none, time, error };
+inline constexpr const char* heat_names[] = {"none", "time", "error"};
+struct SetHeat { // what the overview's path is coloured by, from the latest run
+    Heat heat = Heat::none;
+};
+
+// --- pictures of any size, rendered beside the frame ---
+struct RenderPicture { // of what the camera sees
+    std::string path;  // .png
+    std::uint32_t width = 3840, height = 2160;
+};
+
+// --- bookmarks ---
+struct AddBookmark {
+    std::string name; // empty: numbered
+};
+struct GoToBookmark {
+    std::size_t bookmark = 0;
+};
+struct RemoveBookmark {
+    std::size_t bookmark = 0;
+};
+
+// --- two profiles in one picture (editor/comparison.h) ---
+enum class CompareWith : std::uint8_t { nothing, threshold, profile };
+inline constexpr const char* compare_with_names[] = {"off", "threshold", "profile"};
+struct ComparePictures {
+    CompareWith with = CompareWith::nothing;
+    double error_px = 0; // of a threshold; the rest is the profile's
+};
+enum class CompareView : std::uint8_t { split, difference };
+inline constexpr const char* compare_view_names[] = {"split", "difference"};
+struct SetCompareView {
+    CompareView view = CompareView::split;
+};
+struct SetDivider {
+    double share = 0.5; // of the picture's width: on its left the profile, on its right the other one
+};
 
 // --- the program ---
 struct TakeScreenshot {
@@ -252,32 +324,26 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command =
-    std::variant<OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile,
-                 StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera,
-                 JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath,
-                 SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath,
-                 SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks, SetPictureMode, SetOverlay, ShowPanel,
-                 ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures,
-                 ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold,
-                 RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow, DumpState,
-                 LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPictures,
-                 InsertPoint, TimePoint, PaceStretch, PacePath, CirclePath, AimPath, FreePath, ClosePath, PlacePoint,
-                 AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+using Command = std::variant<
+    OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile, StopComparing,
+    BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed,
+    SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
+    RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace,
+    ClearMarks, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel,
+    SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor,
+    BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow,
+    DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint,
+    PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
-// What the panels of one frame ask for, in its order. Room for a frame's worth is made once. push() takes any Command's
-// alternative; it is compiled in commands.cpp alone, or else every panel would compile the variant's moves again.
+// What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {
 public:
-    Commands();
-    ~Commands();
+    Commands() { list_.reserve(64); }
     Commands(const Commands&) = delete;
     Commands& operator=(const Commands&) = delete;
-    void push(Command command);
-    template <typename C>
-    void push(C command);
+    void push(Command command); // not inline, or every panel would compile the variant's moves
     [[nodiscard]] const std::vector<Command>& list() const { return list_; }
-    void clear();
+    void clear() { list_.clear(); }
 
 private:
     std::vector<Command> list_;

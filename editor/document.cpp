@@ -5,8 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "editor/edit_stamp.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -20,7 +18,7 @@ const char* changed_label(const flight::Profile& a, const flight::Profile& b) {
     const char* label = "";
     for (const flight::ProfileKey& key : flight::profile_keys()) {
         if (key.get(a) == key.get(b)) continue;
-        if (*label != '\0') return strings::steps::several_values;
+        if (*label != '\0') return "several values";
         label = key.label;
     }
     return label;
@@ -159,7 +157,7 @@ void Document::open(const std::string& path) {
 
 void Document::save(const std::string& path) {
     const std::string to = path.empty() ? file_.path : path;
-    if (to.empty()) throw io::Failure(2, strings::refusals::profile_without_file);
+    if (to.empty()) throw io::Failure(2, "the profile has no file yet; say where to save it");
     const std::string text = flight::profile_text(profile_, file_.heading);
     io::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));

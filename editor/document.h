@@ -16,6 +16,12 @@
 
 namespace fjell::editor {
 
+// Of an undo step, greater than of all before; 0 is none.
+[[nodiscard]] inline std::uint64_t next_edit_stamp() {
+    static std::uint64_t last = 0;
+    return ++last;
+}
+
 class Document {
 public:
     [[nodiscard]] const flight::Profile& profile() const { return profile_; }

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
-#include "editor/clock.h"
-#include "editor/strings.h"
+#include "editor/measures.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
 #include "flight/pictures.h"
 #include "gl/window.h"
 #include "pack/terrain_data.h"
@@ -137,7 +138,7 @@ std::string Engine::finish_opening() {
     }
     Opened opened = opening_.get();
     if (abandoned_->load(std::memory_order_relaxed))
-        throw io::Failure(2, fmt::format(strings::refusals::opening_abandoned, request_.pack));
+        throw io::Failure(2, fmt::format("{}: is no longer being opened", request_.pack));
     adopt(std::move(opened), request_.pack, request_.profile);
     return request_.pack;
 }
@@ -199,7 +200,7 @@ bool Engine::follow(const flight::Profile& profile) {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
-            messages_.push_back(fmt::format(strings::notices::file_changed, pack_));
+            messages_.push_back(fmt::format("{}: the file has changed; its new contents are shown", pack_));
         return true;
     }
     }
@@ -230,7 +231,9 @@ void Engine::tell_unread() {
     const std::uint64_t unread = session_->streamed->corrupt() + session_->streamed->unreadable();
     if (unread < 2 * std::max<std::uint64_t>(unread_told_, 1)) return;
     unread_told_ = unread;
-    messages_.push_back(fmt::format(strings::notices::unreadable_pages, pack_, unread));
+    messages_.push_back(fmt::format(
+        "{}: {} pages or mips cannot be read; the terrain is coarser there; check the pack with fjell-bake verify",
+        pack_, unread));
 }
 
 // Until the heights are there the picture is the usual one. Measured from the refining eye, against what it was
@@ -324,8 +327,50 @@ Scene Engine::scene() const {
     s.method_bytes = session.method->bytes();
     s.stream_bytes = session.streamed ? session.streamed->memory_bytes() : 0;
     s.streamed = session.streamed != nullptr;
-    s.load_s = session.load_seconds;
     return s;
+}
+
+void FullHeights::read(std::shared_ptr<const io::PackFile> pack) {
+    if (thread_.joinable() || uploaded_ || !problem_.empty()) return;
+    share_ = 0;
+    done_ = false;
+    failure_.clear();
+    thread_ = std::jthread([this, pack = std::move(pack)](const std::stop_token& stop) { run(*pack, stop); });
+}
+
+void FullHeights::run(const io::PackFile& pack, const std::stop_token& stop) {
+    try {
+        heights_ = io::read_heights(pack, most_samples, [&](double share) {
+            share_.store(share, std::memory_order_relaxed);
+            return !stop.stop_requested();
+        });
+    } catch (const std::exception& failure) {
+        failure_ = io::as_failure(failure).what();
+    }
+    done_.store(true, std::memory_order_release);
+}
+
+void FullHeights::forget() {
+    if (thread_.joinable()) {
+        thread_.request_stop();
+        thread_.join();
+    }
+    heights_.reset();
+    uploaded_ = false;
+    problem_.clear();
+    share_ = 0;
+}
+
+bool FullHeights::upload(gl::Renderer& renderer) {
+    if (uploaded_ || !done_.load(std::memory_order_acquire) || !thread_.joinable()) return uploaded_;
+    thread_.join();
+    problem_ = failure_;
+    if (heights_) {
+        problem_ = renderer.set_heights({heights_->columns, heights_->rows, heights_->step_log2, heights_->heights_m});
+        uploaded_ = problem_.empty();
+    }
+    heights_.reset();
+    return uploaded_;
 }
 
 } // namespace fjell::editor

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,6 +17,12 @@
 #include "flight/path.h"
 
 namespace fjell::editor {
+
+using Clock = std::chrono::steady_clock;
+
+[[nodiscard]] inline double microseconds(Clock::duration d) {
+    return std::chrono::duration<double, std::micro>(d).count();
+}
 
 inline constexpr std::size_t measured_frames = 512;
 

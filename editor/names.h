@@ -44,7 +44,7 @@ enum class Panel : std::uint8_t {
 };
 inline constexpr const char* panel_names[] = {"tune",    "camera",    "show",   "pictures",  "time",
                                               "budgets", "streaming", "levels", "auto-tune", "benchmark"};
-inline constexpr int panels = static_cast<int>(std::size(panel_names)), left_panels = 4;
+inline constexpr int panels = static_cast<int>(std::size(panel_names));
 // Panels of one group share a section of a column, however much room there is: two groups a column.
 inline constexpr unsigned group_bit(Panel panel) {
     constexpr unsigned groups[] = {1, 2, 1, 2, 4, 8, 8, 4, 4, 4};

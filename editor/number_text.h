@@ -6,8 +6,6 @@
 #include <iterator>
 #include <string>
 
-#include "editor/strings.h"
-
 namespace fjell::editor {
 
 // A short text on the stack, so that panels allocate nothing.
@@ -54,13 +52,19 @@ struct NumberText {
     return t;
 }
 
+// A path's last part.
+[[nodiscard]] inline const char* file_name(const std::string& path) {
+    const std::size_t slash = path.rfind('/');
+    return path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
+}
+
 // A position: "235,930 E  12,345 S  1,234 m".
 struct PlaceText {
     char text[80];
 };
 [[nodiscard]] inline PlaceText place_text(double x_m, double y_m, double z_m) {
     PlaceText t{};
-    (void)std::snprintf(t.text, sizeof t.text, strings::numbers::place, metre_text(x_m).text, metre_text(z_m).text,
+    (void)std::snprintf(t.text, sizeof t.text, "%.20s E  %.20s S  %.20s m", metre_text(x_m).text, metre_text(z_m).text,
                         metre_text(y_m).text);
     return t;
 }

@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "editor/route_parts.h"
-#include "editor/strings.h"
+#include "editor/document.h"
+#include "editor/number_text.h"
 #include "fjell/io/failure.h"
-#include "flight/path_timing.h"
 #include "io/file.h"
 
 namespace fjell::editor {
@@ -22,66 +21,68 @@ using flight::CameraPath;
 using flight::ControlPoint;
 using flight::Pose;
 using io::Failure;
-using route_parts::frames_for;
-using route_parts::point_of;
 
 constexpr double turned_rad = 0.07;          // 4 degrees: a point at least so often while recording
 constexpr std::size_t points_of_flight = 65; // of a path that is not made of points
+constexpr std::size_t most_path_steps = 100, most_path_bytes = std::size_t{64} << 20;
 
-std::vector<double>* times_in(CameraPath& path) {
-    auto* spline = std::get_if<flight::SplinePath>(&path.kind);
-    return spline != nullptr && !spline->times_s.empty() ? &spline->times_s : nullptr;
+ControlPoint point_of(const Pose& p) {
+    return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+                               p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
-// None for 0.
-void stretch(std::vector<double>& times_s, double seconds) {
-    if (times_s.empty()) return;
-    const double by = seconds / times_s.back();
-    for (double& time_s : times_s) time_s *= by;
-    times_s.back() = seconds;
-    if (seconds == 0) times_s.clear();
+Pose pose_of(const ControlPoint& p) {
+    const Vec3 direction = normalised(Vec3{p[3], p[4], p[5]}), up{p[6], p[7], p[8]};
+    return {{p[0], p[1], p[2]}, direction, normalised(up - direction * dot(up, direction))};
 }
 
-} // namespace
+// No way of one camera to the other but what numbers round to, through which no curve can be laid.
+bool same_place(const ControlPoint& a, const ControlPoint& b) {
+    constexpr double least_m = 1e-3, least_turn = 1e-5;
+    double moved = 0, turned = 0;
+    for (std::size_t i = 0; i < 3; ++i) moved = std::max(moved, std::abs(a[i] - b[i]));
+    for (std::size_t i = 3; i < 9; ++i) turned = std::max(turned, std::abs(a[i] - b[i]));
+    return moved < least_m && turned < least_turn;
+}
 
-// The spline's own where it is in metres; otherwise some of its flight, which is in content.poses.
-void Route::take_keys(Content& content, const CameraPath& path) {
+double length_m(std::span<const ControlPoint> points) {
+    double sum = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+        sum += length(pose_of(points[i]).position_m - pose_of(points[i - 1]).position_m);
+    return sum;
+}
+
+std::size_t frames_for(double seconds) {
+    return std::max<std::size_t>(static_cast<std::size_t>(std::lround(seconds * poses_a_second)), 2);
+}
+
+// The spline's own where it is in metres; otherwise some of its flight. With where they lie in its time.
+void take_points(const CameraPath& path, const std::vector<Pose>& poses, std::vector<ControlPoint>& points,
+                 std::vector<double>& shares) {
     const auto* spline = std::get_if<flight::SplinePath>(&path.kind);
-    content.points.clear();
-    content.times_s.clear();
-    content.shares.clear();
-    content.targets.clear();
-    content.closed = spline != nullptr && spline->spline.closed();
-    content.eases = spline != nullptr && spline->eases;
     if (spline != nullptr && path.units == flight::Units::metres && spline->spline.knots().size() <= most_points) {
-        for (const double knot : spline->spline.knots())
-            content.points.push_back(flight::unit_point(spline->spline.at(knot)));
-        content.times_s = spline->times_s;
-        content.shares = flight::shares(*spline);
-        content.targets = spline->targets;
+        for (const double knot : spline->spline.knots()) points.push_back(flight::unit_point(spline->spline.at(knot)));
+        shares = flight::shares(*spline);
         return;
     }
-    const std::vector<Pose>& poses = content.poses;
-    const bool timed = spline != nullptr && !spline->times_s.empty();
     const std::size_t count = std::min(points_of_flight, poses.size()), last = poses.size() - 1;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t at = i * last / std::max<std::size_t>(count - 1, 1);
         const ControlPoint p = point_of(poses[at]);
-        if (!content.points.empty() && p == content.points.back()) continue;
-        content.points.push_back(p);
-        content.shares.push_back(static_cast<double>(at) / static_cast<double>(std::max<std::size_t>(last, 1)));
-        if (timed) content.times_s.push_back(content.shares.back() * path.seconds);
+        if (!points.empty() && p == points.back()) continue;
+        points.push_back(p);
+        shares.push_back(static_cast<double>(at) / static_cast<double>(std::max<std::size_t>(last, 1)));
     }
-    if (content.points.size() < 2) content.times_s.clear();
-    if (content.closed) content.points.back() = content.points.front();
 }
+
+} // namespace
 
 void Route::open(const std::string& path, const flight::Ground& ground) {
     Content next;
     CameraPath read = flight::read_path(path);
     next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(flight::default_frames) / poses_a_second;
     next.poses = flight::resample(read, ground, frames_for(next.seconds));
-    take_keys(next, read);
+    take_points(read, next.poses, next.points, next.shares);
     next.path = path;
     next.as_read = std::move(read);
     if (now_.points.empty())
@@ -94,8 +95,8 @@ void Route::open(const std::string& path, const flight::Ground& ground) {
 
 void Route::save(const std::string& path) {
     const std::string& to = path.empty() ? now_.path : path;
-    if (to.empty()) throw Failure(2, strings::refusals::path_without_file);
-    if (now_.points.size() < 2) throw Failure(2, strings::refusals::path_too_short);
+    if (to.empty()) throw Failure(2, "the camera path has no file yet; say where to save it");
+    if (now_.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points; add some first");
     CameraPath written;
     if (now_.as_read && now_.as_read->units != flight::Units::recorded)
         written = *now_.as_read;
@@ -116,13 +117,10 @@ void Route::save(const std::string& path) {
 
 FlightName Route::flight_name() const {
     FlightName name{};
-    const std::size_t slash = now_.path.find_last_of('/');
-    const char* const file = now_.path.c_str() + (slash == std::string::npos ? 0 : slash + 1);
     if (empty() || now_.path.empty())
-        (void)std::snprintf(name.text, sizeof name.text, "%s",
-                            empty() ? strings::results::an_orbit : strings::results::the_path);
+        (void)std::snprintf(name.text, sizeof name.text, "%s", empty() ? "an orbit" : "the camera path");
     else
-        (void)std::snprintf(name.text, sizeof name.text, strings::results::path_file, file);
+        (void)std::snprintf(name.text, sizeof name.text, "the path %.80s", file_name(now_.path));
     return name;
 }
 
@@ -134,7 +132,7 @@ void Route::clear() {
 }
 
 void Route::play(bool on) {
-    if (on && empty()) throw Failure(2, strings::refusals::no_path);
+    if (on && empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
     if (on && share_ >= 1) share_ = 0;
     playing_ = on;
 }
@@ -145,29 +143,15 @@ void Route::seek(double share) {
 
 void Route::set_seconds(double seconds, const flight::Ground& ground) {
     if (!(seconds == 0 || (seconds >= 1 && seconds <= flight::max_path_seconds)))
-        throw Failure(2, fmt::format(strings::refusals::bad_duration, flight::max_path_seconds));
+        throw Failure(2, fmt::format("a path lasts 1 to {} seconds, or 0 for a duration chosen from the terrain's size",
+                                     flight::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
-    stretch(next.times_s, seconds);
-    if (next.as_read) { // the same flight, only slower or faster
-        std::vector<double>* times_s = times_in(*next.as_read);
-        if (times_s != nullptr) {
-            stretch(*times_s, seconds);
-            if (seconds == 0) std::get<flight::SplinePath>(next.as_read->kind).eases = false;
-        }
-        next.as_read->seconds = seconds;
-        route_parts::require_apart(next.times_s);
-        next.poses =
-            flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
-        if (times_s != nullptr && seconds == 0) { // another flight after all
-            take_keys(next, *next.as_read);
-            next.selected.reset();
-        }
-        next.unsaved = true;
-        take_over(std::move(next));
-        return;
-    }
-    edit(std::move(next), ground);
+    if (!next.as_read) return edit(std::move(next), ground);
+    next.as_read->seconds = seconds; // the same flight, only slower or faster
+    next.poses = flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
+    next.unsaved = true;
+    take_over(std::move(next));
 }
 
 std::optional<Pose> Route::advance(double seconds) {
@@ -200,7 +184,7 @@ void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
         recorded_s_ = 0;
         recorded_points_.clear();
         recorded_points_.reserve(most_points); // here, so that no frame has to
-        record_point(pose);
+        recorded_points_.push_back(point_of(pose));
         return;
     }
     Content next;
@@ -208,16 +192,12 @@ void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
     const ControlPoint last = point_of(pose);
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
-    if (next.points.size() < 2) throw Failure(2, strings::refusals::nothing_recorded);
+    if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
     next.seconds = std::clamp(recorded_s_, 1.0, flight::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);
     recorded_points_.clear();
     share_ = 0;
-}
-
-void Route::record_point(const Pose& pose) {
-    recorded_points_.push_back(point_of(pose));
 }
 
 bool Route::follow(const Pose& pose, double seconds) {
@@ -227,8 +207,173 @@ bool Route::follow(const Pose& pose, double seconds) {
     const double turned =
         length(pose.direction - Vec3{last[3], last[4], last[5]}) + length(pose.up - Vec3{last[6], last[7], last[8]});
     recorded_s_ += seconds;
-    if (moved >= step_m_ || turned >= turned_rad) record_point(pose);
+    if (moved >= step_m_ || turned >= turned_rad) recorded_points_.push_back(point_of(pose));
     return recorded_points_.size() < most_points;
+}
+
+CameraPath Route::path_of(const Content& content, double seconds) {
+    CameraPath path;
+    path.name = "camera path";
+    path.seconds = seconds;
+    std::vector<double> knots = flight::chord_knots(content.points, path.name);
+    path.kind = flight::SplinePath{flight::CubicSpline<9>(std::move(knots), content.points)};
+    return path;
+}
+
+void Route::complete(Content& next, const flight::Ground& ground) {
+    if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
+        throw Failure(2, "an adjacent point has the same pose already; move the camera first");
+    next.poses.clear();
+    next.shares.clear();
+    next.as_read.reset();
+    next.unsaved = !next.points.empty() || !next.path.empty();
+    if (next.points.size() < 2) return;
+    const double cruising_m_s = ground.longer_m() / 60;
+    const double seconds = next.seconds > 0
+                               ? next.seconds
+                               : std::clamp(length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
+    const CameraPath path = path_of(next, seconds);
+    next.poses = flight::resample(path, ground, frames_for(seconds));
+    next.shares = flight::shares(std::get<flight::SplinePath>(path.kind));
+}
+
+void Route::edit(Content next, const flight::Ground& ground) {
+    complete(next, ground);
+    take_over(std::move(next));
+    if (empty()) playing_ = false;
+}
+
+void Route::take_over(Content next) {
+    held_.reset();
+    if (!now_.points.empty() || !next.points.empty() || now_.seconds != next.seconds) {
+        undo_.push_back({std::move(now_), next_edit_stamp()});
+        redo_.clear();
+    }
+    now_ = std::move(next);
+    std::size_t bytes = 0, kept = 0;
+    for (; kept < std::min(undo_.size(), most_path_steps); ++kept) {
+        const Content& c = undo_[undo_.size() - 1 - kept].content;
+        bytes += c.poses.size() * sizeof(Pose) + c.points.size() * sizeof(ControlPoint);
+        if (kept > 0 && bytes > most_path_bytes) break;
+    }
+    undo_.erase(undo_.begin(), undo_.end() - static_cast<std::ptrdiff_t>(kept));
+}
+
+void Route::exchange(std::vector<Step>& from, std::vector<Step>& to, const char* none) {
+    if (from.empty()) throw Failure(2, none);
+    if (held_) ignored_ = std::exchange(held_, {});
+    to.push_back({std::exchange(now_, std::move(from.back().content)), from.back().stamp});
+    from.pop_back();
+    if (empty()) share_ = 0;
+    playing_ = false;
+}
+
+void Route::undo() {
+    exchange(undo_, redo_, "there is no earlier camera path to restore");
+}
+
+void Route::redo() {
+    exchange(redo_, undo_, "there is no later camera path to restore");
+}
+
+void Route::restore() {
+    redo_.empty() ? undo() : redo();
+}
+
+void Route::require(std::size_t point) const {
+    if (now_.points.empty()) throw Failure(2, "the camera path has no points yet; add some first");
+    if (point >= now_.points.size())
+        throw Failure(2, fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
+}
+
+void Route::add(const Pose& pose, const flight::Ground& ground) {
+    if (now_.points.size() >= most_points)
+        throw Failure(2, fmt::format("a camera path has at most {} points; remove some first", most_points));
+    Content next = now_;
+    const std::size_t at = next.selected ? *next.selected + 1 : next.points.size();
+    next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), point_of(pose));
+    next.selected = at;
+    edit(std::move(next), ground);
+}
+
+void Route::insert(double share, const flight::Ground& ground) {
+    if (empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
+    const auto later = std::upper_bound(now_.shares.begin(), now_.shares.end(), share);
+    const auto at = static_cast<std::size_t>(later - now_.shares.begin());
+    const double least = 1 / (poses_a_second * seconds()); // a pose from the points beside it
+    if (at == 0 || later == now_.shares.end() || share - now_.shares[at - 1] < least || *later - share < least)
+        throw Failure(2, "the camera path has a point there already; go to a place between two points");
+    if (now_.points.size() >= most_points)
+        throw Failure(2, fmt::format("a camera path has at most {} points; remove some first", most_points));
+    Content next = now_;
+    next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), point_of(pose_at(share)));
+    next.selected = at;
+    edit(std::move(next), ground);
+}
+
+void Route::replace(std::size_t point, const Pose& pose, const flight::Ground& ground) {
+    require(point);
+    Content next = now_;
+    next.points[point] = point_of(pose);
+    next.selected = point;
+    edit(std::move(next), ground);
+}
+
+void Route::remove(std::size_t point, const flight::Ground& ground) {
+    require(point);
+    Content next = now_;
+    next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
+    next.selected.reset();
+    if (!next.points.empty()) next.selected = std::min(point, next.points.size() - 1);
+    edit(std::move(next), ground);
+}
+
+void Route::move(std::size_t point, std::size_t to, const flight::Ground& ground) {
+    require(point);
+    require(to);
+    Content next = now_;
+    const ControlPoint moved = next.points[point];
+    next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
+    next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(to), moved);
+    next.selected = to;
+    edit(std::move(next), ground);
+}
+
+void Route::place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground,
+                  std::optional<double> y_m) {
+    require(point);
+    if (ignored_ == point) {
+        if (!dragging) ignored_.reset();
+        return;
+    }
+    ignored_.reset();
+    const bool continues = held_ == point;
+    if (!dragging) held_.reset();
+    Content next = now_;
+    ControlPoint& p = next.points[point];
+    const double above_m = p[1] - ground.height_m(p[0], p[2]);
+    p[0] = std::clamp(x_m, 0.0, ground.extent_x_m);
+    p[2] = std::clamp(z_m, 0.0, ground.extent_z_m);
+    const double ground_m = ground.height_m(p[0], p[2]);
+    // What was below the ground, on purpose or by another terrain, may stay as deep.
+    p[1] = y_m ? std::max(*y_m, ground_m + std::min(above_m, ground.cell_m)) : ground_m + above_m;
+    next.selected = point;
+    complete(next, ground);
+    if (continues)
+        now_ = std::move(next);
+    else
+        take_over(std::move(next));
+    if (dragging) held_ = point;
+    if (dragging || !continues || now_.points != undo_.back().content.points) return;
+    now_ = std::move(undo_.back().content); // it came back to where it began
+    now_.selected = point;
+    undo_.pop_back();
+}
+
+Pose Route::select(std::size_t point) {
+    require(point);
+    now_.selected = point;
+    return pose_of(now_.points[point]);
 }
 
 } // namespace fjell::editor

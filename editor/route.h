@@ -2,10 +2,7 @@
 //
 // Points are metres (ControlPoint: position, direction, up). A path of another kind - orbit, straight, shares of the
 // terrain, recorded frames - is played and saved as it is, beside points taken from its flight, and becomes those when
-// it is first edited. Points that have times keep them through edits: a new one lies between its neighbours' or as much
-// after the last as that is after the one before it, one that goes takes its own along, and one that changes its place
-// in the order gets that place's. A point that has a target looks at it, wherever it is put. Of a closed path the last
-// point is the first: what changes one changes the other, but for its time, which is the path's duration.
+// it is first edited.
 //
 // Every edit, recording, opening or clearing is a step of undo(); so is a drag, however many changes it makes, unless
 // it ends where it began. Thread: the frame's. Memory: a pose is 72 bytes, 60 a second; the last 100 steps are kept, or
@@ -26,9 +23,6 @@ namespace fjell::editor {
 inline constexpr std::size_t most_points = 10'000; // of a recording or by hand
 inline constexpr double poses_a_second = 60;
 
-// How fast the whole path is flown in its duration.
-enum class Pace : std::uint8_t { constant, ease }; // ease: from rest to rest
-
 // What a flight along a path is called: "the path valley.json", "the camera path" where it was never saved, "an orbit"
 // where there is none. On the stack, so that panels allocate nothing.
 struct FlightName {
@@ -42,10 +36,6 @@ public:
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
     [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
-    [[nodiscard]] const std::vector<double>& times_s() const { return now_.times_s; } // of the points; empty: none
-    [[nodiscard]] const std::vector<std::optional<Vec3>>& targets() const { return now_.targets; } // the same
-    [[nodiscard]] bool closed() const { return now_.closed; }
-    [[nodiscard]] bool eases() const { return now_.eases; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
     [[nodiscard]] double share() const { return share_; }                               // where it is being played
@@ -74,15 +64,14 @@ public:
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
     [[nodiscard]] bool can_restore() const { return !undo_.empty() || !redo_.empty(); }
-    // Of the next step back, or forward (edit_stamp.h); 0: there is none.
+    // Of the next step back, or forward (next_edit_stamp(), editor/document.h); 0: there is none.
     [[nodiscard]] std::uint64_t undo_stamp() const { return undo_.empty() ? 0 : undo_.back().stamp; }
     [[nodiscard]] std::uint64_t redo_stamp() const { return redo_.empty() ? 0 : redo_.back().stamp; }
 
     void play(bool on);
     void seek(double share);
     void loop(bool on) { loops_ = on; }
-    // 0 or 1 to flight::max_path_seconds. Times of points are stretched; 0 drops them.
-    void set_seconds(double seconds, const flight::Ground& ground);
+    void set_seconds(double seconds, const flight::Ground& ground); // 0 or 1 to flight::max_path_seconds
     // Moves on and says where the camera is; none: not playing. At the end it stops, or begins again.
     std::optional<flight::Pose> advance(double seconds);
     // Where share() is; the path must not be empty. Between two poses, in between.
@@ -95,82 +84,44 @@ public:
     // While recording: notes a point when the camera has moved or turned enough. False: there is no more room.
     bool follow(const flight::Pose& pose, double seconds);
 
-    // route_points.cpp
-    void add(const flight::Pose& pose,
-             const flight::Ground& ground); // after the selected point, or last; it is selected then
+    // After the selected point, or last; it is selected then.
+    void add(const flight::Pose& pose, const flight::Ground& ground);
     // Where the path is at that share of its time; it is selected then.
     void insert(double share, const flight::Ground& ground);
     void replace(std::size_t point, const flight::Pose& pose, const flight::Ground& ground);
     void remove(std::size_t point, const flight::Ground& ground);
     void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th
-    flight::Pose select(std::size_t point);
-
-    // route_times.cpp. Points that have no times get them with the first edit, those at which they are passed by now.
-    // dragging: more of the same follows, and all of it is one step.
-    struct Range {
-        double least = 0, most = 0;
-    };
-    [[nodiscard]] double time_of(std::size_t point) const;
-    [[nodiscard]] Range time_range(std::size_t point) const; // between its neighbours, a pose from each; the first: 0
-    void set_time(std::size_t point, double time_s, bool dragging, const flight::Ground& ground);
-    // Of the stretch from that point to the next.
-    [[nodiscard]] double mean_speed_m_s(std::size_t point) const;
-    void set_mean_speed(std::size_t point, double m_s, bool dragging,
-                        const flight::Ground& ground); // later times follow
-    void set_pace(Pace pace, const flight::Ground& ground);
-
-    // route_shapes.cpp. Over that place: at that height, if it is above the ground, or else as high above it as it was.
+    // Over that place: at that height, if it is above the ground, or else as high above it as it was. dragging: more of
+    // the same follows, and all of it is one step.
     void place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground,
                std::optional<double> y_m = {});
-    // The camera looks at that place on the ground from one point to another, or all along.
-    void aim(double x_m, double z_m, const flight::Ground& ground, std::size_t first = 0,
-             std::size_t last = most_points);
-    void free(const flight::Ground& ground, std::size_t first = 0, std::size_t last = most_points); // or nowhere
-    // On: its last point is its first, which is added unless it is there. Off: that one goes.
-    void close(bool on, const flight::Ground& ground);
-    // Another path: level, closed, once around centre_m, from from_m on and looking at it; that high above all ground.
-    void circle(const Vec3& centre_m, const Vec3& from_m, double seconds, double least_above_m,
-                const flight::Ground& ground);
+    flight::Pose select(std::size_t point);
 
 private:
     struct Content {
         std::string path;
         std::vector<flight::ControlPoint> points;
-        std::vector<double> times_s, shares; // of the points
-        std::vector<std::optional<Vec3>> targets;
+        std::vector<double> shares; // of the points
         std::vector<flight::Pose> poses;
         std::optional<flight::CameraPath> as_read;
         std::optional<std::size_t> selected;
         double seconds = 0;
-        bool closed = false, eases = false, unsaved = false;
+        bool unsaved = false;
     };
     struct Step {
         Content content;
         std::uint64_t stamp = 0;
     };
-    // What a hand holds.
-    enum class Grip : std::uint8_t { place, time, speed };
-    struct Held {
-        Grip grip = Grip::place;
-        std::size_t point = 0;
-        friend bool operator==(const Held&, const Held&) = default;
-    };
     [[nodiscard]] static flight::CameraPath path_of(const Content& content, double seconds);
-    static void take_keys(Content& content, const flight::CameraPath& path);
     static void complete(Content& next, const flight::Ground& ground); // makes the poses, and all that follows
-    // Makes the poses and takes it over.
-    void edit(Content next, const flight::Ground& ground);
-    void drag(Content next, const Held& held, bool dragging, const flight::Ground& ground);
+    void edit(Content next, const flight::Ground& ground);             // makes the poses and takes it over
     void take_over(Content next);
-    void keep_time(double seconds_before);
     void exchange(std::vector<Step>& from, std::vector<Step>& to, const char* none);
-    [[nodiscard]] std::size_t require(std::size_t point) const; // whose shape it is: a closing point's is the first's
-    void give_times(Content& content) const;
-    void record_point(const flight::Pose& pose);
+    void require(std::size_t point) const;
 
     Content now_;
     std::vector<Step> undo_, redo_;
-    std::optional<Held> held_, ignored_; // ignored_: held still, but what it did was undone
+    std::optional<std::size_t> held_, ignored_; // a point; ignored_: held still, but what was done to it was undone
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it

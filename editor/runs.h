@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "editor/study_command.h"
+#include "editor/command.h"
 #include "flight/log.h"
 #include "flight/path.h"
 

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 
@@ -37,18 +36,17 @@ void refuse_overwriting_open_files(const State& state, const std::string& output
 }
 
 const char* undo_label(const State& state) {
-    return state.route.undo_stamp() > state.document.undo_stamp() ? strings::steps::camera_path
-                                                                  : state.document.undo_label();
+    return state.route.undo_stamp() > state.document.undo_stamp() ? "camera path" : state.document.undo_label();
 }
 
 const char* redo_label(const State& state) {
     const std::uint64_t path = state.route.redo_stamp(), profile = state.document.redo_stamp();
-    return path != 0 && (profile == 0 || path < profile) ? strings::steps::camera_path : state.document.redo_label();
+    return path != 0 && (profile == 0 || path < profile) ? "camera path" : state.document.redo_label();
 }
 
 void post_message(State& state, Severity severity, std::string text) {
     if (state.headless && severity == Severity::note) fmt::print("{}\n", text);
-    if (state.headless && severity != Severity::note) fmt::print(stderr, strings::terminal::message, text);
+    if (state.headless && severity != Severity::note) fmt::print(stderr, "fjell-editor: {}\n", text);
     auto& all = state.messages.all;
     if (!all.empty() && all.back().text == text) {
         ++all.back().times;

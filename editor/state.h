@@ -12,21 +12,19 @@
 #include <string>
 #include <vector>
 
-#include "editor/arrangement.h"
-#include "editor/bookmarks.h"
 #include "editor/command.h"
 #include "editor/document.h"
-#include "editor/files/folder_listing.h"
+#include "editor/files/listing.h"
 #include "editor/files/recovery.h"
 #include "editor/files/settings.h"
-#include "editor/input_counts.h"
-#include "editor/jobs/height_look.h"
+#include "editor/jobs/heights.h"
 #include "editor/jobs/jobs.h"
 #include "editor/measures.h"
 #include "editor/names.h"
 #include "editor/probe.h"
 #include "editor/route.h"
 #include "editor/runs.h"
+#include "editor/surface.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/view.h"
@@ -43,9 +41,8 @@ struct Scene {
     std::uint32_t tiles = 0; // that there are: fewer than fit, of a sparse pack set
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
     std::uint32_t mips = 0; // of the maps that are shown by their mips; 0: it has none
-    std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0, gpu_bytes = 0;
+    std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0;
     bool streamed = false;
-    double load_s = 0;
 
     [[nodiscard]] bool open() const { return !path.empty(); }
     [[nodiscard]] double width_m() const { return columns > 1 ? (columns - 1) * spacing_m[0] : 0; }

@@ -14,7 +14,6 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "editor/strings.h"
 #include "gl/window.h"
 
 namespace fjell::editor {
@@ -227,7 +226,7 @@ void Surface::read(gl::Image& image) const {
 std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error) {
     if (!options.headless) {
         auto window = gl::Window::create(
-            {options.width, options.height, strings::window::program, false, options.vsync, true, true}, error);
+            {options.width, options.height, "Fjell editor", false, options.vsync, true, true}, error);
         return window ? std::make_unique<WindowSurface>(std::move(window)) : nullptr;
     }
     auto context = gl::Headless::create({}, error);
@@ -254,6 +253,46 @@ void rehearse_blit(const Surface& surface) {
     surface.size(width, height);
     for (const std::uint32_t side : {2u, 4u}) blit(*target, surface.framebuffer(), height, {0, 0, side, side});
     glFinish();
+}
+
+// --- How long the GPU takes.
+
+void GpuTimer::begin() {
+    Pair& pair = pairs_[next_];
+    begun_ = !pair.waits;
+    if (!begun_) return;
+    if (pair.names[0] == 0) glCreateQueries(GL_TIMESTAMP, 2, pair.names);
+    glQueryCounter(pair.names[0], GL_TIMESTAMP);
+}
+
+void GpuTimer::end() {
+    if (!begun_) return;
+    begun_ = false;
+    glQueryCounter(pairs_[next_].names[1], GL_TIMESTAMP);
+    pairs_[next_].waits = true;
+    next_ = (next_ + 1) % frames;
+}
+
+double GpuTimer::take_us() {
+    double us = -1;
+    for (; pairs_[oldest_].waits; oldest_ = (oldest_ + 1) % frames) {
+        Pair& pair = pairs_[oldest_];
+        GLint there = 0;
+        glGetQueryObjectiv(pair.names[1], GL_QUERY_RESULT_AVAILABLE, &there);
+        if (there == 0) break;
+        GLuint64 from = 0, to = 0;
+        glGetQueryObjectui64v(pair.names[0], GL_QUERY_RESULT, &from);
+        glGetQueryObjectui64v(pair.names[1], GL_QUERY_RESULT, &to);
+        us = to > from ? static_cast<double>(to - from) * 1e-3 : 0;
+        pair.waits = false;
+    }
+    return us;
+}
+
+void GpuTimer::drop_graphics() {
+    for (Pair& pair : pairs_)
+        if (pair.names[0] != 0) glDeleteQueries(2, pair.names);
+    *this = {};
 }
 
 } // namespace fjell::editor

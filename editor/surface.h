@@ -4,15 +4,30 @@
 // must be gone before it. Thread: the frame's. Failure: create functions return null with one line in error.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "editor/input_counts.h"
 #include "fjell/gl/image.h"
 #include "fjell/gl/target.h"
+
+namespace fjell::editor {
+
+// All zero without a window. Counted in the frame whose panels see the event.
+struct InputCounts {
+    std::uint64_t keys = 0;       // pressed and released; no repeats
+    std::uint64_t characters = 0; // typed
+    std::uint64_t buttons = 0;    // of the mouse, pressed and released
+    std::uint64_t scrolls = 0;    // of the wheel
+    double pointer_px[2] = {};    // as this frame's panels see it; far outside while there is none
+    bool focused = false;         // keys go to this window
+};
+
+} // namespace fjell::editor
 
 namespace fjell::gl {
 class SecondContext; // gl/window.h
@@ -65,5 +80,29 @@ struct Place {
 void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, const Place& to);
 // Has the driver compile what both kinds of that take, before there is a frame that it could hold up.
 void rehearse_blit(const Surface& surface);
+
+// --- How long the GPU takes for a frame, by timestamps that it notes itself; known some frames later.
+//
+// Software renderers return nonsense: whoever draws by one leaves it off. Ownership: its queries. Thread: the
+// context's. Memory: none after the first frame. Nothing here waits for the GPU.
+
+class GpuTimer {
+public:
+    void begin(); // of a frame; nothing where all queries are still under way
+    void end();
+    // Of the newest frame whose result has come since the last call, microseconds; below 0: none has.
+    [[nodiscard]] double take_us();
+    void drop_graphics(); // before the context goes
+
+private:
+    static constexpr std::size_t frames = 4; // the GPU is up to three behind
+    struct Pair {
+        unsigned names[2] = {};
+        bool waits = false;
+    };
+    std::array<Pair, frames> pairs_{};
+    std::size_t next_ = 0, oldest_ = 0;
+    bool begun_ = false;
+};
 
 } // namespace fjell::editor

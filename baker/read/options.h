@@ -48,8 +48,8 @@ struct ReadOptions {
     DeclaredVoids voids;
 };
 
-// GDAL keeps decoded blocks of all open files in at most this many bytes (default: 5% of the machine's memory), from the
-// next file on that is opened.
+// GDAL keeps decoded blocks of all open files in at most this many bytes (default: 5% of the machine's memory), from
+// the next file on that is opened.
 void limit_gdal_cache(std::size_t bytes);
 
 } // namespace fjell::baker

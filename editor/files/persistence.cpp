@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "editor/strings.h"
 #include <filesystem>
 #include <utility>
 
@@ -20,7 +19,7 @@ void save_settings(State& state, Settings settings) {
     try {
         write_settings(state.files.standard_folders.config, state.files.settings);
     } catch (const std::exception& failure) {
-        post_message(state, Severity::warning, fmt::format(strings::notices::settings_not_saved, failure.what()));
+        post_message(state, Severity::warning, fmt::format("settings cannot be saved: {}", failure.what()));
     }
 }
 
@@ -83,10 +82,10 @@ void remember_pack(const std::string& path, State& state) {
 }
 
 std::string title(const State& state) {
-    std::string text = name_of(state.document.path(), strings::window::default_profile);
+    std::string text = name_of(state.document.path(), "default profile");
     if (state.document.unsaved() || state.route.unsaved()) text = "* " + text;
     if (state.scene.open()) text += " - " + name_of(state.scene.path, "");
-    return text + " - " + strings::window::program;
+    return text + " - " + "Fjell editor";
 }
 
 void start_persistence(State& state, bool window) {
@@ -101,7 +100,6 @@ void start_persistence(State& state, bool window) {
     files.persists = window;
     if (window) state.bookmarks.all = read_bookmarks(files.standard_folders.config, problem);
     if (window && !problem.empty()) post_message(state, Severity::warning, std::move(problem));
-    state.bookmarks.changed = true;
     if (!window) return; // a script's changes are its own affair
     files.recovery.start(files.standard_folders.state);
 }
@@ -114,8 +112,7 @@ void update_file_state(State& state) {
         files.version = document.version();
         files.path_unsaved = state.route.unsaved();
         files.pack = state.scene.path;
-        files.profile_name =
-            (document.unsaved() ? "* " : "") + name_of(document.path(), strings::window::default_profile);
+        files.profile_name = (document.unsaved() ? "* " : "") + name_of(document.path(), "default profile");
         files.title = title(state);
         files.differences = differences_of(document);
     }

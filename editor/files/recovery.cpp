@@ -14,10 +14,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "editor/files/unusable.h"
-#include "editor/strings.h"
+#include "editor/files/settings.h"
 #include "fjell/io/failure.h"
-#include "flight/path_timing.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -59,14 +57,6 @@ std::uint64_t hash_of(const Route& route) {
     };
     for (const flight::ControlPoint& point : route.points())
         for (const double value : point) add(value);
-    for (const double time_s : route.times_s()) add(time_s);
-    for (const std::optional<Vec3>& target : route.targets()) {
-        add(target ? 1 : 0);
-        if (!target) continue;
-        for (const double value : {target->x, target->y, target->z}) add(value);
-    }
-    add(route.closed() ? 1 : 0);
-    add(route.eases() ? 1 : 0);
     add(route.requested_seconds());
     return hash;
 }
@@ -79,19 +69,6 @@ Unsaved parse(const std::string& text) {
     u.profile_changed = j.at("profile_changed").get<bool>();
     u.profile = flight::parse_profile(j.at("profile").get<std::string>(), "profile");
     for (const json& point : j.at("points")) u.points.push_back(point.get<flight::ControlPoint>());
-    u.times_s = j.value("times_s", u.times_s);
-    if (!u.times_s.empty() && (u.times_s.size() != u.points.size() || flight::first_bad_time(u.times_s)))
-        throw Unusable();
-    const json targets = j.value("targets", json::array());
-    for (const json& target : targets) {
-        u.targets.emplace_back();
-        if (target.is_null()) continue;
-        const auto at = target.get<std::array<double, 3>>();
-        u.targets.back() = Vec3{at[0], at[1], at[2]};
-    }
-    if (!u.targets.empty() && u.targets.size() != u.points.size()) throw Unusable();
-    u.closed = j.value("closed", false);
-    u.eases = j.value("ease", false);
     u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, flight::max_path_seconds);
     return u;
 }
@@ -155,7 +132,7 @@ bool Recovery::take(const std::string& file) {
             return true;
         } catch (const std::exception&) {
             fs::rename(file, file + ".damaged", gone);
-            report_once(fmt::format(strings::notices::recovery_damaged, file, file));
+            report_once(fmt::format("{}: damaged recovery file of an earlier run; kept as {}.damaged", file, file));
         }
     }
     unlock(found_file_, found_lock_);
@@ -200,7 +177,7 @@ void Recovery::make_file() {
         file_ = std::move(file);
         return;
     }
-    throw io::Failure(3, fmt::format(strings::refusals::no_recovery_file, folder_));
+    throw io::Failure(3, fmt::format("{}: cannot write there; choose another XDG_STATE_HOME", folder_));
 }
 
 void Recovery::write(const Document& document, const Route& route, const std::string& pack) {
@@ -213,16 +190,11 @@ void Recovery::write(const Document& document, const Route& route, const std::st
                   {"points", json::array()}};
         if (route.unsaved()) {
             j["points"] = route.points();
-            if (!route.times_s().empty()) j["times_s"] = route.times_s();
-            for (const std::optional<Vec3>& target : route.targets())
-                j["targets"].push_back(target ? json{target->x, target->y, target->z} : json());
-            j["closed"] = route.closed();
-            j["ease"] = route.eases();
             j["path_seconds"] = route.requested_seconds();
         }
         write_quickly(file_, j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
     } catch (const std::exception& failure) {
-        report_once(fmt::format(strings::notices::recovery_off, failure.what()));
+        report_once(fmt::format("changes would not survive a crash; save often: {}", failure.what()));
     }
 }
 

@@ -23,10 +23,7 @@ struct Unsaved {
     std::string path;                         // of the profile's file; empty: it had none
     std::string pack;                         // that was open; empty: none
     std::vector<flight::ControlPoint> points; // of the camera's path, when that was not saved
-    std::vector<double> times_s;              // of those points; empty: none
-    std::vector<std::optional<Vec3>> targets; // the same
-    bool closed = false, eases = false;
-    double path_seconds = 0; // that it shall take; 0: as suits the terrain
+    double path_seconds = 0;                  // that it shall take; 0: as suits the terrain
 };
 
 class Recovery {

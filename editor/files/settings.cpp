@@ -1,13 +1,15 @@
 #include "editor/files/settings.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <span>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "editor/files/unusable.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -187,16 +189,17 @@ Settings read_settings(const std::string& config_folder, std::string& problem) {
     if (config_folder.empty() || !fs::exists(file, ignored)) return s;
     try {
         const json all = io::parse_json(io::read_text(file), file);
-        if (!all.is_object()) throw Failure(1, fmt::format(strings::refusals::not_settings, file));
+        if (!all.is_object()) throw Failure(1, fmt::format("{}: no settings", file));
         KeyReader keys(all, "");
         read_settings(keys, s);
         read_look(keys, s.look);
-        if (!keys.bad.empty()) problem = fmt::format(strings::notices::settings_damaged, file, keys.bad);
+        if (!keys.bad.empty())
+            problem = fmt::format("{}: {} cannot be understood; the default is taken", file, keys.bad);
     } catch (const std::exception& failure) {
         problem = failure.what();
         return {};
     }
-    if (!problem.empty()) problem = fmt::format(strings::notices::settings_kept, problem, file);
+    if (!problem.empty()) problem = fmt::format("{}; the file will be kept as {}.damaged", problem, file);
     return s;
 }
 
@@ -227,6 +230,65 @@ void remember(std::vector<std::string>& recent, const std::string& path) {
     std::erase(recent, entry);
     recent.insert(recent.begin(), std::move(entry));
     if (recent.size() > most_recent) recent.resize(most_recent);
+}
+
+// --- Bookmarks.
+
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+std::string file_of(const std::string& folder) {
+    return folder + "/bookmarks.json";
+}
+
+Bookmark bookmark_of(const json& j) {
+    Bookmark b;
+    b.name = j.at("name").get<std::string>();
+    b.pack = j.at("pack").get<std::string>();
+    flight::ControlPoint p{};
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] = j.at("pose").at(i).get<double>();
+    p = flight::unit_point(p);
+    b.pose = {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}};
+    return b;
+}
+
+} // namespace
+
+std::vector<Bookmark> read_bookmarks(const std::string& folder, std::string& problem) {
+    problem.clear();
+    std::error_code ignored;
+    if (folder.empty() || !fs::exists(file_of(folder), ignored)) return {};
+    try {
+        const json all = io::parse_json(io::read_text(file_of(folder)), file_of(folder));
+        std::vector<Bookmark> bookmarks;
+        for (const json& j : all.at("bookmarks")) {
+            if (bookmarks.size() == most_bookmarks) break;
+            bookmarks.push_back(bookmark_of(j));
+        }
+        return bookmarks;
+    } catch (const std::exception& failure) {
+        problem = fmt::format("{}: the bookmarks cannot be read ({}); move the file away to keep new ones",
+                              file_of(folder), failure.what());
+        return {};
+    }
+}
+
+void write_bookmarks(const std::string& folder, const std::vector<Bookmark>& bookmarks) {
+    if (folder.empty()) return;
+    json list = json::array();
+    for (const Bookmark& b : bookmarks) {
+        const auto& [at, to, up] = b.pose;
+        list.push_back(
+            {{"name", b.name}, {"pack", b.pack}, {"pose", {at.x, at.y, at.z, to.x, to.y, to.z, up.x, up.y, up.z}}});
+    }
+    std::error_code ignored; // what is wrong with the folder, the file says
+    fs::create_directories(folder, ignored);
+    const std::string text = json{{"bookmarks", list}}.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+    io::AtomicFile file(file_of(folder));
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
 }
 
 } // namespace fjell::editor

@@ -3,8 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
+#include "editor/probe.h"
 #include "fjell/io/failure.h"
 #include "fjell/query.h"
 
@@ -111,7 +113,7 @@ void settle(HandlerContext context) {
 } // namespace
 
 const Engine& open_engine(HandlerContext context) {
-    if (!context.engine.is_open()) throw Failure(2, strings::refusals::no_terrain);
+    if (!context.engine.is_open()) throw Failure(2, "no terrain is open; open a pack first");
     return context.engine;
 }
 
@@ -174,7 +176,8 @@ void move_camera(HandlerContext context, double seconds) {
         eye.free = flight::free_camera(*pose, eye.free.speed_m_s);
     }
     if (!state.route.follow(eye.pose(), seconds)) {
-        post_message(state, Severity::warning, strings::notices::recording_full);
+        post_message(state, Severity::warning,
+                     "the recording is full and has stopped; record the rest as another path");
         apply(RecordPath{false}, context);
     }
     const Terrain& terrain = context.engine.session().terrain();
@@ -203,7 +206,7 @@ void handle(const PlaceCamera& c, HandlerContext context) {
     const double reach_m = 1e7;
     if (!(std::abs(c.position_m.x) <= reach_m && std::abs(c.position_m.y) <= reach_m &&
           std::abs(c.position_m.z) <= reach_m))
-        throw Failure(2, strings::refusals::camera_too_far);
+        throw Failure(2, "the camera's position must be within 10,000 km of the terrain's first sample");
     const flight::Ground ground = live_ground(context);
     free.position_m = c.position_m;
     free.heading = 0;
@@ -241,7 +244,8 @@ void handle(const SetSpeed& c, HandlerContext context) {
 
 void handle(const SetNavigation& c, HandlerContext context) {
     State& state = context.state;
-    if (c.navigation == Navigation::path && state.route.empty()) throw Failure(2, strings::refusals::no_path);
+    if (c.navigation == Navigation::path && state.route.empty())
+        throw Failure(2, "there is no camera path yet; open one, record one or add points");
     if (c.navigation != Navigation::path) take_from_path(state);
     state.eye.navigation = c.navigation;
     if (c.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);
@@ -257,6 +261,100 @@ void handle(const FreezeRefinement& c, HandlerContext context) {
         eye.refining.reset();
     }
     eye.frozen = c.on;
+}
+
+// --- The camera path: opened, saved, recorded, played and edited.
+
+// For paths, whose flight must not depend on what has been streamed in.
+flight::Ground path_ground(HandlerContext context) {
+    return open_engine(context).session().ground();
+}
+
+// The path has changed under a camera that follows it: it sees what is there now.
+void follow_path(State& state) {
+    if (state.eye.navigation != Navigation::path) return;
+    if (state.route.empty()) return take_from_path(state);
+    state.eye.on_path = state.route.pose();
+    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
+}
+
+// What is being recorded becomes the path: then it can be saved, asked about and restored.
+void end_recording(HandlerContext context) {
+    if (!context.state.route.recording()) return;
+    try {
+        handle(RecordPath{false}, context);
+    } catch (const Failure&) { // the camera did not move: there is nothing to lose
+    }
+}
+
+void handle(const OpenPath& c, HandlerContext context) {
+    end_recording(context);
+    if (!c.discard && ask_about_unsaved(OpenPath{c.path, true}, context)) return;
+    State& state = context.state;
+    const bool lost = state.route.unsaved();
+    state.route.open(c.path, path_ground(context));
+    if (state.eye.navigation == Navigation::path) take_from_path(state);
+    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+}
+
+void handle(const SavePath& c, HandlerContext context) {
+    refuse_overwriting_open_files(context.state, c.path, context.state.route.path());
+    context.state.route.save(c.path);
+    if (context.state.interface.dialog == Dialog::save_path) context.state.interface.dialog = Dialog::none;
+    continue_saving(context);
+    post_message(context.state, Severity::note, fmt::format("saved the camera path to {}", context.state.route.path()));
+}
+
+void handle(const RecordPath& c, HandlerContext context) {
+    State& state = context.state;
+    if (c.on) take_from_path(state);
+    const bool lost = !c.on && state.route.recording() && state.route.unsaved();
+    state.route.record(c.on, state.eye.pose(), path_ground(context));
+    if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
+}
+
+void handle(const PlayPath& c, HandlerContext context) {
+    State& state = context.state;
+    if (c.on && state.route.recording()) handle(RecordPath{false}, context);
+    state.route.play(c.on);
+    if (c.on) handle(SeekPath{state.route.share()}, context);
+}
+
+void handle(const SeekPath& c, HandlerContext context) {
+    State& state = context.state;
+    if (state.route.empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
+    state.route.seek(c.share);
+    state.eye.on_path = state.route.pose();
+    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
+    state.eye.navigation = Navigation::path;
+}
+
+void handle(const SelectPoint& c, HandlerContext context) {
+    State& state = context.state;
+    const flight::Pose pose = state.route.select(c.point);
+    if (!c.looks) return;
+    take_from_path(state);
+    state.eye.free = flight::free_camera(pose, state.eye.free.speed_m_s);
+    state.eye.on_path = pose; // with its roll, until a hand moves the camera
+    if (state.eye.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);
+}
+
+void handle(const ClearPath&, HandlerContext context) {
+    end_recording(context);
+    const bool unsaved = context.state.route.unsaved();
+    take_from_path(context.state);
+    context.state.route.clear();
+    if (unsaved) post_message(context.state, Severity::note, "the cleared path was not saved; Restore brings it back");
+}
+
+void undo_path(HandlerContext context) {
+    context.state.route.undo();
+    follow_path(context.state);
+}
+
+void redo_path(HandlerContext context) {
+    context.state.route.redo();
+    follow_path(context.state);
 }
 
 } // namespace fjell::editor

@@ -1,15 +1,21 @@
 // Opening files and packs, and what file dialogs list.
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "editor/files/file_kind.h"
+#include "editor/files/listing.h"
 #include "editor/files/persistence.h"
-#include "editor/files/sample.h"
 #include "editor/handlers/handlers.h"
-#include "editor/jobs/factories.h"
-#include "editor/strings.h"
+#include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
+#include "io/file.h"
 
 namespace fjell::editor {
 
@@ -17,11 +23,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char landscape[] = {
+#include "mountains-small.inc"
+};
+
 } // namespace
 
-void handle(const BrowseFolder& c, HandlerContext context) {
-    Files& files = context.state.files;
-    files.browser.look(c.folder);
+std::string_view sample_landscape() {
+    return {landscape, std::size(landscape)};
+}
+
+std::string sample_pack(const std::string& cache_folder) {
+    return cache_folder + "/sample.fjell";
+}
+
+BakePack bake_sample(const std::string& cache_folder) {
+    if (cache_folder.empty()) throw io::Failure(3, "there is no folder for the sample; set XDG_CACHE_HOME or HOME");
+    std::error_code ignored; // what is wrong with the folder, the file says
+    std::filesystem::create_directories(cache_folder, ignored);
+    BakePack bake;
+    bake.inputs = {cache_folder + "/sample.json"};
+    bake.output = sample_pack(cache_folder);
+    io::AtomicFile file(bake.inputs[0]);
+    file.write(std::as_bytes(std::span(sample_landscape())));
+    file.commit();
+    return bake;
 }
 
 void handle(const BrowseFor& c, HandlerContext context) {
@@ -34,11 +60,6 @@ void handle(const BrowseFor& c, HandlerContext context) {
             folder = above.string();
     files.browser.filter(c.filter, false);
     files.browser.look(folder);
-}
-
-void handle(const BrowseAllKinds& c, HandlerContext context) {
-    FolderListing& browser = context.state.files.browser;
-    browser.filter(browser.kinds(), c.on);
 }
 
 void handle(const OpenFile& c, HandlerContext context) {
@@ -54,7 +75,8 @@ void handle(const OpenFile& c, HandlerContext context) {
         return open_now(c.path, context);
     case FileKind::profile: return handle(OpenProfile{c.path, c.discard}, context);
     case FileKind::path:
-        if (!context.engine.is_open()) throw io::Failure(2, fmt::format(strings::refusals::path_needs_terrain, c.path));
+        if (!context.engine.is_open())
+            throw io::Failure(2, fmt::format("{}: this is a camera path; open a terrain for it first", c.path));
         return handle(OpenPath{c.path, c.discard}, context);
     case FileKind::heights:
         if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
@@ -86,7 +108,9 @@ void bake_beside(const std::string& heights, HandlerContext context) {
     bake.output = pack_beside(heights);
     std::error_code ignored;
     if (fs::exists(bake.output, ignored))
-        throw io::Failure(2, fmt::format(strings::refusals::pack_exists, bake.output, heights));
+        throw io::Failure(
+            2, fmt::format("{}: exists already; open that pack, or bake elsewhere: --do \"bake {} OTHER.fjell\"",
+                           bake.output, heights));
     handle(bake, context);
 }
 
@@ -98,11 +122,238 @@ void handle(const OpenSample&, HandlerContext context) {
         try {
             return handle(OpenFile{pack, true}, context);
         } catch (const io::Failure& failure) { // of another version, or damaged: it is recreated
-            post_message(context.state, Severity::note,
-                         fmt::format(strings::notices::sample_baked_again, failure.what()));
+            post_message(context.state, Severity::note, fmt::format("the sample is baked again: {}", failure.what()));
         }
     }
     handle(bake_sample(folder), context);
+}
+
+// --- What the dialog that bakes holds, and what becomes of the pack.
+
+namespace {
+
+bool may_write(const std::filesystem::path& folder) {
+    return access(folder.empty() ? "." : folder.c_str(), W_OK) == 0;
+}
+
+// Beside the heights or, where nothing may be written, in the home folder.
+std::string proposed_output(const BakeDraft& draft, const State& state) {
+    if (draft.pack.inputs.empty() || draft.pack.inputs.front().empty()) return {};
+    const std::filesystem::path beside = pack_beside(draft.pack.inputs.front());
+    const std::string& home = state.files.standard_folders.home;
+    if (may_write(beside.parent_path()) || home.empty()) return beside.string();
+    return (std::filesystem::path(home) / beside.filename()).string();
+}
+
+void judge_output(State& state) {
+    BakeDraft& d = state.bake;
+    if (!d.output_is_chosen) d.pack.output = proposed_output(d, state);
+    d.output_problem.clear();
+    std::error_code ignored;
+    const std::filesystem::path output = d.pack.output;
+    d.output_exists = !output.empty() && std::filesystem::exists(output, ignored);
+    if (output.empty()) return;
+    const std::filesystem::path folder = std::filesystem::absolute(output, ignored).parent_path();
+    if (std::filesystem::is_directory(output, ignored))
+        d.output_problem = "the pack's name is that of a folder; give a name in it";
+    else if (!std::filesystem::is_directory(folder, ignored))
+        d.output_problem = fmt::format("{} does not exist; choose another folder for the pack", folder.string());
+    else if (!may_write(folder))
+        d.output_problem =
+            fmt::format("nothing may be written to {}; choose another folder for the pack", folder.string());
+}
+
+void give(BakeDraft& d, const GiveBakeFile& c) {
+    std::vector<std::string>& inputs = d.pack.inputs;
+    switch (c.field) {
+    case BakeField::texture: d.pack.texture = c.path; return;
+    case BakeField::ramp: d.pack.ramp = c.path; return;
+    case BakeField::rules: d.pack.rules = c.path; return;
+    case BakeField::output:
+        d.pack.output = c.path.ends_with(".fjell") ? c.path : c.path + ".fjell";
+        d.output_is_chosen = true;
+        return;
+    default: break;
+    }
+    if (c.another && !inputs.empty() && !inputs.front().empty()) {
+        if (std::ranges::find(inputs, c.path) == inputs.end()) inputs.push_back(c.path);
+        return;
+    }
+    // Other heights are another bake: what was given for the ones before need not suit them.
+    BakePack fresh;
+    fresh.inputs = {c.path};
+    fresh.ramp = d.pack.ramp;
+    fresh.rules = d.pack.rules;
+    fresh.control = d.pack.control;
+    fresh.horizons = d.pack.horizons;
+    d.pack = std::move(fresh);
+    d.output_is_chosen = false;
+}
+
+} // namespace
+
+void handle(const DraftBake& c, HandlerContext context) {
+    BakeDraft& d = context.state.bake;
+    d.pack = c.pack;
+    d.output_is_chosen = c.output_is_chosen;
+    ++d.version;
+    judge_output(context.state);
+}
+
+void handle(const GiveBakeFile& c, HandlerContext context) {
+    State& state = context.state;
+    GiveBakeFile given = c;
+    if (given.field == BakeField::none) given.field = bake_field_of(c.path, state.bake.pack.inputs.empty());
+    give(state.bake, given);
+    ++state.bake.given;
+    ++state.bake.version;
+    judge_output(state);
+    if (state.interface.dialog != Dialog::bake) handle(ShowDialog{Dialog::bake}, context);
+}
+
+void handle(const BakePack& c, HandlerContext context) {
+    // Over the pack that is open it may go: that is replaced whole, and opened again.
+    State& state = context.state;
+    refuse_overwriting_open_files(state, c.output.empty() && !c.inputs.empty() ? pack_beside(c.inputs[0]) : c.output,
+                                  state.scene.path);
+    context.jobs.start(JobKind::bake, bake_job(c));
+    state.bake.asks = c.asks;
+}
+
+void take_baked(const std::string& pack, HandlerContext context) {
+    State& state = context.state;
+    Dialog& dialog = state.interface.dialog;
+    if (dialog == Dialog::bake) dialog = Dialog::none;
+    const bool asks = std::exchange(state.bake.asks, false);
+    // What is being opened is as good as flown.
+    if (state.opening.empty() && (!asks || !state.scene.open())) return apply(OpenFile{pack}, context);
+    state.bake.ready = pack;
+    if (dialog == Dialog::none) dialog = Dialog::baked;
+}
+
+void handle(const OpenBaked& c, HandlerContext context) {
+    State& state = context.state;
+    const std::string pack = std::exchange(state.bake.ready, {});
+    if (state.interface.dialog == Dialog::baked) state.interface.dialog = Dialog::none;
+    if (pack.empty()) throw io::Failure(2, "no pack is waiting to be opened");
+    if (c.open) handle(OpenFile{pack}, context);
+}
+
+// --- Unsaved changes: the question before they would be lost, and what an earlier run left.
+
+namespace {
+
+void close_dialog(State& state) {
+    state.interface.dialog = state.scene.open() ? Dialog::none : Dialog::start;
+}
+
+bool loses_profile(const Command& command) {
+    return std::holds_alternative<OpenProfile>(command) || std::holds_alternative<Quit>(command);
+}
+
+bool loses_path(const Command& command) {
+    return std::holds_alternative<OpenPath>(command) || std::holds_alternative<Quit>(command);
+}
+
+bool would_lose(const Command& command, const State& state) {
+    return (loses_profile(command) && state.document.unsaved()) || (loses_path(command) && state.route.unsaved());
+}
+
+// At once, because the path that is restored lies over it.
+void try_opening(const std::string& pack, HandlerContext context) {
+    try {
+        open_now(pack, context);
+    } catch (const std::exception& failure) {
+        post_failure(context.state, failure);
+    }
+}
+
+// As a file to be opened like any other: where, or empty for none.
+std::string written_path(const Unsaved& unsaved, const std::string& folder) {
+    if (unsaved.points.empty()) return {};
+    nlohmann::json points = nlohmann::json::array();
+    for (const flight::ControlPoint& p : unsaved.points)
+        points.push_back(
+            {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
+    nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};
+    path["seconds"] = unsaved.path_seconds;
+    const std::string text = path.dump(1) + "\n";
+    std::string name = folder + "/recovered-path.json";
+    std::error_code ignored;
+    for (int n = 2; fs::exists(name, ignored); ++n) name = fmt::format("{}/recovered-path-{}.json", folder, n);
+    io::AtomicFile file(name);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+    return name;
+}
+
+} // namespace
+
+bool ask_about_unsaved(Command again, HandlerContext context) {
+    State& state = context.state;
+    if (!would_lose(again, state)) return false;
+    state.files.waiting = std::move(again);
+    state.files.saving = false;
+    state.interface.dialog = Dialog::unsaved;
+    return true;
+}
+
+void continue_saving(HandlerContext context) {
+    State& state = context.state;
+    Files& files = state.files;
+    if (!files.waiting || !files.saving) return;
+    if (loses_profile(*files.waiting) && state.document.unsaved()) {
+        if (state.document.path().empty()) return handle(ShowDialog{Dialog::save_profile}, context);
+        state.document.save("");
+    }
+    if (loses_path(*files.waiting) && state.route.unsaved()) {
+        if (state.route.path().empty()) return handle(ShowDialog{Dialog::save_path}, context);
+        state.route.save("");
+    }
+    const Command again = *std::exchange(files.waiting, std::nullopt);
+    files.saving = false;
+    close_dialog(state);
+    apply(again, context);
+}
+
+void handle(const AnswerUnsaved& c, HandlerContext context) {
+    Files& files = context.state.files;
+    if (!files.waiting) throw io::Failure(2, "there is no question to answer");
+    if (c.answer == Answer::save) {
+        files.saving = true;
+        return continue_saving(context);
+    }
+    const Command again = *std::exchange(files.waiting, std::nullopt);
+    close_dialog(context.state);
+    if (c.answer == Answer::discard) apply(again, context);
+}
+
+void handle(const RecoverChanges& c, HandlerContext context) {
+    State& state = context.state;
+    Recovery& recovery = state.files.recovery;
+    if (!recovery.found()) throw io::Failure(2, "there is nothing to recover");
+    if (c.restore && state.headless)
+        throw io::Failure(2, "a headless run keeps nothing; recover in the editor's window");
+    const Unsaved found = *recovery.found();
+    if (c.restore) {
+        const std::string path = written_path(found, state.files.standard_folders.state);
+        if (!found.pack.empty() && !state.scene.open()) try_opening(found.pack, context);
+        if (found.profile_changed) state.document.restore(found.profile, found.path);
+        if (!path.empty()) {
+            post_message(state, Severity::note, fmt::format("the unsaved camera path was written to {}", path));
+            if (context.engine.is_open()) apply(OpenPath{path, true}, context);
+        }
+        recovery.keep_now(state.document, state.route, state.scene.path); // before the other one goes
+    }
+    recovery.drop_found();
+    close_dialog(state);
+    if (recovery.found()) state.interface.dialog = Dialog::recover;
+}
+
+void handle(const Quit& c, HandlerContext context) {
+    if (!c.discard) end_recording(context);
+    if (!c.discard && ask_about_unsaved(Quit{true}, context)) return;
+    context.state.quit = true;
 }
 
 } // namespace fjell::editor

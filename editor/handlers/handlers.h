@@ -1,21 +1,50 @@
-// One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
+// Applies commands: the one place, beside the frame itself, that changes the state.
+//
+// Failure: none gets out. What a command cannot do becomes a message and the state stays as it was.
 #pragma once
 
-#include "editor/handlers/apply.h"
+#include <string>
+#include <string_view>
+
+#include "editor/command.h"
+#include "editor/engine.h"
+#include "editor/jobs/jobs.h"
+#include "editor/state.h"
 
 namespace fjell::editor {
+
+// What commands act on.
+struct HandlerContext {
+    State& state;
+    Engine& engine;
+    Jobs& jobs;
+};
+
+void apply(const Command& command, HandlerContext context);
+
+// Brings the engine in line with the document, unless a control is still held; what cannot be had is reverted.
+void follow_document(HandlerContext context);
+// After a pack was opened: scene, camera, measures.
+void start_at_scene(HandlerContext context);
+// What a frame does to the camera of itself: the path that is played or recorded goes on, and Eye::view and ground_m
+// follow. A pack must be open, and Interface know the picture's size.
+void move_camera(HandlerContext context, double seconds);
+
+// --- One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
 
 // profile.cpp
 void handle(const SetKey& c, HandlerContext context);
 void handle(const Undo& c, HandlerContext context);
 void handle(const Redo& c, HandlerContext context);
-void handle(const ResetProfile& c, HandlerContext context);
 void handle(const OpenProfile& c, HandlerContext context);
 void handle(const SaveProfile& c, HandlerContext context);
-void handle(const CompareProfile& c, HandlerContext context);
-void handle(const StopComparing& c, HandlerContext context);
 
 // files.cpp
+// The sample terrain: a small synthetic landscape (content/terrain/mountains-small.json), baked at its first use.
+[[nodiscard]] std::string_view sample_landscape(); // JSON, as fjell-bake takes it
+[[nodiscard]] std::string sample_pack(const std::string& cache_folder);
+// What bakes it: the landscape is written to the folder, which is made. Throws io::Failure.
+[[nodiscard]] BakePack bake_sample(const std::string& cache_folder);
 // Reads the pack while the caller waits. What the engine has opened, as the scene: camera, measures, recent files.
 void open_now(const std::string& pack, HandlerContext context);
 void show_opened(const std::string& pack, HandlerContext context);
@@ -23,8 +52,6 @@ void show_opened(const std::string& pack, HandlerContext context);
 void bake_beside(const std::string& heights, HandlerContext context);
 void handle(const OpenFile& c, HandlerContext context);
 void handle(const OpenSample& c, HandlerContext context);
-void handle(const BrowseFolder& c, HandlerContext context);
-void handle(const BrowseAllKinds& c, HandlerContext context);
 
 void handle(const BrowseFor& c, HandlerContext context);
 
@@ -67,79 +94,45 @@ void handle(const SavePath& c, HandlerContext context);
 void handle(const RecordPath& c, HandlerContext context);
 void handle(const PlayPath& c, HandlerContext context);
 void handle(const SeekPath& c, HandlerContext context);
-void handle(const AddPoint& c, HandlerContext context);
-void handle(const ReplacePoint& c, HandlerContext context);
-void handle(const RemovePoint& c, HandlerContext context);
 void handle(const SelectPoint& c, HandlerContext context);
-void handle(const MovePoint& c, HandlerContext context);
 void handle(const ClearPath& c, HandlerContext context);
-void handle(const RestorePath& c, HandlerContext context);
-void handle(const SetPathSeconds& c, HandlerContext context);
-void handle(const LoopPath& c, HandlerContext context);
-void handle(const InsertPoint& c, HandlerContext context);
-void handle(const TimePoint& c, HandlerContext context);
-void handle(const PaceStretch& c, HandlerContext context);
-void handle(const PacePath& c, HandlerContext context);
-void handle(const CirclePath& c, HandlerContext context);
-void handle(const AimPath& c, HandlerContext context);
-void handle(const FreePath& c, HandlerContext context);
-void handle(const ClosePath& c, HandlerContext context);
-void handle(const PlacePoint& c, HandlerContext context);
+// For paths, whose flight must not depend on what has been streamed in.
+[[nodiscard]] flight::Ground path_ground(HandlerContext context);
+// The path has changed under a camera that follows it: it sees what is there now.
+void follow_path(State& state);
 // One step of undo, or of redo, of the path.
 void undo_path(HandlerContext context);
 void redo_path(HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 
-// probe.cpp
-void handle(const PointProbe& c, HandlerContext context);
-void handle(const MarkPlace& c, HandlerContext context);
-void handle(const ClearMarks& c, HandlerContext context);
-
 // interface.cpp
-void handle(const SetPictureMode& c, HandlerContext context);
-void handle(const SetOverlay& c, HandlerContext context);
 void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);
 void handle(const FloatPanel& c, HandlerContext context);
 void handle(const PlacePanel& c, HandlerContext context);
-void handle(const SetScale& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
-void handle(const HoldMeasures& c, HandlerContext context);
 void handle(const ZoomGraphs& c, HandlerContext context);
-void handle(const DismissMessage& c, HandlerContext context);
 
 // jobs.cpp
 void handle(const TuneThreshold& c, HandlerContext context);
 void handle(const RunBenchmark& c, HandlerContext context);
 void handle(const ExportMesh& c, HandlerContext context);
 void handle(const PreviewExport& c, HandlerContext context);
-void handle(const CancelJob& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
 void handle_job_result(HandlerContext context);
 
 // study.cpp
 void handle(const ChoosePlace& c, HandlerContext context);
 void handle(const ForgetRun& c, HandlerContext context);
-void handle(const SetHeat& c, HandlerContext context);
-void handle(const RenderPictures& c, HandlerContext context);
+void handle(const RenderPicture& c, HandlerContext context);
 void handle(const AddBookmark& c, HandlerContext context);
 void handle(const GoToBookmark& c, HandlerContext context);
 void handle(const RemoveBookmark& c, HandlerContext context);
 void handle(const ComparePictures& c, HandlerContext context);
-void handle(const SetCompareView& c, HandlerContext context);
-void handle(const SetDivider& c, HandlerContext context);
 // Looks from there, with its roll, until a hand moves the camera.
 void look_from(const flight::Pose& pose, HandlerContext context);
-
-// The app handles those of the surface and of scripts itself (editor/app.h).
-inline void handle(const TakeScreenshot&, HandlerContext) {}
-inline void handle(const ResizeWindow&, HandlerContext) {}
-inline void handle(const DumpState&, HandlerContext) {}
-inline void handle(const LoseGraphics&, HandlerContext) {}
-inline void handle(const WaitFrames&, HandlerContext) {}
-inline void handle(const WaitSettled&, HandlerContext) {}
 
 } // namespace fjell::editor

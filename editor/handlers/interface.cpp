@@ -1,10 +1,13 @@
 // What is shown: picture mode, overlays, panels, dialogs and messages.
 #include <algorithm>
+#include <array>
+#include <exception>
 #include <filesystem>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "editor/handlers/handlers.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -40,14 +43,6 @@ void place_first(FloatingPanel& f, const Interface& i) {
 }
 
 } // namespace
-
-void handle(const SetPictureMode& c, HandlerContext context) {
-    context.state.interface.mode = c.mode;
-}
-
-void handle(const SetOverlay& c, HandlerContext context) {
-    context.state.interface.overlay[static_cast<std::size_t>(c.overlay)] = c.on;
-}
 
 void handle(const ShowPanel& c, HandlerContext context) {
     Arrangement& a = context.state.interface.arrangement;
@@ -120,22 +115,12 @@ void handle(const ShowDialog& c, HandlerContext context) {
     state.interface.dialog = leaves_nothing && state.interface.dialog != Dialog::start ? Dialog::start : c.dialog;
 }
 
-void handle(const SetScale& c, HandlerContext context) {
-    context.state.interface.scale = std::clamp(c.scale, 0.5, 4.0);
-}
-
 void handle(const ChooseFrame& c, HandlerContext context) {
     State& state = context.state;
     if (!c.on) return state.chosen.reset();
     if (c.ago >= state.measures.ring(Series::frame_us).size())
-        throw io::Failure(2, strings::refusals::frame_not_measured);
+        throw io::Failure(2, "not so many frames have been measured yet; fly on");
     state.chosen = state.measures.frame(c.ago);
-}
-
-void handle(const HoldMeasures& c, HandlerContext context) {
-    State& state = context.state;
-    state.measures.hold(c.on);
-    if (!c.on) state.graphs = {};
 }
 
 void handle(const ZoomGraphs& c, HandlerContext context) {
@@ -151,8 +136,128 @@ void handle(const ZoomGraphs& c, HandlerContext context) {
     if (!state.graphs.whole()) state.measures.hold(true);
 }
 
-void handle(const DismissMessage&, HandlerContext context) {
-    context.state.messages.shown_until_s = 0;
+// --- The profile.
+
+void handle(const SetKey& c, HandlerContext context) {
+    Document& document = context.state.document;
+    document.set(*c.key, c.value, c.dragging);
+    if (c.dragging || (c.value >= c.key->least && c.value <= c.key->most)) return;
+    post_message(context.state, Severity::warning,
+                 fmt::format("{}: {}; set to {}", c.key->label, flight::key_refusal(*c.key),
+                             flight::value_text(*c.key, document.profile())));
+}
+
+void handle(const Undo&, HandlerContext context) {
+    State& state = context.state;
+    state.route.undo_stamp() > state.document.undo_stamp() ? undo_path(context) : state.document.undo();
+}
+
+void handle(const Redo&, HandlerContext context) {
+    State& state = context.state;
+    const std::uint64_t of_path = state.route.redo_stamp(), of_profile = state.document.redo_stamp();
+    const bool path = of_path != 0 && (of_profile == 0 || of_path < of_profile);
+    path ? redo_path(context) : state.document.redo();
+}
+
+void handle(const OpenProfile& c, HandlerContext context) {
+    if (!c.discard && ask_about_unsaved(OpenProfile{c.path, true}, context)) return;
+    State& state = context.state;
+    state.document.open(c.path);
+    if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
+    post_message(state, Severity::note, fmt::format("opened {}", c.path));
+}
+
+void handle(const SaveProfile& c, HandlerContext context) {
+    State& state = context.state;
+    refuse_overwriting_open_files(state, c.path, state.document.path());
+    state.document.save(c.path);
+    if (state.interface.dialog == Dialog::save_profile) state.interface.dialog = Dialog::none;
+    post_message(state, Severity::note, fmt::format("saved {}", state.document.path()));
+    continue_saving(context);
+}
+
+// --- Every command.
+
+namespace {
+
+template <typename... F>
+struct Overloaded : F... {
+    using F::operator()...;
+};
+
+// What takes a line is done here; all else has a handler.
+void dispatch(const Command& command, HandlerContext context) {
+    State& state = context.state;
+    Interface& i = state.interface;
+    Route& route = state.route;
+    const auto ground = [&] { return path_ground(context); };
+    std::visit(
+        Overloaded{
+            [&](const ResetProfile&) { state.document.replace({}); },
+            [&](const CompareProfile& c) { state.document.compare(c.path); },
+            [&](const StopComparing&) { state.document.stop_comparing(); },
+            [&](const BrowseFolder& c) { state.files.browser.look(c.folder); },
+            [&](const BrowseAllKinds& c) { state.files.browser.filter(state.files.browser.kinds(), c.on); },
+            [&](const AddPoint&) { route.add(state.eye.pose(), ground()); },
+            [&](const ReplacePoint& c) { route.replace(c.point, state.eye.pose(), ground()); },
+            [&](const MovePoint& c) { route.move(c.point, c.to, ground()); },
+            [&](const SetPathSeconds& c) { route.set_seconds(c.seconds, ground()); },
+            [&](const LoopPath& c) { route.loop(c.on); },
+            [&](const RemovePoint& c) { route.remove(c.point, ground()), follow_path(state); },
+            [&](const InsertPoint& c) { route.insert(c.share.value_or(route.share()), ground()), follow_path(state); },
+            [&](const PlacePoint& c) {
+                route.place(c.point, c.x_m, c.z_m, c.dragging, ground(), c.y_m);
+                follow_path(state);
+            },
+            [&](const RestorePath&) { route.restore(), follow_path(state); },
+            [&](const PointProbe& c) {
+                state.probe.pointer = std::array{c.x, c.y};
+            },
+            [&](const MarkPlace& c) { set_mark(state.probe, open_engine(context).session(), c.x_m, c.z_m); },
+            [&](const ClearMarks&) { state.probe.marks = 0; }, [&](const SetPictureMode& c) { i.mode = c.mode; },
+            [&](const SetOverlay& c) { i.overlay[static_cast<std::size_t>(c.overlay)] = c.on; },
+            [&](const SetScale& c) { i.scale = std::clamp(c.scale, 0.5, 4.0); },
+            [&](const HoldMeasures& c) {
+                state.measures.hold(c.on);
+                if (!c.on) state.graphs = {};
+            },
+            [&](const DismissMessage&) { state.messages.shown_until_s = 0; },
+            [&](const CancelJob&) { context.jobs.cancel(); }, [&](const ForgetRun& c) { state.runs.forget(c.run); },
+            [&](const SetHeat& c) { state.runs.heat = c.heat; },
+            [&](const SetCompareView& c) { state.compared.view = c.view; },
+            [&](const SetDivider& c) { state.compared.divider = std::clamp(c.share, 0.0, 1.0); },
+            // The app's, of the surface and of scripts (editor/app.h).
+            [](const TakeScreenshot&) {}, [](const ResizeWindow&) {}, [](const DumpState&) {},
+            [](const LoseGraphics&) {}, [](const WaitFrames&) {}, [](const WaitSettled&) {},
+            [&](const auto& c) { handle(c, context); }},
+        command);
+}
+
+} // namespace
+
+void apply(const Command& command, HandlerContext context) {
+    try {
+        dispatch(command, context);
+    } catch (const std::exception& failure) {
+        post_failure(context.state, failure);
+    }
+}
+
+void follow_document(HandlerContext context) {
+    State& state = context.state;
+    if (!context.engine.is_open() || state.document.dragging()) return;
+    try {
+        const bool rebuilt = context.engine.follow(state.document.profile());
+        state.document.accept();
+        if (!rebuilt) return;
+        state.scene = context.engine.scene();
+        state.measures.clear();
+        state.chosen.reset();
+    } catch (const std::exception& failure) {
+        state.document.revert();
+        state.scene = context.engine.scene(); // closed when what was before cannot be had any more either
+        post_failure(state, failure, "the change was reverted: ");
+    }
 }
 
 } // namespace fjell::editor

@@ -5,8 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "editor/clock.h"
-#include "editor/strings.h"
+#include "editor/measures.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::editor {
@@ -33,7 +32,7 @@ void run(const Jobs::Body& body, JobControl& control) {
         problem = failure.what();
         exit_code = failure.exit_code;
     } catch (...) {
-        problem = strings::refusals::unknown_failure;
+        problem = "the job failed with an unknown error; please report it with its settings";
     }
     // What a library makes of being stopped is still a cancelled job.
     cancelled = cancelled || (!problem.empty() && control.cancelled());
@@ -46,6 +45,16 @@ void run(const Jobs::Body& body, JobControl& control) {
 }
 
 } // namespace
+
+flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
+                                 std::shared_ptr<const flight::GroundLayers> layers) {
+    flight::FlightOptions options;
+    options.pack = file->path();
+    options.file = std::move(file);
+    options.profile = profile;
+    options.layers = std::move(layers);
+    return options;
+}
 
 void JobControl::check() const {
     if (cancelled()) throw Cancelled{};
@@ -80,7 +89,7 @@ Jobs::~Jobs() {
 }
 
 void Jobs::start(JobKind kind, Body body) {
-    if (running()) throw io::Failure(2, strings::refusals::another_job);
+    if (running()) throw io::Failure(2, "another job is running; wait for it, or cancel it first");
     auto control = std::make_shared<JobControl>();
     control->view_.kind = kind;
     control->view_.running = true;
@@ -92,7 +101,7 @@ void Jobs::start(JobKind kind, Body body) {
             control->done_.store(true, std::memory_order_release);
         });
     } catch (const std::system_error&) {
-        throw io::Failure(3, strings::refusals::no_thread);
+        throw io::Failure(3, "cannot create a thread for the job; close other programs");
     }
     control_ = std::move(control);
     started_ = Clock::now();

@@ -20,16 +20,18 @@
 #include <thread>
 #include <vector>
 
-#include "editor/jobs/tune_settings.h"
+#include "editor/command.h"
 #include "editor/runs.h"
+#include "fjell/io/pack_file.h"
+#include "flight/layers_file.h"
+#include "flight/options.h"
 #include "flight/path.h"
 #include "flight/profile.h"
 
 namespace fjell::editor {
 
-enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, heights, pictures };
-inline constexpr const char* job_names[] = {"none",   "bake",    "tune",    "benchmark",
-                                            "export", "preview", "heights", "pictures"};
+enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, picture };
+inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "picture"};
 
 // What a flight's frame spends its time on; the first three are the method's update, of the recursive one all refining.
 // Their names: limiting_part().
@@ -46,6 +48,10 @@ struct TunePoint {
     CostParts dearest_us{};    // the mean of frames at p99 and above
     bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
+
+// Of a session of a job's own over the file that is shown.
+[[nodiscard]] flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
+                                               std::shared_ptr<const flight::GroundLayers> layers = {});
 
 struct ExportPreview {
     double error_px = 0;

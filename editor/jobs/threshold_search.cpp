@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "editor/number_text.h"
-#include "editor/strings.h"
 #include "fjell/io/failure.h"
 #include "flight/log.h"
 #include "flight/profile.h"
@@ -229,24 +228,27 @@ TuneResult Search::run() {
 }
 
 // In the order of CostParts.
-constexpr const char* cost_parts[] = {strings::limits::preparing_views,   strings::limits::refining,
-                                      strings::limits::writing_triangles, strings::limits::streaming,
-                                      strings::limits::uploading,         strings::limits::drawing};
+constexpr const char* cost_parts[] = {"preparing views", "refining",  "writing triangles",
+                                      "streaming",       "uploading", "drawing"};
 static_assert(std::size(cost_parts) == std::tuple_size_v<CostParts>, "a part was added: name it");
 
 // limits: time does, and not the range or a budget of the profile.
 std::string limit_of(const TunePoint& p, bool limits) {
     const LimitingPart part = limiting_part(p.dearest_us);
     if (part.name == nullptr) return "";
-    if (limits) return fmt::format(strings::results::tuned_limit, part.name, 100 * part.share);
-    return fmt::format(strings::results::tuned_mostly, part.name, 100 * part.share);
+    if (limits)
+        return fmt::format(", limited by {} ({:.0f}% of the slowest frames' time)", part.name, 100 * part.share);
+    return fmt::format(", mostly for {} ({:.0f}% of the slowest frames' time)", part.name, 100 * part.share);
 }
 
 std::string what_helps(const TunePoint& p, const TuneSettings& s) {
-    if (p.reached < least_reached) return fmt::format(strings::results::raise_budgets, 100 * p.reached);
-    return fmt::format(
-        strings::results::takes_longer, fine_ms_text(p.p99_us).text, fine_ms_text(s.budget_us).text, limit_of(p, true),
-        s.measure == TuneMeasure::frame ? strings::results::smaller_picture : strings::results::fewer_items);
+    if (p.reached < least_reached)
+        return fmt::format("{:.0f}% of the frames reached it: raise vertices, triangles, work items or page slots",
+                           100 * p.reached);
+    return fmt::format("p99 {} ms of {} ms{}: {}", fine_ms_text(p.p99_us).text, fine_ms_text(s.budget_us).text,
+                       limit_of(p, true),
+                       s.measure == TuneMeasure::frame ? "choose a smaller picture, or a larger budget"
+                                                       : "choose a slower path, fewer work items, or a larger budget");
 }
 
 } // namespace
@@ -276,21 +278,23 @@ TuneResult find_threshold(const TuneSettings& settings, const std::function<Flig
 }
 
 std::string tune_text(const TuneResult& result, const TuneSettings& settings, const std::string& flight) {
-    if (result.curve.empty()) return strings::results::nothing_flown;
+    if (result.curve.empty()) return "no flight was made";
     if (result.best_px == 0)
-        return fmt::format(strings::results::not_tuned, result.curve.front().error_px, flight,
-                           what_helps(result.curve.front(), settings), result.flights);
+        return fmt::format("no threshold up to {:.3g} px keeps the budget over {}; there {}; {} flights",
+                           result.curve.front().error_px, flight, what_helps(result.curve.front(), settings),
+                           result.flights);
     const TunePoint* const best = result.at(result.best_px);
     const bool least = result.best_px == rounded_up(settings.least_px);
     std::string why;
     for (const TunePoint& p : result.curve) // what the next smaller one lacked, where it was not time
         if (p.error_px < result.best_px) {
-            if (p.reached < least_reached) why = strings::results::tuned_budget_limits;
+            if (p.reached < least_reached) why = "; below it a budget of the profile is the limit, not time";
             break;
         }
-    return fmt::format(strings::results::tuned, result.best_px, least ? strings::results::tuned_least : "", flight,
-                       fine_ms_text(best->p99_us).text, fine_ms_text(settings.budget_us).text,
-                       limit_of(*best, !least && why.empty()), why, result.flights);
+    return fmt::format("{:.3g} px{} over {}: p99 {} ms of {} ms{}{}; {} flights", result.best_px,
+                       least ? ", the smallest allowed," : "", flight, fine_ms_text(best->p99_us).text,
+                       fine_ms_text(settings.budget_us).text, limit_of(*best, !least && why.empty()), why,
+                       result.flights);
 }
 
 std::string tune_csv(const std::vector<TunePoint>& curve) {
@@ -303,12 +307,14 @@ std::string tune_csv(const std::vector<TunePoint>& curve) {
 
 void check(const TuneSettings& s) {
     if (!(s.budget_us >= 10 && s.budget_us <= 1e6))
-        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_budget, s.budget_us));
+        throw io::Failure(
+            2, fmt::format("the budget (budget_us) is {} us: must be 10 to 1,000,000 us, which is 0.01 to 1,000 ms",
+                           s.budget_us));
     if (s.frames != 0 && (s.frames < 10 || s.frames > 100'000))
-        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_frames, s.frames));
+        throw io::Failure(2, fmt::format("frames {}: must be 10 to 100,000, or 0 for the path's own", s.frames));
     if (!(s.least_px >= flight::min_error_px && s.least_px < s.most_px && s.most_px <= flight::max_error_px))
-        throw io::Failure(2, fmt::format(strings::refusals::bad_tune_range, s.least_px, s.most_px, flight::min_error_px,
-                                         flight::max_error_px));
+        throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
+                                         s.most_px, flight::min_error_px, flight::max_error_px));
 }
 
 } // namespace fjell::editor

@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "editor/command.h"
 #include "editor/jobs/jobs.h"
-#include "editor/jobs/tune_settings.h"
 
 namespace fjell::editor {
 
@@ -62,5 +62,8 @@ struct LimitingPart {
 [[nodiscard]] std::string tune_text(const TuneResult& result, const TuneSettings& settings, const std::string& flight);
 // threshold_px,p50_us,p99_us,max_us,vertices,frames,keeps,reached,flights: a line a threshold, falling.
 [[nodiscard]] std::string tune_csv(const std::vector<TunePoint>& curve);
+
+// Throws io::Failure (2) that names the setting and its range.
+void check(const TuneSettings& settings);
 
 } // namespace fjell::editor

@@ -7,7 +7,6 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/keyboard.h"
-#include "editor/strings.h"
 
 namespace fjell::editor::ui {
 
@@ -154,7 +153,7 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
     const std::size_t ago = s.ago(x);
     list.AddLine({x, s.low.y}, {x, s.high.y}, IM_COL32(255, 255, 255, 90));
     ImGui::BeginTooltip();
-    ImGui::Text(strings::graph::frames_ago, ago);
+    ImGui::Text("%zu frames ago", ago);
     for (const GraphLine& line : lines) {
         const std::size_t size = line.values->size();
         if (ago >= size) continue;
@@ -166,7 +165,7 @@ void hover(ImDrawList& list, const Graph& graph, const Scale& s, std::initialize
             ImGui::Text("%s %.3g %s", line.label, value, graph.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled(strings::graph::hand_help);
+    ImGui::TextDisabled("click: its report; drag: zoom in");
     ImGui::EndTooltip();
 }
 
@@ -230,7 +229,7 @@ GraphInput graph(const Graph& graph, std::initializer_list<GraphLine> lines) {
     if (by_keys) {
         GraphInput input;
         if (clicked) input.clicked = highest(*lines.begin()->values, s.shown);
-        tip(strings::graph::keys_help);
+        tip("Enter: the report of its highest frame.");
         return input;
     }
     const GraphInput input = follow_mouse(list, s, clicked);
@@ -279,7 +278,7 @@ double round_up(double value) {
 
 void short_number(char (&text)[16], double value) {
     if (value >= 1e9)
-        std::snprintf(text, sizeof text, strings::graph::billions, value / 1e9);
+        std::snprintf(text, sizeof text, "%.3g G", value / 1e9);
     else if (value >= 1e6)
         std::snprintf(text, sizeof text, "%.3g M", value / 1e6);
     else if (value >= 1e4)

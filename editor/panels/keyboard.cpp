@@ -13,17 +13,6 @@ namespace {
 // ImGui 1.86 knows these by the window system's number only; the GLFW back end passes those through.
 constexpr int page_up_key = 266, page_down_key = 267, f6_key = 295;
 
-// Panes in the order in which they are drawn.
-struct Panes {
-    int count = 0;  // of this frame, so far
-    int before = 0; // of the last one
-    int at = -1;    // that keys move in; -1: none
-    int at_next = -1;
-    int wanted = -1; // that shall get them
-    bool had_keys = false;
-};
-Panes panes;
-
 bool pressed(int key) {
     return ImGui::IsKeyPressed(key, false);
 }
@@ -56,9 +45,9 @@ void begin_frame(const State& state) {
 void begin_panels(const State& state, Commands& commands) {
     ImGuiContext& g = *ImGui::GetCurrentContext();
     const ImGuiIO& io = ImGui::GetIO();
-    panes.before = panes.count;
-    panes.count = 0;
-    panes.at = std::exchange(panes.at_next, -1);
+    ui::context().panes.before = ui::context().panes.count;
+    ui::context().panes.count = 0;
+    ui::context().panes.at = std::exchange(ui::context().panes.at_next, -1);
     const bool on = (io.ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard) != 0;
     if (on && (g.NavMoveFlags & ImGuiNavMoveFlags_Tabbing) != 0 && g.NavMoveSubmitted) {
         // From what has the focus, not from the top, although it is no field that is typed into.
@@ -66,16 +55,17 @@ void begin_panels(const State& state, Commands& commands) {
         show_focus();
     }
     const Interface& i = state.interface;
-    if (std::exchange(panes.had_keys, i.panel_keys) != i.panel_keys && i.panel_keys && panes.wanted < 0)
-        panes.wanted = 0; // given by a command
+    if (std::exchange(ui::context().panes.had_keys, i.panel_keys) != i.panel_keys && i.panel_keys &&
+        ui::context().panes.wanted < 0)
+        ui::context().panes.wanted = 0; // given by a command
     if (!pressed(f6_key) || is_modal(i.dialog) || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) return;
     const int step = io.KeyShift ? -1 : 1;
     if (!i.panel_keys)
-        panes.wanted = step > 0 ? 0 : std::max(panes.before - 1, 0);
+        ui::context().panes.wanted = step > 0 ? 0 : std::max(ui::context().panes.before - 1, 0);
     else
-        panes.wanted = panes.at + step;
-    if (i.panel_keys && (panes.wanted < 0 || panes.wanted >= panes.before)) {
-        panes.wanted = -1;
+        ui::context().panes.wanted = ui::context().panes.at + step;
+    if (i.panel_keys && (ui::context().panes.wanted < 0 || ui::context().panes.wanted >= ui::context().panes.before)) {
+        ui::context().panes.wanted = -1;
         commands.push(SetSwitch{Switch::panel_keys, false});
     } else if (!i.panel_keys) {
         commands.push(SetSwitch{Switch::panel_keys, true});
@@ -101,25 +91,26 @@ PointerOnly::~PointerOnly() {
 }
 
 Pane::Pane(const State& state)
-    : index_(panes.count++), keys_(state.interface.panel_keys), focuses_(keys_ && panes.wanted == index_) {
+    : index_(ui::context().panes.count++), keys_(state.interface.panel_keys),
+      focuses_(keys_ && ui::context().panes.wanted == index_) {
     if (focuses_) ImGui::SetNextWindowFocus();
 }
 
 void Pane::began() {
     if (focuses_) {
-        panes.wanted = -1;
+        ui::context().panes.wanted = -1;
         if (ImGui::GetCurrentContext()->NavId == 0) ImGui::NavInitWindow(ImGui::GetCurrentWindow(), false);
         show_focus();
     }
-    if (keys_ && ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows)) panes.at_next = index_;
+    if (keys_ && ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows)) ui::context().panes.at_next = index_;
 }
 
 int Pane::turns() const {
     const ImGuiIO& io = ImGui::GetIO();
     if (!io.KeyCtrl || ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) return 0;
-    if (index_ != (keys_ ? panes.at : 0)) return 0;
+    if (index_ != (keys_ ? ui::context().panes.at : 0)) return 0;
     const int way = pressed(page_down_key) ? 1 : pressed(page_up_key) ? -1 : 0;
-    if (way != 0 && keys_) panes.wanted = index_; // its window is another one then
+    if (way != 0 && keys_) ui::context().panes.wanted = index_; // its window is another one then
     return way;
 }
 

@@ -6,7 +6,6 @@
 
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -59,7 +58,7 @@ void window_keys(const State& state, Commands& commands) {
 
 void draw_recent(const State& state, Commands& commands) {
     const bool any = !state.interface.recent.empty();
-    if (ImGui::BeginMenu(strings::menu::open_recent, any)) {
+    if (ImGui::BeginMenu("Open recent", any)) {
         for (const std::string& pack : state.interface.recent)
             if (ImGui::MenuItem(pack.c_str())) commands.push(OpenFile{pack});
         ImGui::EndMenu();
@@ -68,70 +67,65 @@ void draw_recent(const State& state, Commands& commands) {
 }
 
 void draw_file(const State& state, Commands& commands) {
-    item("open", strings::common::open_dots, strings::keys::ctrl_o, true, commands, ShowDialog{Dialog::open_file});
+    item("open", "Open...", "Ctrl+O", true, commands, ShowDialog{Dialog::open_file});
     draw_recent(state, commands);
-    item("sample", strings::common::open_the_sample, "", true, commands, OpenSample{});
-    item("bake", strings::menu::bake_heights, "", true, commands, ShowDialog{Dialog::bake});
+    item("sample", "Open the sample", "", true, commands, OpenSample{});
+    item("bake", "Bake heights...", "", true, commands, ShowDialog{Dialog::bake});
     ImGui::Separator();
-    if (ImGui::MenuItem(strings::common::save_profile, strings::keys::ctrl_s)) save(state, commands);
+    if (ImGui::MenuItem("Save profile", "Ctrl+S")) save(state, commands);
     ui::mark("menu", "save");
-    item("save-as", strings::menu::save_profile_as, strings::keys::ctrl_shift_s, true, commands,
-         ShowDialog{Dialog::save_profile});
-    item("compare", strings::menu::compare_profiles, "", true, commands, ShowDialog{Dialog::compare});
-    item("save-path", strings::menu::save_camera_path_as, "", !state.route.empty(), commands,
-         ShowDialog{Dialog::save_path});
+    item("save-as", "Save profile as...", "Ctrl+Shift+S", true, commands, ShowDialog{Dialog::save_profile});
+    item("compare", "Compare profiles...", "", true, commands, ShowDialog{Dialog::compare});
+    item("save-path", "Save camera path as...", "", !state.route.empty(), commands, ShowDialog{Dialog::save_path});
     ImGui::Separator();
-    item("export", strings::menu::export_gltf, "", state.scene.open(), commands, ShowDialog{Dialog::snapshot});
-    item("screenshot", strings::menu::screenshot, "", true, commands, ShowDialog{Dialog::screenshot});
+    item("export", "Export glTF...", "", state.scene.open(), commands, ShowDialog{Dialog::snapshot});
+    item("screenshot", "Screenshot...", "", true, commands, ShowDialog{Dialog::screenshot});
     ImGui::Separator();
-    item("quit", strings::menu::quit, strings::keys::ctrl_q, true, commands, Quit{});
+    item("quit", "Quit", "Ctrl+Q", true, commands, Quit{});
 }
 
 void draw_edit(const State& state, Commands& commands) {
     const Document& document = state.document;
     char label[96]; // what follows ### tells it from others, whatever it is called
-    (void)std::snprintf(label, sizeof label, strings::menu::undo, undo_label(state));
-    item("undo", label, strings::keys::ctrl_z, document.undo_steps() + state.route.undo_steps() > 0, commands, Undo{});
-    (void)std::snprintf(label, sizeof label, strings::menu::redo, redo_label(state));
-    item("redo", label, strings::keys::ctrl_shift_z, document.redo_steps() + state.route.redo_steps() > 0, commands,
-         Redo{});
+    (void)std::snprintf(label, sizeof label, "Undo %s###undo", undo_label(state));
+    item("undo", label, "Ctrl+Z", document.undo_steps() + state.route.undo_steps() > 0, commands, Undo{});
+    (void)std::snprintf(label, sizeof label, "Redo %s###redo", redo_label(state));
+    item("redo", label, "Ctrl+Shift+Z", document.redo_steps() + state.route.redo_steps() > 0, commands, Redo{});
     ImGui::Separator();
-    item("defaults", strings::menu::reset_all_values, "", true, commands, ResetProfile{});
-    if (ImGui::MenuItem(strings::menu::lower_threshold, strings::keys::bracket_left))
-        change_threshold(state, 1 / threshold_step, commands);
+    item("defaults", "Reset all values", "", true, commands, ResetProfile{});
+    if (ImGui::MenuItem("Lower threshold", "[")) change_threshold(state, 1 / threshold_step, commands);
     ui::mark("menu", "lower");
-    if (ImGui::MenuItem(strings::menu::raise_threshold, strings::keys::bracket_right))
-        change_threshold(state, threshold_step, commands);
+    if (ImGui::MenuItem("Raise threshold", "]")) change_threshold(state, threshold_step, commands);
     ui::mark("menu", "raise");
 }
 
 void draw_camera_menu(const State& state, Commands& commands) {
     const bool open = state.scene.open();
-    constexpr const char* names[] = {strings::common::fly, strings::common::orbit, strings::menu::follow_the_path};
+    constexpr const char* names[] = {"Fly", "Orbit", "Follow the path"};
     constexpr const char* keys[] = {"1", "2", "3"};
     for (int i = 0; i < 3; ++i) {
         const auto navigation = static_cast<Navigation>(i);
         if (ImGui::MenuItem(names[i], keys[i], state.eye.navigation == navigation, open))
             commands.push(SetNavigation{navigation});
     }
-    item("home", strings::menu::look_at_the_whole_terrain, strings::keys::home, open, commands, ViewAll{});
-    if (ImGui::MenuItem(strings::menu::freeze_refinement, strings::keys::f, state.eye.frozen, open))
+    item("home", "Look at the whole terrain", "Home", open, commands, ViewAll{});
+    if (ImGui::MenuItem("Freeze refinement", "F", state.eye.frozen, open))
         commands.push(FreezeRefinement{!state.eye.frozen});
     ImGui::Separator();
     const Route& route = state.route;
-    item("record", route.recording() ? strings::common::stop_recording : strings::menu::record_a_path, strings::keys::r,
-         open, commands, RecordPath{!route.recording()});
-    item("add-point", strings::menu::add_a_point, strings::keys::n, open, commands, AddPoint{});
-    item("play", route.playing() ? strings::common::pause : strings::menu::play_the_path, strings::keys::p,
-         open && !route.empty(), commands, PlayPath{!route.playing()});
+    item("record", route.recording() ? "Stop recording" : "Record a path", "R", open, commands,
+         RecordPath{!route.recording()});
+    item("add-point", "Add a point", "N", open, commands, AddPoint{});
+    item("play", route.playing() ? "Pause" : "Play the path", "P", open && !route.empty(), commands,
+         PlayPath{!route.playing()});
 }
 
 // What the strips beside the picture do by hand. The menu stays, so that a width is found step by step.
 void draw_column_items(const State& state, Commands& commands) {
-    if (ImGui::BeginMenu(strings::menu::columns)) {
+    if (ImGui::BeginMenu("Columns")) {
         ImGui::PushItemFlag(ImGuiItemFlags_SelectableDontClosePopup, true);
         const Arrangement& a = state.interface.arrangement;
-        constexpr const char* names[] = {strings::menu::left_column, strings::menu::right_column};
+        constexpr const char* names[] = {"Left column", "Right column, in wide windows"};
         for (std::size_t c = 0; c < columns; ++c) {
             const auto column = static_cast<Column>(c);
             const auto width = static_cast<double>(a.width_px[c]), split = static_cast<double>(a.split[c]);
@@ -141,11 +135,11 @@ void draw_column_items(const State& state, Commands& commands) {
                 item(name, label, "", true, commands, ArrangeColumn{column, part, value});
             };
             ImGui::TextDisabled("%s", names[c]);
-            entry("wider", strings::menu::wider, ColumnPart::width, width + column_step_px);
-            entry("narrower", strings::menu::narrower, ColumnPart::width, width - column_step_px);
-            entry("upper-taller", strings::menu::upper_panel_taller, ColumnPart::split, split + split_step);
-            entry("upper-shorter", strings::menu::upper_panel_shorter, ColumnPart::split, split - split_step);
-            if (ImGui::MenuItem(strings::menu::folded, "", a.folded[c]))
+            entry("wider", "Wider", ColumnPart::width, width + column_step_px);
+            entry("narrower", "Narrower", ColumnPart::width, width - column_step_px);
+            entry("upper-taller", "Upper panel taller", ColumnPart::split, split + split_step);
+            entry("upper-shorter", "Upper panel shorter", ColumnPart::split, split - split_step);
+            if (ImGui::MenuItem("Folded", "", a.folded[c]))
                 commands.push(ArrangeColumn{column, ColumnPart::folded, a.folded[c] ? 0.0 : 1.0});
             ImGui::PopID();
         }
@@ -161,8 +155,8 @@ void draw_window_items(const State& state, Commands& commands) {
         if (ImGui::MenuItem(label, keys, on)) commands.push(SetSwitch{which, !on});
         ui::mark("menu", switch_names[static_cast<int>(which)]);
     };
-    entry(strings::menu::panels, strings::keys::tab, Switch::show_panels, i.arrangement.panels);
-    if (ImGui::BeginMenu(strings::menu::floating_panels)) {
+    entry("Panels", "Tab", Switch::show_panels, i.arrangement.panels);
+    if (ImGui::BeginMenu("Floating panels")) {
         for (int p = 0; p < panels; ++p) {
             const auto panel = static_cast<Panel>(p);
             const bool floats = i.arrangement.floats(panel);
@@ -173,29 +167,28 @@ void draw_window_items(const State& state, Commands& commands) {
     }
     ui::mark("menu", "floating");
     draw_column_items(state, commands);
-    entry(strings::menu::picture_only, strings::keys::f11, Switch::picture_only, i.picture_only);
-    entry(strings::menu::keyboard_in_panels, strings::keys::f6, Switch::panel_keys, i.panel_keys);
-    entry(strings::menu::half_resolution_while_moving, "", Switch::half_resolution, i.half_resolution);
-    entry(strings::menu::probe_the_ground, strings::keys::i, Switch::probe, state.probe.on);
+    entry("Picture only", "F11", Switch::picture_only, i.picture_only);
+    entry("Keyboard in the panels", "F6", Switch::panel_keys, i.panel_keys);
+    entry("Half resolution while moving", "", Switch::half_resolution, i.half_resolution);
+    entry("Probe the ground", "I", Switch::probe, state.probe.on);
 }
 
 void draw_view_menu(const State& state, Commands& commands) {
     const int next = (static_cast<int>(state.interface.mode) + 1) % flight::picture_modes;
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
-        if (ImGui::MenuItem(label_of(mode), i == next ? strings::keys::m : "", state.interface.mode == mode))
+        if (ImGui::MenuItem(label_of(mode), i == next ? "M" : "", state.interface.mode == mode))
             commands.push(SetPictureMode{mode});
     }
     ImGui::Separator();
     for (int i = 0; i < overlays; ++i) {
         const auto overlay = static_cast<Overlay>(i);
         const bool on = state.shows(overlay);
-        if (ImGui::MenuItem(label_of(overlay), overlay == Overlay::wireframe ? strings::keys::g : "", on))
+        if (ImGui::MenuItem(label_of(overlay), overlay == Overlay::wireframe ? "G" : "", on))
             commands.push(SetOverlay{overlay, !on});
     }
     ImGui::Separator();
-    if (ImGui::MenuItem(strings::menu::pause_graphs_and_times, strings::keys::t, state.measures.held(),
-                        state.scene.open()))
+    if (ImGui::MenuItem("Pause graphs and times", "T", state.measures.held(), state.scene.open()))
         commands.push(HoldMeasures{!state.measures.held()});
     ui::mark("menu", "hold-graphs");
     draw_window_items(state, commands);
@@ -223,9 +216,9 @@ void draw_profile_name(const State& state, Commands& commands) {
     if (ui::begin_tip()) {
         char text[700];
         const std::string& path = state.document.path();
-        (void)std::snprintf(text, sizeof text, strings::menu::profile_file,
-                            path.empty() ? strings::menu::profile_without_file : path.c_str(),
-                            unsaved ? strings::menu::profile_is_unsaved : "");
+        (void)std::snprintf(text, sizeof text, "The profile: %.500s%s",
+                            path.empty() ? "the defaults, not saved to a file yet" : path.c_str(),
+                            unsaved ? "\nIt has unsaved changes; click to save them." : "");
         ImGui::TextUnformatted(text);
         ui::end_tip();
     }
@@ -260,13 +253,12 @@ void draw_shortcuts(const State& state, Commands& commands) {
     if (pressed('Q', false)) commands.push(Quit{});
 }
 
-void draw_menu(const State& state, Commands& commands) {
+void draw_menu(const State& state, PanelState& own, Commands& commands) {
     if (!ImGui::BeginMainMenuBar()) return;
     const bool open = state.scene.open();
     // F10 opens the first menu, and again the one after that which is open; Alt with its first letter opens any.
-    static int shown = -1;
-    constexpr const char* labels[] = {strings::common::file, strings::menu::edit,  strings::common::camera,
-                                      strings::common::view, strings::menu::tools, strings::menu::help};
+    int& shown = own.menu_shown;
+    constexpr const char* labels[] = {"File", "Edit", "Camera", "View", "Tools", "Help"};
     constexpr int menus = static_cast<int>(std::size(labels));
     int opens = pressed(key::f10, false) ? (shown + 1) % menus : -1;
     for (int m = 0; ImGui::GetIO().KeyAlt && m < menus; ++m)
@@ -291,14 +283,14 @@ void draw_menu(const State& state, Commands& commands) {
     menu("camera", draw_camera_menu);
     menu("view", draw_view_menu);
     menu("tools", [open](const State& s, Commands& c) {
-        item("tune", strings::common::auto_tune, "", open, c, ShowPanel{Panel::auto_tune});
-        item("benchmark", strings::common::benchmark, "", open, c, ShowPanel{Panel::benchmark});
+        item("tune", "Auto-tune", "", open, c, ShowPanel{Panel::auto_tune});
+        item("benchmark", "Benchmark", "", open, c, ShowPanel{Panel::benchmark});
         ImGui::Separator();
-        item("cancel-job", strings::menu::cancel_the_job, "", s.job.running, c, CancelJob{});
+        item("cancel-job", "Cancel the job", "", s.job.running, c, CancelJob{});
     });
     menu("help", [](const State&, Commands& c) {
-        item("keys", strings::common::keys, strings::keys::f1, true, c, ShowDialog{Dialog::keys});
-        item("messages", strings::common::messages, "", true, c, ShowDialog{Dialog::messages});
+        item("keys", "Keys", "F1", true, c, ShowDialog{Dialog::keys});
+        item("messages", "Messages", "", true, c, ShowDialog{Dialog::messages});
     });
     draw_profile_name(state, commands);
     ImGui::EndMainMenuBar();

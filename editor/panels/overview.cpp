@@ -8,8 +8,6 @@
 
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "editor/panels/runs.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
@@ -114,11 +112,8 @@ std::optional<std::size_t> point_on(const Frame& frame, const Route& route) {
 }
 
 // A point of the path that was pressed, which follows the mouse. False: the press is none of a point.
-bool drag_point_on(const Frame& frame, const Route& route, Commands& commands) {
-    static std::optional<std::size_t> point;
-    static ImVec2 from;  // where it was pressed
-    static ImVec2 apart; // from there to the point
-    static bool far = false;
+bool drag_point_on(MapHand& hand, const Frame& frame, const Route& route, Commands& commands) {
+    auto& [point, from, apart, far] = hand;
     const ImVec2 mouse = ImGui::GetMousePos();
     if (ImGui::IsItemActivated()) {
         point = point_on(frame, route);
@@ -161,9 +156,9 @@ void mark_points(const Frame& frame, const Route& route) {
 
 } // namespace
 
-void draw_overview(const State& state, Commands& commands) {
+void draw_overview(const State& state, PanelState& own, Commands& commands) {
     const Scene& scene = state.scene;
-    ui::heading(strings::overview::overview);
+    ui::heading("Overview");
     Frame frame;
     frame.size = overview_size(scene);
     frame.from = ImGui::GetCursorScreenPos();
@@ -198,7 +193,7 @@ void draw_overview(const State& state, Commands& commands) {
         ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     }
     list.PopClipRect();
-    if (drag_point_on(frame, state.route, commands)) return;
+    if (drag_point_on(own.map, frame, state.route, commands)) return;
     if (ImGui::IsItemActive()) {
         const ImVec2 mouse = ImGui::GetMousePos();
         const JumpTo jump{static_cast<double>((mouse.x - frame.from.x) / frame.size.x) * frame.width_m,
@@ -207,9 +202,12 @@ void draw_overview(const State& state, Commands& commands) {
         if (ImGui::IsItemActivated() || ImGui::GetIO().MouseDelta.x != 0 || ImGui::GetIO().MouseDelta.y != 0)
             commands.push(jump);
     } else if (!under) {
-        ui::tip(strings::overview::about_overview);
+        ui::tip("Click, or drag, to fly there at the same height above the ground. Yellow: the camera; blue: the "
+                "frozen camera; pink: the path.");
     } else if (ui::begin_tip()) {
-        ImGui::Text(strings::hands::map_point_drag, *under);
+        ImGui::Text(
+            "Point %zu. Drag: move it at the same height above the ground. Click: select it; twice: look from there.",
+            *under);
         ui::end_tip();
     }
 }

@@ -1,12 +1,14 @@
 // How the picture is drawn, what lies over it, and how large the interface is.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdio>
 
+#include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
-#include "editor/strings.h"
 #include "fjell/gl/palette.h"
+#include "flight/profile.h"
 
 namespace fjell::editor {
 
@@ -16,33 +18,29 @@ struct Choice {
     const char *label, *about;
 };
 constexpr Choice modes[] = {
-    {strings::picture::shaded, strings::picture::about_shaded},
-    {strings::picture::wire, strings::picture::about_wire},
-    {strings::common::levels, strings::picture::about_levels},
-    {strings::picture::tiles, strings::picture::about_tiles},
-    {strings::picture::mips, strings::picture::about_mips},
-    {strings::picture::residency, strings::picture::about_residency},
-    {strings::common::distance, strings::picture::about_distance},
+    {"Shaded", "Colours and light, as in a game."},
+    {"Wire", "Shaded, with the edges of all triangles."},
+    {"Levels", "Every triangle in its level's colour: coarse ones violet and blue, fine ones orange and red."},
+    {"Tiles", "Every tile in a colour different from its neighbours."},
+    {"Mips",
+     "Coloured by the mip that is drawn: the pack's finest is red, the smallest violet. Black: not loaded yet."},
+    {"Residency", "Coloured by the finest geometry in memory, whether it is drawn or not."},
+    {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
 static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
 constexpr Choice overlay_choices[] = {
-    {strings::picture::wireframe, strings::picture::about_wireframe},
-    {strings::picture::tile_borders, strings::picture::about_tile_borders},
-    {strings::picture::page_borders, strings::picture::about_page_borders},
-    {strings::picture::bounding_spheres, strings::picture::about_bounding_spheres},
-    {strings::picture::culled, strings::picture::about_culled},
-    {strings::picture::true_error, strings::picture::about_true_error},
-    {strings::common::camera_path, strings::picture::about_camera_path},
-    {strings::picture::contours, strings::picture::about_contours},
-    {strings::common::slope, strings::picture::about_slope},
+    {"Wireframe", "Edges of all triangles."},
+    {"Tile borders", "Borders of tiles, on the ground and in the overview."},
+    {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
+    {"Bounding spheres", "Around vertices, as refinement uses them."},
+    {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
+    {"True error", "How far the mesh is from the full-resolution terrain, in pixels; hatched where it exceeds the "
+                   "bound. Takes the picture's place; all heights are read first."},
+    {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
+    {"Contours", "Lines of equal height, every fifth one wider."},
+    {"Slope", "Steep ground in bands that begin at 15, 25, 35 and 45 degrees."},
 };
 static_assert(std::size(overlay_choices) == overlays, "an overlay was added: say what it shows");
-
-void note(const char* text) {
-    ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
-    ImGui::TextWrapped("%s", text);
-    ImGui::PopStyleColor();
-}
 
 // One entry after the other, in as many lines as it takes.
 class Legend {
@@ -80,7 +78,7 @@ void step_legend(const Scene& scene, int tile_log2, bool levels) {
 // 0 is the pack's finest.
 void mip_legend(int mips) {
     if (mips == 0) {
-        note(strings::picture::no_maps);
+        ui::note("This pack has no maps.");
         return;
     }
     Legend legend;
@@ -96,11 +94,11 @@ void error_legend(double promised_px) {
     Legend legend;
     char text[40];
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : strings::picture::bound, share * promised_px);
+        std::snprintf(text, sizeof text, share < 1 ? "%.3g" : "%.3g px: the bound", share * promised_px);
         legend.entry(ui::colour(gl::error_rgb(share)), text);
     }
-    legend.entry(ui::colour(gl::error_stops[4]), strings::picture::above_bound);
-    legend.entry(ui::colour(gl::error_stops[5]), strings::picture::no_reference);
+    legend.entry(ui::colour(gl::error_stops[4]), "hatched: above the bound");
+    legend.entry(ui::colour(gl::error_stops[5]), "nothing to compare with");
 }
 
 void draw_legend(const State& state) {
@@ -117,15 +115,14 @@ void explain_relief(const State& state) {
     char text[80];
     if (state.shows(Overlay::contours)) {
         const double every_m = contour_interval_m(state.scene);
-        std::snprintf(text, sizeof text, strings::picture::contour_key, every_m, 5 * every_m);
-        note(text);
+        std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
+        ui::note(text);
     }
     if (!state.shows(Overlay::slope)) return;
-    note(strings::picture::slope_key);
+    ui::note("Slope, degrees:");
     Legend legend;
     for (std::size_t i = 0; i < std::size(gl::slope_rgb); ++i) {
-        std::snprintf(text, sizeof text,
-                      i + 1 < std::size(gl::slope_rgb) ? strings::picture::from_degrees : strings::picture::and_steeper,
+        std::snprintf(text, sizeof text, i + 1 < std::size(gl::slope_rgb) ? "from %d" : "%d and steeper",
                       gl::slope_bands_deg[i]);
         legend.entry(ui::colour(gl::slope_rgb[i]), text);
     }
@@ -133,15 +130,16 @@ void explain_relief(const State& state) {
 
 void explain_overlays(const State& state) {
     explain_relief(state);
-    if (state.shows(Overlay::culled) && !state.eye.frozen) note(strings::picture::culled_is_out_of_view);
+    if (state.shows(Overlay::culled) && !state.eye.frozen)
+        ui::note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return note(strings::picture::heights_failed);
+    if (state.heights_share < 0) return ui::note("The heights to compare with cannot be read; see Help > Messages.");
     if (state.heights_share < 1) {
         char text[48];
-        std::snprintf(text, sizeof text, strings::picture::reading_heights, 100 * state.heights_share);
-        return note(text);
+        std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
+        return ui::note(text);
     }
-    note(strings::picture::true_error_key);
+    ui::note("True error:");
     error_legend(state.document.profile().refine.error_px);
 }
 
@@ -151,7 +149,7 @@ void second_column(int i) {
 }
 
 void draw_scale(const State& state, Commands& commands) {
-    ui::heading(strings::picture::interface);
+    ui::heading("Interface");
     constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
     constexpr const char* names[] = {"75%", "100%", "125%", "150%", "200%", "250%", "300%"};
     for (std::size_t i = 0; i < std::size(scales); ++i) {
@@ -163,8 +161,7 @@ void draw_scale(const State& state, Commands& commands) {
         const bool on = std::abs(state.interface.scale - scales[i]) < 0.01;
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         if (ImGui::Button(names[i])) commands.push(SetScale{scales[i]});
-        ui::mark("scale", names[i]);
-        ui::tip(strings::picture::about_interface);
+        ui::control("scale", names[i], "Size of text and controls.");
         if (!on) ImGui::PopStyleColor();
     }
 }
@@ -179,29 +176,150 @@ const char* label_of(Overlay overlay) {
     return overlay_choices[static_cast<std::size_t>(overlay)].label;
 }
 
-void draw_picture(const State& state, Commands& commands) {
-    ui::heading(strings::picture::mode_heading);
+void draw_picture(const State& state, PanelState& own, Commands& commands) {
+    ui::heading("Picture mode (M: next)");
     for (int i = 0; i < flight::picture_modes; ++i) {
         const auto mode = static_cast<flight::PictureMode>(i);
         second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
-        ui::mark("mode", flight::picture_mode_names[i]);
-        ui::tip(modes[i].about);
+        ui::control("mode", flight::picture_mode_names[i], modes[i].about);
     }
-    note(modes[static_cast<int>(state.interface.mode)].about);
+    ui::note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
     if (state.scene.open() && !hidden) draw_legend(state);
-    ui::heading(strings::picture::overlays);
+    ui::heading("Overlays");
     for (int i = 0; i < overlays; ++i) {
         bool on = state.interface.overlay[static_cast<std::size_t>(i)];
         second_column(i);
         if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
-        ui::mark("overlay", overlay_names[i]);
-        ui::tip(overlay_choices[i].about);
+        ui::control("overlay", overlay_names[i], overlay_choices[i].about);
     }
     if (state.scene.open()) explain_overlays(state);
-    if (state.scene.open()) draw_compare_picture(state, commands);
+    if (state.scene.open()) draw_compare_picture(state, own, commands);
     draw_scale(state, commands);
+}
+
+// --- Two profiles in one picture: what is compared, and the divider between them.
+
+namespace {
+
+void draw_choice(const State& state, PanelState& own, Commands& commands) {
+    const ComparedPicture& c = state.compared;
+    constexpr const char* labels[] = {"off", "threshold", "profile"};
+    for (int i = 0; i < 3; ++i) {
+        const auto with = static_cast<CompareWith>(i);
+        if (i > 0) ImGui::SameLine();
+        const bool can = with != CompareWith::profile || state.document.compared() != nullptr;
+        ImGui::BeginDisabled(!can);
+        if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, own.compared_px});
+        ImGui::EndDisabled();
+        ui::control("compare-picture", compare_with_names[i],
+                    i == 0   ? "The profile alone."
+                    : i == 1 ? "This profile at another threshold, in the same picture."
+                    : can    ? "The profile chosen with File > Compare profiles, in the same picture."
+                             : "First choose a profile with File > Compare profiles.");
+    }
+    if (c.with != CompareWith::threshold) return;
+    double px = c.error_px;
+    ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
+    if (ImGui::InputDouble("px", &px, 0, 0, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) {
+        own.compared_px = std::clamp(px, flight::min_error_px, flight::max_error_px);
+        commands.push(ComparePictures{CompareWith::threshold, own.compared_px});
+    }
+    ui::control("compare-picture", "error_px", "The other threshold, in pixels. Enter applies it.");
+}
+
+// Its text with room around it; where there is too little on the divider's side, as near as it fits.
+ui::Rect side_plate(const char* text, bool right_aligned, float x, const ui::Rect& room) {
+    const float em = ImGui::GetFontSize();
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    const float width = size.x + em, least = room.x + 0.3F * em, most = room.x + room.width - width - 0.3F * em;
+    const float wanted = right_aligned ? x - 0.5F * em - width : x + 0.5F * em;
+    return {std::max(std::min(wanted, most), least), room.y + 0.6F * em, width, size.y + 0.5F * em};
+}
+
+void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
+    const float em = ImGui::GetFontSize();
+    list.AddRectFilled({at.x, at.y}, {at.x + at.width, at.y + at.height}, IM_COL32(12, 14, 18, 205), 0.25F * em);
+    list.AddText({at.x + 0.5F * em, at.y + 0.25F * em}, IM_COL32_WHITE, text);
+}
+
+void name_sides(const State& state, const ui::Rect& view, float x) {
+    const ComparedPicture& c = state.compared;
+    const flight::Profile* const other = state.document.compared();
+    const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.error_px : c.error_px;
+    char mine[64], theirs[64];
+    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.error_px,
+                  count_text(state.measures.last().triangles_drawn).text);
+    if (c.there)
+        std::snprintf(theirs, sizeof theirs, "%.3g px, %s triangles", px, count_text(c.triangles).text);
+    else
+        std::snprintf(theirs, sizeof theirs, "%.3g px: opening", px);
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const float em = ImGui::GetFontSize();
+    ui::Rect room = beside_probe(state, view);
+    if (room.height < 9 * em) return;       // the probe's plate and others at the bottom take all there is
+    if (state.eye.frozen) room.y += 2 * em; // below the plate that says so
+    list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
+    const ui::Rect left = side_plate(mine, true, x, room);
+    ui::Rect right = side_plate(theirs, false, x, room);
+    if (right.x < left.x + left.width) right.y += left.height + 0.3F * em;
+    draw_side(list, left, mine);
+    draw_side(list, right, theirs);
+    list.PopClipRect();
+}
+
+} // namespace
+
+void draw_compare_picture(const State& state, PanelState& own, Commands& commands) {
+    ui::heading("Compare in the picture");
+    draw_choice(state, own, commands);
+    if (state.compared.with == CompareWith::nothing) return;
+    constexpr const char* labels[] = {"side by side", "difference"};
+    for (int i = 0; i < 2; ++i) {
+        if (i > 0) ImGui::SameLine();
+        const auto view = static_cast<CompareView>(i);
+        if (ImGui::RadioButton(labels[i], state.compared.view == view)) commands.push(SetCompareView{view});
+        ui::control("compare-picture", compare_view_names[i],
+                    i == 0
+                        ? "On the left the profile, on the right the other one; drag the divider in the picture."
+                        : "Black where both pictures are the same, through blue and yellow to white where they differ "
+                          "by an eighth of full brightness or more.");
+    }
+    if (state.compared.view == CompareView::difference) return;
+    auto percent = static_cast<float>(100 * state.compared.divider);
+    ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
+    if (ImGui::SliderFloat("Divider", &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
+        commands.push(SetDivider{static_cast<double>(percent) / 100});
+    ui::control("compare-picture", "divider",
+                "Where the divider stands, in percent of the picture's width. Or drag it.");
+}
+
+void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {
+    if (state.compared.with == CompareWith::nothing || !state.scene.open()) return;
+    if (state.compared.view == CompareView::difference && state.compared.there)
+        return name_sides(state, view, view.x + view.width / 2);
+    const float em = ImGui::GetFontSize(), wide = 0.8F * em;
+    const float x = view.x + static_cast<float>(state.compared.divider) * view.width;
+    name_sides(state, view, x);
+    const ui::Rect handle{std::clamp(x - wide / 2, view.x, view.x + view.width - wide), view.y, wide, view.height};
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+    ui::begin_column("divider", handle,
+                     ImGuiWindowFlags_NoNavInputs | ImGuiWindowFlags_NoNavFocus | ImGuiWindowFlags_NoBackground);
+    ImGui::PopStyleVar(2);
+    ImGui::InvisibleButton("divider", {handle.width, handle.height});
+    ui::mark("handle", "divider");
+    if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const float middle = std::clamp(x, view.x + 1, view.x + view.width - 1);
+    list.AddLine({middle, view.y}, {middle, view.y + view.height}, IM_COL32_WHITE, std::max(1.0F, em / 9));
+    list.AddCircleFilled({handle.x + wide / 2, view.y + view.height / 2}, 0.38F * em, IM_COL32_WHITE);
+    const ImGuiIO& io = ImGui::GetIO();
+    if (ImGui::IsItemActive() && io.MouseDelta.x != 0)
+        commands.push(SetDivider{static_cast<double>(std::clamp((io.MousePos.x - view.x) / view.width, 0.0F, 1.0F))});
+    ui::tip("Drag: the profile on the left, the one it is compared with on the right.");
+    ImGui::End();
 }
 
 } // namespace fjell::editor

@@ -1,18 +1,185 @@
-// Benchmarks that were flown: charted along their path, compared, and their worst places listed.
-#include "editor/panels/runs.h"
-
+// What was flown: the curve of a tuning, and runs of benchmarks.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 
+#include "editor/jobs/threshold_search.h"
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/keyboard.h"
-#include "editor/strings.h"
+#include "editor/panels/panels.h"
+#include "editor/panels/ui.h"
 #include "flight/log.h"
 
 namespace fjell::editor {
+
+namespace {
+
+constexpr ImU32 p99_colour = IM_COL32(235, 160, 90, 255), p50_colour = IM_COL32(110, 170, 240, 255),
+                vertex_colour = IM_COL32(150, 210, 140, 255), budget_colour = IM_COL32(240, 105, 95, 255),
+                line_colour = IM_COL32(70, 76, 88, 255), frame_colour = IM_COL32(24, 26, 31, 255),
+                best_colour = IM_COL32(255, 255, 255, 110);
+
+using Value = double (*)(const TunePoint&);
+
+// Both axes are logarithmic: cost spans three decades over the thresholds of a run.
+struct Axes {
+    ImVec2 low, high; // of the plot's inside, in pixels
+    double least_px = 0, most_px = 1, least = 1, most = 10;
+    double label = 1; // what a value is multiplied by where it is written
+
+    [[nodiscard]] float x(double error_px) const {
+        const double share = std::log(error_px / least_px) / std::log(most_px / least_px);
+        return high.x - static_cast<float>(std::clamp(share, 0.0, 1.0)) * (high.x - low.x); // coarse on the left
+    }
+    [[nodiscard]] float y(double value) const {
+        const double share = std::log(std::max(value, least) / least) / std::log(most / least);
+        return high.y - static_cast<float>(std::clamp(share, 0.0, 1.0)) * (high.y - low.y);
+    }
+};
+
+// 950, 12k, 3.4M.
+void short_number(char (&text)[16], double value) {
+    if (value >= 9.995e5)
+        std::snprintf(text, sizeof text, "%.3gM", value * 1e-6);
+    else if (value >= 9995)
+        std::snprintf(text, sizeof text, "%.3gk", value * 1e-3);
+    else if (value >= 100)
+        std::snprintf(text, sizeof text, "%.0f", value);
+    else
+        std::snprintf(text, sizeof text, "%.3g", value);
+}
+
+Axes axes_of(const JobView& job, Value smaller, Value larger, double also, ImVec2 low, ImVec2 high) {
+    Axes a{low, high, job.curve.back().error_px, job.curve.front().error_px, 0, 0, 1};
+    if (a.most_px <= a.least_px) a.most_px = 2 * a.least_px;
+    a.least = a.most = also > 0 ? also : smaller(job.curve.front());
+    for (const TunePoint& p : job.curve) {
+        a.least = std::min(a.least, smaller(p));
+        a.most = std::max(a.most, larger(p));
+    }
+    a.least = std::pow(10, std::floor(std::log10(std::max(a.least, 0.1)) * 2) / 2); // to half decades
+    a.most = std::max(std::pow(10, std::ceil(std::log10(a.most * 1.05) * 2) / 2), 3 * a.least);
+    return a;
+}
+
+void draw_grid(ImDrawList& list, const Axes& a, bool x_labels) {
+    const float font = ImGui::GetFontSize();
+    list.AddRectFilled(a.low, a.high, frame_colour);
+    char text[16];
+    for (double decade = std::pow(10, std::floor(std::log10(a.least))); decade <= a.most; decade *= 10) {
+        if (decade < a.least * 0.999) continue;
+        const float y = a.y(decade);
+        list.AddLine({a.low.x, y}, {a.high.x, y}, line_colour);
+        short_number(text, decade * a.label);
+        list.AddText({a.low.x - ImGui::CalcTextSize(text).x - font * 0.4F, y - font / 2}, ui::quiet, text);
+    }
+    const double octaves = std::log2(a.most_px / a.least_px);
+    const double step = octaves > 8 ? 4 : octaves > 1.5 ? 2 : 1.25;
+    for (double e = 1.0 / 1024; e <= a.most_px * 1.001; e *= step) {
+        if (e < a.least_px * 0.999) continue;
+        const float x = a.x(e);
+        list.AddLine({x, a.low.y}, {x, a.high.y}, line_colour);
+        if (!x_labels) continue;
+        std::snprintf(text, sizeof text, "%.3g", e);
+        list.AddText({x - ImGui::CalcTextSize(text).x / 2, a.high.y + font * 0.15F}, ui::quiet, text);
+    }
+    list.AddRect(a.low, a.high, line_colour);
+}
+
+void draw_line(ImDrawList& list, const Axes& a, const JobView& job, Value value, ImU32 colour) {
+    const float thick = ImGui::GetFontSize() / 8;
+    for (std::size_t i = 0; i < job.curve.size(); ++i) {
+        const TunePoint& p = job.curve[i];
+        const ImVec2 at{a.x(p.error_px), a.y(value(p))};
+        if (i > 0) {
+            const TunePoint& before = job.curve[i - 1];
+            list.AddLine({a.x(before.error_px), a.y(value(before))}, at, colour, thick);
+        }
+        list.AddCircleFilled(at, thick * 1.7F, colour);
+    }
+}
+
+// Its own place in a row of entries; returns where the next one goes.
+float draw_legend(ImDrawList& list, float x, float y, ImU32 colour, const char* text) {
+    const float font = ImGui::GetFontSize();
+    list.AddLine({x, y + font * 0.55F}, {x + font, y + font * 0.55F}, colour, font / 6);
+    list.AddText({x + font * 1.3F, y}, ui::quiet, text);
+    return x + font * 2.2F + ImGui::CalcTextSize(text).x;
+}
+
+// The threshold nearest to the mouse, when that is over one of the plots; null: none.
+const TunePoint* hovered(const JobView& job, const Axes& a, float top, float bottom) {
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    if (!ImGui::IsItemHovered() || mouse.x < a.low.x || mouse.x > a.high.x || mouse.y < top || mouse.y > bottom)
+        return nullptr;
+    return &*std::ranges::min_element(job.curve, {},
+                                      [&](const TunePoint& p) { return std::abs(a.x(p.error_px) - mouse.x); });
+}
+
+void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Axes& vertices) {
+    for (const Axes* a : {&time, &vertices})
+        list.AddLine({a->x(p.error_px), a->low.y}, {a->x(p.error_px), a->high.y}, best_colour);
+    ImGui::BeginTooltip();
+    ImGui::Text("%.3g px", p.error_px);
+    ImGui::Text("p50 %s ms, p99 %s ms, max %s ms", fine_ms_text(p.p50_us).text, fine_ms_text(p.p99_us).text,
+                fine_ms_text(p.max_us).text);
+    ImGui::Text("%s vertices; %u flights of %u frames", count_text(p.vertices).text, p.flights, p.frames);
+    if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached the threshold", 100 * p.reached);
+    if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
+        ImGui::Text("slowest frames: %.0f%% %s", 100 * limit.share, limit.name);
+    ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
+    ImGui::EndTooltip();
+}
+
+} // namespace
+
+void draw_tune_curve(const JobView& job, float height) {
+    const float width = ImGui::GetContentRegionAvail().x, font = ImGui::GetFontSize();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::InvisibleButton("curve", {std::max(width, 1.0F), std::max(height, 1.0F)});
+    ui::mark("job", "curve");
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    if (job.curve.empty()) {
+        list.AddText({at.x, at.y + height / 2}, ui::quiet, "The curve appears here, flight by flight.");
+        return;
+    }
+    // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
+    const float left = at.x + font * 3.2F, right = at.x + width - font * 0.8F;
+    const float plots = std::max(height - font * 5.5F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
+    Axes times = axes_of(
+        job, [](const TunePoint& p) { return p.p50_us; }, [](const TunePoint& p) { return p.p99_us; },
+        job.tuned.budget_us, {left, at.y + font * 1.4F}, {right, split});
+    times.label = 1e-3; // milliseconds
+    const Axes& time = times;
+    const Value vertices_of = [](const TunePoint& p) { return p.vertices; };
+    const Axes vertices = axes_of(job, vertices_of, vertices_of, 0, {left, split + font * 1.7F},
+                                  {right, split + font * 1.7F + plots * 0.38F});
+    draw_grid(list, time, false);
+    draw_grid(list, vertices, true);
+    float x = draw_legend(list, left, at.y, p99_colour, "p99, ms");
+    x = draw_legend(list, x, at.y, p50_colour, "p50, ms");
+    (void)draw_legend(list, x, at.y, budget_colour, "budget");
+    (void)draw_legend(list, left, split + font * 0.35F, vertex_colour, "vertices");
+    const float budget_y = time.y(job.tuned.budget_us);
+    list.AddLine({left, budget_y}, {right, budget_y}, budget_colour, font / 8);
+    if (job.best_px > 0)
+        for (const Axes* a : {&time, &vertices})
+            list.AddLine({a->x(job.best_px), a->low.y}, {a->x(job.best_px), a->high.y}, best_colour, font / 10);
+    draw_line(
+        list, time, job, [](const TunePoint& p) { return p.p50_us; }, p50_colour);
+    draw_line(
+        list, time, job, [](const TunePoint& p) { return p.p99_us; }, p99_colour);
+    draw_line(list, vertices, job, vertices_of, vertex_colour);
+    constexpr const char* name = "threshold, px (finer to the right)";
+    list.AddText({(left + right - ImGui::CalcTextSize(name).x) / 2, vertices.high.y + font * 1.2F}, ui::quiet, name);
+    if (const TunePoint* const p = hovered(job, time, time.low.y, vertices.high.y))
+        draw_hover(list, *p, time, vertices);
+}
+
+// --- Benchmarks that were flown: charted along their path, compared, and their worst places listed.
 
 namespace {
 
@@ -86,18 +253,18 @@ void draw_exhausted(ImDrawList& list, const FlownRun& run, ImVec2 low, ImVec2 hi
 
 void tell_place(const State& state, double share, const Strip& strip) {
     ImGui::BeginTooltip();
-    ImGui::Text(strings::runs::share_of_path, 100 * share);
+    ImGui::Text("%.0f%% of the path", 100 * share);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
         const float value = strip.value(run.places[run.place_at(share)]);
         ImGui::PushStyleColor(ImGuiCol_Text, run_colours[r]);
         if (value >= unbounded_px)
-            ImGui::Text(strings::runs::unbounded, run.name.c_str());
+            ImGui::Text("%.24s: unbounded", run.name.c_str());
         else
             ImGui::Text("%.24s: %.3g %s", run.name.c_str(), static_cast<double>(value), strip.unit);
         ImGui::PopStyleColor();
     }
-    ImGui::TextDisabled(strings::runs::hand_help);
+    ImGui::TextDisabled("click: look from there");
     ImGui::EndTooltip();
 }
 
@@ -141,31 +308,27 @@ void draw_strip(const Strip& strip, const State& state, Commands& commands) {
 
 void run_column(const char* text, ImU32 colour) {
     ImGui::TableNextColumn();
-    const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
-    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, room));
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(text);
-    ImGui::PopStyleColor();
+    ui::right_text(text, colour);
 }
 
 void about_run(const FlownRun& run) {
     if (!ui::begin_tip()) return;
-    ImGui::Text(strings::runs::summary, run.profile.c_str(), run.error_px,
-                count_text(static_cast<double>(run.frames)).text, 100 * run.converged, count_text(run.vertices).text,
-                run.error_p99_px);
+    ImGui::Text("%s at %.3g px: %s frames, %.1f%% of them converged; %s vertices; p99 of the error %.3g px",
+                run.profile.c_str(), run.error_px, count_text(static_cast<double>(run.frames)).text,
+                100 * run.converged, count_text(run.vertices).text, run.error_p99_px);
     ui::end_tip();
 }
 
 void draw_run_table(const State& state, Commands& commands) {
     if (!ImGui::BeginTable("runs", 6, ImGuiTableFlags_SizingStretchProp)) return;
     ImGui::TableSetupColumn("run", 0, 2);
-    for (const char* name : {"px", "p50", "p99", strings::common::max}) ImGui::TableSetupColumn(name, 0, 1);
+    for (const char* name : {"px", "p50", "p99", "max"}) ImGui::TableSetupColumn(name, 0, 1);
     ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed,
                             ImGui::CalcTextSize("x").x + 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::update_ms);
-    for (const char* name : {"px", "p50", "p99", strings::common::max}) run_column(name, ui::quiet);
+    ImGui::TextColored(ImColor(ui::quiet).Value, "update, ms");
+    for (const char* name : {"px", "p50", "p99", "max"}) run_column(name, ui::quiet);
     const ImU32 text_colour = ImGui::GetColorU32(ImGuiCol_Text);
     for (std::size_t r = 0; r < state.runs.all.size(); ++r) {
         const FlownRun& run = *state.runs.all[r];
@@ -183,8 +346,7 @@ void draw_run_table(const State& state, Commands& commands) {
         if (ImGui::SmallButton("x")) commands.push(ForgetRun{r});
         char name[32];
         std::snprintf(name, sizeof name, "forget.%zu", r);
-        ui::mark("run", name);
-        ui::tip(strings::runs::about_forget);
+        ui::control("run", name, "Removes this run from the panel; its CSV stays.");
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -194,26 +356,26 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
                       const State& state, Commands& commands) {
     char text[96], error[24];
     if (place.error_px >= unbounded_px)
-        std::snprintf(error, sizeof error, strings::common::unbounded);
+        std::snprintf(error, sizeof error, "unbounded");
     else
         std::snprintf(error, sizeof error, "%.3g px", static_cast<double>(place.error_px));
     std::snprintf(text, sizeof text, "%3.0f%%  %s ms  %s%s", 100 * run.share_of(at),
                   ms_text(static_cast<double>(place.update_us)).text, error,
-                  place.exhausted != 0 ? strings::runs::budget_spent : "");
+                  place.exhausted != 0 ? "  budget spent" : "");
     ImGui::PushID(static_cast<int>(at));
     const bool chosen = state.runs.chosen && state.runs.chosen->run == index && state.runs.chosen->place == at;
     if (ImGui::Selectable(text, chosen)) commands.push(ChoosePlace{index, run.share_of(at)});
-    ui::tip(strings::runs::about_place);
+    ui::tip("How far along the path, the update's time, and the largest error there. Click: look from there.");
     ImGui::PopID();
 }
 
 void draw_worst(const State& state, Commands& commands) {
     const std::size_t index = state.runs.chosen ? state.runs.chosen->run : 0;
     const FlownRun& run = *state.runs.all[index];
-    constexpr const char* kinds[] = {strings::runs::slowest_places, strings::runs::places_beyond_the_threshold};
+    constexpr const char* kinds[] = {"Slowest places", "Places beyond the threshold"};
     for (std::size_t by = 0; by < 2; ++by) {
         ui::heading(kinds[by]);
-        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, strings::common::none);
+        if (run.worst[by].empty()) ImGui::TextColored(ImColor(ui::good).Value, "none");
         ImGui::PushID(kinds[by]);
         for (std::size_t i = 0; i < run.worst[by].size(); ++i) {
             const std::size_t at = run.worst[by][i];
@@ -227,14 +389,15 @@ void draw_worst(const State& state, Commands& commands) {
 }
 
 void draw_heat_choice(const State& state, Commands& commands) {
-    constexpr const char* labels[] = {strings::runs::nothing, strings::runs::time, strings::runs::error};
-    ImGui::TextUnformatted(strings::runs::overview_colour);
+    constexpr const char* labels[] = {"nothing", "time", "error"};
+    ImGui::TextUnformatted("Path on the overview coloured by");
     for (int i = 0; i < 3; ++i) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
-        ui::mark("heat", heat_names[i]);
-        ui::tip(strings::runs::about_overview_colour);
+        ui::control("heat", heat_names[i],
+                    "Colours the latest run's path on the overview in the Camera panel: blue is fast or exact, red the "
+                    "run's p99 time or its threshold, white beyond that.");
     }
 }
 
@@ -257,12 +420,12 @@ ImU32 heat_colour(double share) {
 
 void draw_runs(const State& state, Commands& commands) {
     if (state.runs.all.empty()) return;
-    ui::heading(strings::runs::runs);
+    ui::heading("Runs");
     draw_run_table(state, commands);
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, strings::runs::budget_mark);
+    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is spent");
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }

@@ -1,35 +1,276 @@
+// The profile: where values lie on their sliders, what they cost now, and the panel that changes them.
+#include "editor/panels/tune.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 
 #include <strings.h>
 
+#include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "editor/panels/slider.h"
-#include "editor/panels/tune_cost.h"
-#include "editor/strings.h"
 
 namespace fjell::editor {
 
 namespace {
 
-constexpr float field_px = 106; // unscaled; ten digits
+constexpr double zero_stretch = 0.04; // of the slider, where 0 is allowed on a logarithmic one
 
-// The field that is being typed into, and whether what is there so far is no value: it turns red.
-struct TypingField {
-    const flight::ProfileKey* key = nullptr;
-    bool wrong = false;
+// The smallest value above 0 that such a slider gives.
+double floor_of(const flight::ProfileKey& key) {
+    return key.kind == flight::KeyKind::number ? key.most * 1e-6 : 1;
+}
+
+double three_digits(double value) {
+    if (value == 0) return 0;
+    const double step = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+    return step < 1 ? std::round(value / step) / std::round(1 / step) : std::round(value / step) * step;
+}
+
+} // namespace
+
+double slider_share(const flight::ProfileKey& key, double value) {
+    const double v = std::clamp(value, key.least, key.most);
+    if (!key.logarithmic) return (v - key.least) / (key.most - key.least);
+    if (key.least > 0) return std::log(v / key.least) / std::log(key.most / key.least);
+    if (v == 0) return 0;
+    const double floor = floor_of(key);
+    return zero_stretch + (1 - zero_stretch) * std::max(std::log(v / floor), 0.0) / std::log(key.most / floor);
+}
+
+double slider_value(const flight::ProfileKey& key, double share) {
+    if (!(share > 0)) return key.least;
+    if (share >= 1) return key.most;
+    double value = 0;
+    if (!key.logarithmic) {
+        value = key.least + share * (key.most - key.least);
+    } else if (key.least > 0) {
+        value = key.least * std::pow(key.most / key.least, share);
+    } else {
+        if (share < zero_stretch) return 0;
+        const double floor = floor_of(key);
+        value = floor * std::pow(key.most / floor, (share - zero_stretch) / (1 - zero_stretch));
+    }
+    value = three_digits(value);
+    if (key.kind != flight::KeyKind::number) value = std::round(value);
+    return std::clamp(value, key.least, key.most);
+}
+
+ShownUnit shown_unit(const flight::ProfileKey& key) {
+    return std::strcmp(key.unit, "us") == 0 ? ShownUnit{"ms", 1e-3} : ShownUnit{key.unit, 1};
+}
+
+void write_value(const flight::ProfileKey& key, double value, char* to, int size) {
+    if (key.zero != nullptr && value == 0)
+        (void)std::snprintf(to, static_cast<std::size_t>(size), "%s", key.zero);
+    else
+        (void)std::snprintf(to, static_cast<std::size_t>(size), key.kind == flight::KeyKind::number ? "%.7g" : "%.0f",
+                            value * shown_unit(key).share);
+}
+
+bool typed_value(const flight::ProfileKey& key, std::string_view text, double& value) {
+    while (text.starts_with(' ')) text.remove_prefix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+    if (key.zero != nullptr && text == key.zero) {
+        value = 0;
+        return true;
+    }
+    double read = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), read);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(read)) return false;
+    const double share = shown_unit(key).share;
+    value = share == 1 ? read : std::round(read / share * 1e3) / 1e3; // or 16.667 ms would be 16667.000000000002 us
+    return true;
+}
+
+namespace {
+
+using flight::FrameEntry;
+
+struct Text {
+    char* to;
+    std::size_t size, used = 0;
+
+    void add(const char* format, ...) IM_FMTARGS(2) {
+        if (used + 1 >= size) return;
+        va_list values;
+        va_start(values, format);
+        const int n = std::vsnprintf(to + used, size - used, format, values);
+        va_end(values);
+        if (n > 0) used += static_cast<std::size_t>(n);
+    }
+    void count(const char* before, double number) { add("%s%s", before, count_text(number).text); }
+    void bytes(double bytes) { add("%s", byte_text(bytes).text); }
 };
-TypingField typing;
+
+// Of the states of pages that a cut with so many vertices has for the terrain that is shown.
+double page_state_bytes(const State& state, double vertices) {
+    const Scene& scene = state.scene;
+    const std::uint32_t slots =
+        scene.streamed ? std::min(scene.pages, state.document.profile().page_slots) : scene.pages;
+    return static_cast<double>(cut_pages({.vertices = static_cast<std::uint32_t>(vertices)}, slots, scene.tiles)) *
+           static_cast<double>(cut_page_bytes);
+}
+
+// What the table above the profile's keys says of bytes, for the chosen method.
+void vertices(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    const flight::MethodFacts& slot = flight::facts_of(state.document.profile());
+    text.bytes(value * static_cast<double>(slot.vertex_bytes) + (slot.keeps_mesh ? page_state_bytes(state, value) : 0));
+    text.add(" + ");
+    text.bytes(value * static_cast<double>(slot.gpu_vertex_bytes));
+    text.add(" GPU");
+    text.count(", used ", e.vertices);
+    if (slot.keeps_mesh) text.count(", peak ", e.vertices_peak);
+}
+
+void triangles(const State& state, Text& text, double value) {
+    const FrameEntry& e = state.measures.last();
+    text.bytes(value * static_cast<double>(cut_triangle_bytes));
+    text.add(" + ");
+    text.bytes(value * 12);
+    text.count(" GPU, used ", e.triangles);
+    text.count(", peak ", e.triangles_peak);
+}
+
+void indices(const State&, Text& text, double value) {
+    text.bytes(value * 4);
+    text.add(" + ");
+    text.bytes(value * 4);
+    text.add(" GPU");
+}
+
+void items(const State& state, Text& text, double) {
+    text.count("last frame ", state.measures.last().items);
+}
+
+void time(const State& state, Text& text, double) {
+    text.add("last update %s ms", ms_text(state.measures.last().update_us).text);
+}
+
+void threshold(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (e.error_px_effective >= 1e6)
+        text.add("lags");
+    else
+        text.add("keeps %.*f px", e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
+    text.count(", ", e.triangles_drawn);
+    text.add(" triangles drawn");
+}
+
+void page_slots(const State& state, Text& text, double value) {
+    text.bytes(value * 12.5e3);
+    if (state.scene.pages != 0) text.count(", the pack has ", state.scene.pages);
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.count(", used ", e.stream.page_slots.used);
+    text.count(", peak ", e.stream.page_slots.peak);
+}
+
+void page_requests(const State& state, Text& text, double value) {
+    text.bytes(value * 16e3);
+    if (state.measures.last().streamed) text.add(", in flight %u with mips", state.measures.last().stream.in_flight);
+}
+
+void map_requests(const State&, Text& text, double value) {
+    text.add("up to ");
+    text.bytes(value * 525e3);
+}
+
+void map_mb(const State& state, Text& text, double value) {
+    text.bytes(value * 1048576);
+    text.add(" GPU");
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add(", used ");
+    text.bytes(static_cast<double>(e.stream.map_bytes_used));
+}
+
+void pages(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (e.streamed) text.add("last frame %u, left %u", e.stream.pages_inserted, e.stream.pages_left);
+}
+
+void map_kb(const State& state, Text& text, double) {
+    const FrameEntry& e = state.measures.last();
+    if (!e.streamed) return;
+    text.add("last frame ");
+    text.bytes(static_cast<double>(e.stream.map_upload_bytes));
+}
+
+struct Cost {
+    const char *table, *name;
+    void (*write)(const State&, Text&, double value);
+};
+constexpr Cost costs[] = {
+    {"refine", "error_px", threshold},
+    {"budget", "vertices", vertices},
+    {"budget", "triangles", triangles},
+    {"budget", "items", items},
+    {"budget", "budget_us", time},
+    {"budget", "indices", indices},
+    {"stream", "page_slots", page_slots},
+    {"stream", "page_requests", page_requests},
+    {"stream", "map_requests", map_requests},
+    {"stream", "map_mb", map_mb},
+    {"stream", "pages", pages},
+    {"stream", "map_kb", map_kb},
+};
+
+bool is(const flight::ProfileKey& key, const char* table, const char* name) {
+    return std::strcmp(key.table, table) == 0 && std::strcmp(key.name, name) == 0;
+}
+
+} // namespace
+
+bool cost_text(const flight::ProfileKey& key, const State& state, char* to, std::size_t size) {
+    for (const Cost& cost : costs) {
+        if (!is(key, cost.table, cost.name)) continue;
+        Text text{to, size};
+        cost.write(state, text, key.get(state.document.profile()));
+        return text.used != 0;
+    }
+    return false;
+}
+
+const char* why_idle(const flight::ProfileKey& key, const State& state) {
+    const flight::Profile& profile = state.document.profile();
+    switch (key.used_by) {
+    case flight::UsedBy::any: break;
+    case flight::UsedBy::incremental:
+        if (flight::facts_of(profile).keys != key.used_by) return "for the incremental method only.";
+        break;
+    case flight::UsedBy::recursive:
+        if (flight::facts_of(profile).keys != key.used_by) return "for the recursive method only.";
+        break;
+    case flight::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
+        if (!state.scene.streamed && !is(key, "stream", "page_slots"))
+            return "for streaming only: a pack is streamed when it has more pages than the profile has page slots.";
+        break;
+    }
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "for morph \"time\" only.";
+    return nullptr;
+}
+
+namespace {
+
+constexpr float field_px = 106; // unscaled; ten digits
 
 struct Row {
     const flight::ProfileKey& key;
     const State& state;
+    TypingField& typing;
     Commands& commands;
     char name[64] = {}; // refine.error_px
     double value = 0;
     const char* idle = nullptr; // why it does not count now
 
-    Row(const flight::ProfileKey& k, const State& s, Commands& c) : key(k), state(s), commands(c) {
+    Row(const flight::ProfileKey& k, const State& s, TypingField& t, Commands& c)
+        : key(k), state(s), typing(t), commands(c) {
         (void)std::snprintf(name, sizeof name, "%s.%s", key.table, key.name);
         value = key.get(state.document.profile());
         idle = why_idle(key, state);
@@ -38,9 +279,9 @@ struct Row {
 
 const char* rebuilds(flight::Rebuild rebuild) {
     switch (rebuild) {
-    case flight::Rebuild::nothing: return strings::tune::about_next_frame;
-    case flight::Rebuild::method: return strings::tune::about_method_memory;
-    case flight::Rebuild::session: return strings::tune::about_reopening;
+    case flight::Rebuild::nothing: return "A change takes effect in the next frame.";
+    case flight::Rebuild::method: return "A change reallocates the method's memory.";
+    case flight::Rebuild::session: return "A change reopens the pack; the view stays.";
     }
     return "";
 }
@@ -51,11 +292,12 @@ void tip(const Row& row) {
     const ShownUnit unit = shown_unit(key);
     char text[1400], range[96] = "";
     if (key.kind == flight::KeyKind::number || key.kind == flight::KeyKind::whole)
-        (void)std::snprintf(range, sizeof range, strings::tune::range, key.least * unit.share, key.most * unit.share,
-                            *unit.name != '\0' ? " " : "", unit.name);
+        (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least * unit.share,
+                            key.most * unit.share, *unit.name != '\0' ? " " : "", unit.name);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s%s", key.about, range,
-                        unit.share != 1 ? strings::tune::about_shown_ms : "", rebuilds(key.rebuild),
-                        row.idle != nullptr ? strings::tune::not_used_now : "", row.idle != nullptr ? row.idle : "");
+                        unit.share != 1 ? "Shown in milliseconds; a profile's file has microseconds.\n" : "",
+                        rebuilds(key.rebuild), row.idle != nullptr ? "\n\nNot used now: " : "",
+                        row.idle != nullptr ? row.idle : "");
     ImGui::TextUnformatted(text);
     ui::end_tip();
 }
@@ -78,15 +320,15 @@ void draw_label(const Row& row) {
     }
     if (!changed) return;
     const ImGuiStyle& style = ImGui::GetStyle();
-    const float width = ImGui::CalcTextSize(strings::tune::reset).x + 2 * style.FramePadding.x;
+    const float width = ImGui::CalcTextSize("reset").x + 2 * style.FramePadding.x;
     ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-    if (ImGui::Button(strings::tune::reset)) row.commands.push(SetKey{&row.key, saved, false});
+    if (ImGui::Button("reset")) row.commands.push(SetKey{&row.key, saved, false});
     ui::mark("reset", row.name);
     if (!ui::begin_tip()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
     const bool choice = row.key.kind == flight::KeyKind::choice;
-    (void)std::snprintf(text, sizeof text, strings::tune::about_reset,
+    (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ImGui::TextUnformatted(text);
     ui::end_tip();
@@ -95,7 +337,7 @@ void draw_label(const Row& row) {
 void draw_field(Row& row) {
     char text[48];
     write_value(row.key, row.value, text, sizeof text);
-    const bool wrong = typing.key == &row.key && typing.wrong;
+    const bool wrong = row.typing.key == &row.key && row.typing.wrong;
     if (wrong) ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4(0.45F, 0.12F, 0.11F, 1));
     ImGui::SetNextItemWidth(-1);
     const bool entered = ImGui::InputText("##field", text, sizeof text,
@@ -105,9 +347,9 @@ void draw_field(Row& row) {
     double typed = row.value;
     const bool read = typed_value(row.key, text, typed);
     if (ImGui::IsItemActive())
-        typing = {&row.key, !read || typed < row.key.least || typed > row.key.most};
-    else if (typing.key == &row.key)
-        typing = {};
+        row.typing = {&row.key, !read || typed < row.key.least || typed > row.key.most};
+    else if (row.typing.key == &row.key)
+        row.typing = {};
     if (entered && read) row.commands.push(SetKey{&row.key, typed, false});
     tip(row);
 }
@@ -151,8 +393,7 @@ void draw_choices(const Row& row) {
 
 void draw_flag(const Row& row) {
     bool on = row.value != 0;
-    if (ImGui::Checkbox(on ? strings::tune::on : strings::common::off, &on))
-        row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
+    if (ImGui::Checkbox(on ? "on" : "off", &on)) row.commands.push(SetKey{&row.key, on ? 1.0 : 0.0, false});
     ui::mark(row.key.table, row.key.name);
     tip(row);
 }
@@ -171,16 +412,16 @@ void draw_notes(const Row& row) {
         write_value(row.key, theirs, text, sizeof text);
         const bool choice = row.key.kind == flight::KeyKind::choice, flag = row.key.kind == flight::KeyKind::flag;
         ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.55F, 0.74F, 0.95F, 1));
-        ImGui::Text(strings::tune::compared, choice ? row.key.choices[static_cast<std::size_t>(theirs)]
-                                             : flag ? (theirs != 0 ? strings::tune::on : strings::common::off)
-                                                    : text);
+        ImGui::Text("compared: %s", choice ? row.key.choices[static_cast<std::size_t>(theirs)]
+                                    : flag ? (theirs != 0 ? "on" : "off")
+                                           : text);
         ImGui::PopStyleColor();
     }
     ImGui::PopTextWrapPos();
 }
 
-void draw_key(const flight::ProfileKey& key, const State& state, Commands& commands) {
-    Row row(key, state, commands);
+void draw_key(const flight::ProfileKey& key, const State& state, TypingField& typing, Commands& commands) {
+    Row row(key, state, typing, commands);
     ImGui::PushID(&key);
     ImGui::BeginDisabled(row.idle != nullptr);
     draw_label(row);
@@ -198,11 +439,11 @@ void draw_key(const flight::ProfileKey& key, const State& state, Commands& comma
 
 } // namespace
 
-void draw_tune(const State& state, Commands& commands) {
+void draw_tune(const State& state, PanelState& own, Commands& commands) {
     for (const flight::ProfileTable& table : flight::profile_tables()) {
         ui::heading(table.label);
         for (const flight::ProfileKey& key : flight::profile_keys())
-            if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, commands);
+            if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, own.typing, commands);
     }
 }
 

@@ -13,20 +13,7 @@ namespace {
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr double font_px = 14;
 
-std::vector<Mark> all_marks;
-std::string keyboard_mark;
-bool recording = false;
-
 constexpr double tip_rest_s = 0.45;
-// The item that the pointer rests on.
-struct Resting {
-    ImVec2 at;
-    double since_s = 0;
-    int frame = -2; // in which it was seen last
-    bool clicked = false;
-};
-Resting resting;
-
 void colours(ImGuiStyle& style) {
     ImGui::StyleColorsDark(&style);
     ImVec4* const c = style.Colors;
@@ -52,6 +39,10 @@ void colours(ImGuiStyle& style) {
 }
 
 } // namespace
+
+Context& context() {
+    return *static_cast<Context*>(ImGui::GetIO().UserData);
+}
 
 void apply_style(double scale) {
     ImGuiStyle style;
@@ -84,15 +75,16 @@ void mark(const char* group, const char* name) {
 
 void mark(const char* group, const char* name, const Rect& rect) {
     mark_at(group, name, rect);
-    if (recording && ImGui::IsItemFocused() && ImGui::GetIO().NavVisible) keyboard_mark = all_marks.back().name;
+    if (context().recording && ImGui::IsItemFocused() && ImGui::GetIO().NavVisible)
+        context().focus = context().marks.back().name;
 }
 
 void mark_at(const char* group, const char* name, const Rect& rect) {
-    if (recording) all_marks.push_back({std::string(group) + "." + name, rect});
+    if (context().recording) context().marks.push_back({std::string(group) + "." + name, rect});
 }
 
 bool recording_marks() {
-    return recording;
+    return context().recording;
 }
 
 void leave_room() {
@@ -108,19 +100,19 @@ void leave_room() {
 }
 
 void record_marks(bool on) {
-    recording = on;
+    context().recording = on;
     if (on) {
-        all_marks.clear();
-        keyboard_mark.clear();
+        context().marks.clear();
+        context().focus.clear();
     }
 }
 
 const std::string& marked_focus() {
-    return keyboard_mark;
+    return context().focus;
 }
 
 const std::vector<Mark>& marks() {
-    return all_marks;
+    return context().marks;
 }
 
 ImU32 severity_colour(Severity severity) {
@@ -137,6 +129,7 @@ bool begin_tip() {
     const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
     const ImGuiIO& io = ImGui::GetIO();
     const int frame = ImGui::GetFrameCount();
+    Resting& resting = context().resting;
     const bool same = resting.frame >= frame - 1 && resting.at.x == low.x && resting.at.y == low.y;
     if (!same) resting = {low, ImGui::GetTime(), frame, false};
     resting.frame = frame;
@@ -172,6 +165,7 @@ void tip(const char* text) {
 }
 
 double tip_due_s() {
+    const Resting& resting = context().resting;
     if (resting.frame < ImGui::GetFrameCount() || resting.clicked) return -1;
     return tip_rest_s - (ImGui::GetTime() - resting.since_s);
 }
@@ -189,8 +183,7 @@ bool panel_button(const char* label, const char* group, const char* name, bool e
     ImGui::BeginDisabled(!enabled);
     const bool pressed = ImGui::Button(label);
     ImGui::EndDisabled();
-    mark(group, name);
-    tip(about);
+    control(group, name, about);
     return pressed;
 }
 
@@ -201,7 +194,7 @@ void beside(const char* label) {
 }
 
 bool button(const char* label, bool primary) {
-    static int keyboard_at = -2; // frame in which the keyboard was at a button
+    int& keyboard_at = context().keyboard_at;
     const bool pressed = ImGui::Button(label);
     const bool at = ImGui::IsItemFocused() && ImGui::GetIO().NavVisible;
     if (at) keyboard_at = ImGui::GetFrameCount();
@@ -226,6 +219,20 @@ void heading(const char* text) {
     ImGui::Separator();
 }
 
+void right_text(const char* text, ImU32 colour) {
+    const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(text).x;
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, room));
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(text);
+    ImGui::PopStyleColor();
+}
+
+void note(const char* text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, quiet);
+    ImGui::TextWrapped("%s", text);
+    ImGui::PopStyleColor();
+}
+
 void row(const char* label, const char* format, ...) {
     char value[96];
     va_list arguments;
@@ -233,9 +240,8 @@ void row(const char* label, const char* format, ...) {
     std::vsnprintf(value, sizeof value, format, arguments);
     va_end(arguments);
     ImGui::TextUnformatted(label);
-    const float width = ImGui::CalcTextSize(value).x;
-    ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - width, ImGui::CalcTextSize(label).x));
-    ImGui::TextUnformatted(value);
+    ImGui::SameLine(0, 0);
+    right_text(value, ImGui::GetColorU32(ImGuiCol_Text));
 }
 
 } // namespace fjell::editor::ui

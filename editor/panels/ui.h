@@ -33,6 +33,32 @@ struct Mark {
     std::string name;
     Rect rect;
 };
+// The item that the pointer rests on.
+struct Resting {
+    ImVec2 at;
+    double since_s = 0;
+    int frame = -2; // in which it was seen last
+    bool clicked = false;
+};
+// Panes in the order in which they are drawn.
+struct Panes {
+    int count = 0;  // of this frame, so far
+    int before = 0; // of the last one
+    int at = -1;    // that keys move in; -1: none
+    int at_next = -1;
+    int wanted = -1; // that shall get them
+    bool had_keys = false;
+};
+// What is known from one frame to the next, of all panels; ImGui's io.UserData points at it.
+struct Context {
+    std::vector<Mark> marks;
+    std::string focus; // the mark that the keyboard is at
+    bool recording = false;
+    Resting resting;
+    int keyboard_at = -2; // frame in which the keyboard was at a button
+    Panes panes;
+};
+[[nodiscard]] Context& context();
 void mark(const char* group, const char* name);
 void mark(const char* group, const char* name, const Rect& rect);    // the part of it that a pointer is for
 void mark_at(const char* group, const char* name, const Rect& rect); // of what is no item
@@ -44,6 +70,10 @@ void record_marks(bool on);                                          // starts a
 // The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the
 // pointer, and not again after a click before the pointer has left.
 void tip(const char* text);
+inline void control(const char* group, const char* name, const char* about) { // both
+    mark(group, name);
+    tip(about);
+}
 // Whether to say it now, of the last item: for tips whose text is made first.
 [[nodiscard]] bool begin_tip();
 void end_tip();
@@ -61,6 +91,8 @@ void beside(const char* label);
 // The next item gets the keyboard, when its dialog has just opened.
 void focus_first();
 void heading(const char* text);
+void right_text(const char* text, ImU32 colour); // at the right of the room that is left
+void note(const char* text);                     // quiet, in as many lines as it takes
 // "label   value" over the width of the column, the value on its right.
 void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <span>
+#include <sstream>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
 #include "fjell/pages.h"
-#include "flight/path_timing.h"
+#include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::flight {
 
@@ -104,64 +108,18 @@ bool is_still(const SplinePath& path) {
     return knots.size() == 2 && path.spline.at(knots[0]) == path.spline.at(knots[1]);
 }
 
-// Metres of one unit of a position.
-Vec3 unit_m(Units units, const Ground& ground) {
-    switch (units) {
-    case Units::metres: break;
-    case Units::recorded: return Vec3{1, 1, 1} * ground.extent_x_m;
-    case Units::terrain: return {ground.extent_x_m, ground.longer_m(), ground.extent_z_m};
-    }
-    return {1, 1, 1};
-}
-
-// Places on the spline at those shares of the flight.
-std::vector<double> knots_at(const CameraPath& path, const SplinePath& kind, const Ground& ground,
-                             std::span<const double> share) {
-    const std::vector<double>& knots = kind.spline.knots();
-    std::vector<double> at(share.size());
-    if (kind.times_s.empty() || is_still(kind)) {
-        // A still camera stays at its point, without the rounding of what lies between two of them.
-        const double first = knots.front(), last = is_still(kind) ? first : knots.back();
-        for (std::size_t i = 0; i < at.size(); ++i) at[i] = first + (last - first) * share[i];
-        return at;
-    }
-    const PathTiming timing(kind.spline, kind.times_s, unit_m(path.units, ground), kind.eases);
-    for (std::size_t i = 0; i < at.size(); ++i) at[i] = timing.knot_at(share[i] * kind.times_s.back());
-    return at;
-}
-
-// What the camera looks along and its upward axis, there on the spline, where p is the spline's own.
-struct Facing {
-    Vec3 direction, up;
-};
-Facing facing_at(const SplinePath& path, double t, const ControlPoint& p) {
-    const Facing own{direction_of(p), up_of(p)};
-    if (path.targets.empty()) return own;
-    const std::vector<double>& knots = path.spline.knots();
-    const auto above = std::upper_bound(knots.begin() + 1, knots.end() - 1, t);
-    const auto i = static_cast<std::size_t>(above - knots.begin()) - 1;
-    const auto facing = [&](const std::optional<Vec3>& target) {
-        return target ? Facing{normalised(*target - position_of(p)), {0, 1, 0}} : own;
-    };
-    const std::optional<Vec3>&from = path.targets[i], &to = path.targets[i + 1];
-    const Facing a = facing(from);
-    if (from.has_value() == to.has_value() && (!from || length(*from - *to) == 0)) return a;
-    const Facing b = facing(to);
-    const double f = std::clamp((t - knots[i]) / (knots[i + 1] - knots[i]), 0.0, 1.0), w = f * f * (3 - 2 * f);
-    return {a.direction * (1 - w) + b.direction * w, a.up * (1 - w) + b.up * w};
-}
-
 std::vector<Pose> resample_spline(const CameraPath& path, const SplinePath& kind, const Ground& ground,
                                   std::span<const double> share) {
     const CubicSpline<9>& spline = kind.spline;
-    const std::vector<double> knots = knots_at(path, kind, ground, share);
+    // A still camera stays at its point, without the rounding of what lies between two of them.
+    const double first = spline.knots().front(), last = is_still(kind) ? first : spline.knots().back();
     std::vector<Pose> poses;
     poses.reserve(share.size());
     const auto add = [&](const auto& place) {
-        for (const double t : knots) {
+        for (const double s : share) {
+            const double t = first + (last - first) * s;
             const ControlPoint p = spline.at(t);
-            const Facing facing = facing_at(kind, t, p);
-            poses.push_back(make_pose(place(position_of(p), t), facing.direction, facing.up, path, poses.size()));
+            poses.push_back(make_pose(place(position_of(p), t), direction_of(p), up_of(p), path, poses.size()));
         }
     };
     switch (path.units) {
@@ -314,10 +272,10 @@ CameraPath random_path(std::uint64_t seed) {
 }
 
 std::vector<double> shares(const SplinePath& path) {
-    const std::vector<double>& from = path.times_s.empty() ? path.spline.knots() : path.times_s;
+    const std::vector<double>& knots = path.spline.knots();
     std::vector<double> shares;
-    shares.reserve(from.size());
-    for (const double at : from) shares.push_back((at - from.front()) / (from.back() - from.front()));
+    shares.reserve(knots.size());
+    for (const double at : knots) shares.push_back((at - knots.front()) / (knots.back() - knots.front()));
     return shares;
 }
 
@@ -327,6 +285,262 @@ std::vector<Pose> resample(const CameraPath& path, const Ground& ground, std::si
     if (const auto* spline = std::get_if<SplinePath>(&path.kind)) return resample_spline(path, *spline, ground, share);
     if (const auto* orbit = std::get_if<Orbit>(&path.kind)) return resample_orbit(path, *orbit, ground, share);
     return resample_straight(path, std::get<Straight>(path.kind), ground, share);
+}
+
+// --- Paths from text and to it: our JSON, and frames recorded by G3dOGL (H. Hoppe's terrain viewer), one line
+// `F level  view(3)  left(3)  up(3)  position(3)  zoom` each.
+
+namespace {
+
+using nlohmann::json;
+
+constexpr double largest_number = 1e8;
+constexpr std::size_t most_points = 1'000'000;
+constexpr std::string_view removed_keys[] = {"closed", "ease", "time_s", "look_at"}; // of version 0.2
+
+[[noreturn]] void fail(const std::string& name, const std::string& where, const std::string& what) {
+    throw Failure(1, where.empty() ? fmt::format("{}: {}", name, what) : fmt::format("{}: {}: {}", name, where, what));
+}
+
+// One JSON object with its place in the file; asks for keys by name and refuses those nobody asked for.
+class Fields {
+public:
+    Fields(const json& object, std::string name, std::string where)
+        : object_(object), name_(std::move(name)), where_(std::move(where)) {
+        if (!object_.is_object()) bad("must be an object { ... }");
+    }
+
+    [[noreturn]] void bad(const std::string& what) const { fail(name_, where_, what); }
+    [[noreturn]] void bad(const char* key, const std::string& what) const { fail(name_, place(key), what); }
+
+    [[nodiscard]] const json* find(const char* key) {
+        known_.insert(key);
+        const auto at = object_.find(key);
+        return at == object_.end() ? nullptr : &*at;
+    }
+    double number(const char* key, double otherwise, double least, double most) {
+        const json* value = find(key);
+        if (!value) return otherwise;
+        if (!value->is_number()) bad(key, "must be a number");
+        const double v = value->get<double>();
+        if (!(v >= least && v <= most)) bad(key, fmt::format("must be from {} to {}", least, most));
+        return v;
+    }
+    // An array of `count` numbers.
+    std::vector<double> numbers(const char* key, std::size_t count) {
+        const json* value = find(key);
+        if (!value) bad(key, fmt::format("is missing; give {} numbers", count));
+        if (!value->is_array() || value->size() != count) bad(key, fmt::format("must be {} numbers", count));
+        std::vector<double> result;
+        for (const json& v : *value) {
+            if (!v.is_number() || !(std::abs(v.get<double>()) <= largest_number))
+                bad(key, fmt::format("must be {} numbers within 1e8", count));
+            result.push_back(v.get<double>());
+        }
+        return result;
+    }
+    Vec3 vector(const char* key) {
+        const std::vector<double> v = numbers(key, 3);
+        return {v[0], v[1], v[2]};
+    }
+    // Call when all keys have been asked for. "comment" is allowed everywhere.
+    void refuse_others() {
+        known_.insert("comment");
+        for (const auto& [key, value] : object_.items())
+            if (!known_.contains(key))
+                bad(key.c_str(), std::ranges::find(removed_keys, key) == std::end(removed_keys)
+                                     ? "unknown key; remove it"
+                                     : "is not read any more: paths have no times, targets or closing; remove it");
+    }
+    [[nodiscard]] std::string place(const std::string& key) const { return where_.empty() ? key : where_ + "." + key; }
+
+private:
+    const json& object_;
+    std::string name_, where_;
+    std::set<std::string> known_;
+};
+
+std::string place_of(std::size_t point) {
+    return fmt::format("points[{}]", point);
+}
+
+ControlPoint control_point(const json& value, const std::string& name, std::size_t index) {
+    Fields fields(value, name, place_of(index));
+    const Vec3 position = fields.vector("position"), direction = fields.vector("direction");
+    const Vec3 up = fields.find("up") ? fields.vector("up") : Vec3{0, 1, 0};
+    fields.refuse_others();
+    if (!(length(direction) > 1e-9)) fields.bad("direction", "is zero; give the way the camera looks");
+    if (!(length(up) > 1e-9)) fields.bad("up", "is zero; give the camera's upward axis, e.g. [0, 1, 0]");
+    const ControlPoint p =
+        unit_point({position.x, position.y, position.z, direction.x, direction.y, direction.z, up.x, up.y, up.z});
+    if (!(length(cross({p[3], p[4], p[5]}, {p[6], p[7], p[8]})) > 1e-3))
+        fields.bad("up", "is parallel to direction; give another up");
+    return p;
+}
+
+SplinePath spline_path(const json& value, const std::string& name) {
+    if (!value.is_array()) fail(name, "points", "must be an array of control points");
+    if (value.empty()) fail(name, "points", "a path needs a control point; add some");
+    if (value.size() > most_points) fail(name, "points", "more than 1,000,000 control points; thin them out");
+    std::vector<ControlPoint> points;
+    points.reserve(value.size());
+    for (const json& point : value) points.push_back(control_point(point, name, points.size()));
+    if (points.size() == 1) points.push_back(points[0]);
+    std::vector<double> knots = chord_knots(points, name);
+    return {CubicSpline<9>(std::move(knots), std::move(points))};
+}
+
+Orbit orbit(const json& value, const std::string& name, Units units) {
+    Fields fields(value, name, "orbit");
+    Orbit o;
+    const bool needed = units == Units::metres; // the defaults are shares of the terrain
+    if (needed || fields.find("centre")) {
+        const std::vector<double> centre = fields.numbers("centre", 2);
+        o.centre_x = centre[0];
+        o.centre_z = centre[1];
+    }
+    if (needed)
+        for (const char* key : {"radius", "height"})
+            if (!fields.find(key)) fields.bad(key, "is missing; give metres, or use units \"terrain\"");
+    o.radius = fields.number("radius", o.radius, 1e-6, largest_number);
+    o.height = fields.number("height", o.height, -largest_number, largest_number);
+    o.turns = fields.number("turns", o.turns, -1000, 1000);
+    fields.refuse_others();
+    return o;
+}
+
+Straight straight(const json& value, const std::string& name) {
+    Fields fields(value, name, "straight");
+    Straight s;
+    s.from = fields.vector("from");
+    s.to = fields.vector("to");
+    s.cells_per_frame = fields.number("cells_per_frame", 0, 0, 1e6);
+    s.pitch_deg = fields.number("pitch_deg", 0, -89, 89);
+    fields.refuse_others();
+    if (s.from.x == s.to.x && s.from.z == s.to.z) fields.bad("to", "must lie north, south, east or west of from");
+    return s;
+}
+
+CameraPath parse_json(std::string_view text, const std::string& name) {
+    const json root = io::parse_json(text, name, io::JsonComments::yes);
+    Fields fields(root, name, "");
+    CameraPath path;
+    path.name = name;
+    if (const json* units = fields.find("units")) {
+        if (*units == "metres")
+            path.units = Units::metres;
+        else if (*units == "terrain")
+            path.units = Units::terrain;
+        else
+            fields.bad("units", "must be \"metres\" or \"terrain\"");
+    }
+    path.seconds = fields.number("seconds", 0, 0, max_path_seconds);
+    const json *points = fields.find("points"), *around = fields.find("orbit"), *line = fields.find("straight");
+    if ((points != nullptr) + (around != nullptr) + (line != nullptr) != 1)
+        fields.bad("a path has exactly one of points, orbit and straight");
+    fields.refuse_others();
+    if (points)
+        path.kind = spline_path(*points, name);
+    else if (around)
+        path.kind = orbit(*around, name, path.units);
+    else
+        path.kind = straight(*line, name);
+    return path;
+}
+
+// The shortest digits that read back to the same double.
+std::string numbers_text(std::span<const double> values) {
+    std::string text = "[";
+    for (const double v : values) text += fmt::format("{}{}", text.size() > 1 ? ", " : "", v);
+    return text + "]";
+}
+std::string vector_text(const Vec3& v) {
+    return numbers_text(std::array{v.x, v.y, v.z});
+}
+
+std::string points_text(const SplinePath& path) {
+    std::string text = "\"points\": [";
+    const std::vector<double>& knots = path.spline.knots();
+    for (std::size_t i = 0; i < knots.size(); ++i) { // where the spline is exactly the point
+        const ControlPoint p = unit_point(path.spline.at(knots[i]));
+        const std::span<const double> all(p);
+        text += fmt::format("{}\n    {{\"position\": {}, \"direction\": {}, \"up\": {}}}", i == 0 ? "" : ",",
+                            numbers_text(all.subspan(0, 3)), numbers_text(all.subspan(3, 3)),
+                            numbers_text(all.subspan(6, 3)));
+    }
+    return text + "\n  ]";
+}
+
+// The recording's frame has x east, y north, z up, in multiples of the DEM's width, from its south-west corner. It says
+// so itself: view x left = up makes it right-handed with z up, its speed along the view is even, and the camera then
+// follows the valleys, which no other placing of the rectangle gives.
+ControlPoint recorded_frame(const std::array<double, 14>& f) {
+    return {f[10], f[12], -f[11], f[1], f[3], -f[2], f[7], f[9], -f[8]};
+}
+
+CameraPath parse_recorded(std::string_view text, const std::string& name) {
+    std::vector<ControlPoint> points;
+    std::istringstream lines{std::string(text)};
+    std::string line;
+    for (std::size_t number = 1; std::getline(lines, line); ++number) {
+        if (line.empty() || line[0] != 'F') continue; // keys and reprojections in between
+        std::istringstream fields(line.substr(1));
+        std::array<double, 14> f{};
+        for (double& v : f)
+            if (!(fields >> v) || !(std::abs(v) <= largest_number))
+                fail(name, fmt::format("line {}", number), "a frame is F and 14 numbers");
+        points.push_back(recorded_frame(f));
+        if (points.size() > most_points) fail(name, "", "more than 1,000,000 frames; cut it");
+    }
+    if (points.size() < 2) fail(name, "", "fewer than 2 frames; a path needs at least 2");
+    // Frames were taken at even times, and the camera may stand still.
+    std::vector<double> knots(points.size());
+    for (std::size_t i = 0; i < knots.size(); ++i) knots[i] = static_cast<double>(i);
+    CameraPath path;
+    path.name = name;
+    path.units = Units::recorded;
+    path.kind = SplinePath{CubicSpline<9>(std::move(knots), std::move(points))};
+    return path;
+}
+
+} // namespace
+
+CameraPath parse_path(std::string_view text, const std::string& name) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first != std::string_view::npos && text.substr(first).starts_with("F ")) return parse_recorded(text, name);
+    return parse_json(text, name);
+}
+
+ControlPoint unit_point(const ControlPoint& p) {
+    // Unit lengths, or a long vector would pull the interpolated direction to its side. Dividing a vector by a length
+    // that is 1 but for rounding would only move its last bits, and a path that is written and read would wander.
+    const auto unit = [](Vec3 v) { return std::abs(length(v) - 1) <= 0x1p-50 ? v : normalised(v); };
+    const Vec3 d = unit({p[3], p[4], p[5]}), u = unit({p[6], p[7], p[8]});
+    return {p[0], p[1], p[2], d.x, d.y, d.z, u.x, u.y, u.z};
+}
+
+std::string path_text(const CameraPath& path) {
+    if (path.units == Units::recorded)
+        fail(path.name, "", "recorded frames are not written; make control points of them first");
+    std::string text = fmt::format("{{\n  \"units\": \"{}\",\n", path.units == Units::metres ? "metres" : "terrain");
+    const auto* spline = std::get_if<SplinePath>(&path.kind);
+    if (path.seconds > 0) text += fmt::format("  \"seconds\": {},\n", path.seconds);
+    if (spline != nullptr) {
+        text += "  " + points_text(*spline);
+    } else if (const auto* o = std::get_if<Orbit>(&path.kind)) {
+        text += fmt::format("  \"orbit\": {{\"centre\": {}, \"radius\": {}, \"height\": {}, \"turns\": {}}}",
+                            numbers_text(std::array{o->centre_x, o->centre_z}), o->radius, o->height, o->turns);
+    } else {
+        const auto& line = std::get<Straight>(path.kind);
+        text += fmt::format("  \"straight\": {{\"from\": {}, \"to\": {}, \"cells_per_frame\": {}, \"pitch_deg\": {}}}",
+                            vector_text(line.from), vector_text(line.to), line.cells_per_frame, line.pitch_deg);
+    }
+    return text + "\n}\n";
+}
+
+CameraPath read_path(const std::string& file) {
+    const std::vector<std::byte> bytes = io::read_file(file);
+    return parse_path({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
 }
 
 } // namespace fjell::flight

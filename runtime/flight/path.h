@@ -2,14 +2,11 @@
 //
 // A path is one of
 //   points    a spline over control points of position, direction and up: nine dimensions, C2; one point, or two equal
-//             ones, are a still camera; points may have times, at which the camera passes them (path_timing.h), and
-//             a place that the camera looks at; a closed path's last point is its first, and it goes on there as
-//             anywhere else;
+//             ones, are a still camera;
 //   orbit     a circle around a point, looking at it;
 //   straight  a line, at a given speed in cells a frame or from end to end;
 //   recorded  frames that another program wrote down (lines `F level 3x4-matrix zoom`).
-// It is resampled regularly to as many frames as asked for, in time if its points have times; direction and up are made
-// orthonormal.
+// It is resampled regularly to as many frames as asked for; direction and up are made orthonormal.
 //
 // Axes as everywhere: x east, y up, z south, metres, from sample (0, 0). Units of a file: "metres" takes them as they
 // are. "terrain" makes a path that flies over any pack: x and z are shares 0..1 of the terrain's extents, lengths and
@@ -69,11 +66,6 @@ using ControlPoint = std::array<double, 9>;
 
 struct SplinePath {
     CubicSpline<9> spline;
-    std::vector<double> times_s = {}; // of the points: from 0 on, increasing; empty: none, and the speed is even
-    bool eases = false;               // from rest at the first time, to rest at the last
-    // Of the points, in metres: what the camera looks at there, upright, and all the way to the next point if that has
-    // the same. Otherwise its direction blends, by a smooth step: it never jumps, nor does its turning. Empty: nothing.
-    std::vector<std::optional<Vec3>> targets = {};
 };
 struct Orbit {
     double centre_x = 0.5, centre_z = 0.5;
@@ -92,7 +84,7 @@ struct CameraPath {
     std::string name; // for messages
     Units units = Units::metres;
     std::variant<SplinePath, Orbit, Straight> kind;
-    double seconds = 0; // that its flight should take, up to max_path_seconds; 0: not said; with times: the last one
+    double seconds = 0; // that its flight should take, up to max_path_seconds; 0: not said
 };
 
 // The format is told from the content.

@@ -11,15 +11,11 @@
 
 namespace fjell::flight {
 
-namespace {
-
 using io::Failure;
 
-void require(bool made, const std::string& error) {
+void require_graphics(bool made, const std::string& error) {
     if (!made) throw Failure(3, error);
 }
-
-} // namespace
 
 struct Pictures::State { // in the order of destruction, last first
     std::unique_ptr<gl::Headless> context;
@@ -29,7 +25,6 @@ struct Pictures::State { // in the order of destruction, last first
     Profile profile;
     std::string folder;
     gl::Image image;
-    std::size_t written = 0;
 };
 
 gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s) {
@@ -104,14 +99,14 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
 Pictures::Pictures(const FlightOptions& options, const Session& session) : state_(std::make_unique<State>()) {
     std::string error;
     state_->context = gl::Headless::create({}, error);
-    require(state_->context != nullptr, error);
+    require_graphics(state_->context != nullptr, error);
     state_->target = make_target(options.profile.width_px, options.profile.height_px, options.profile, error);
-    require(state_->target != nullptr, error);
+    require_graphics(state_->target != nullptr, error);
     state_->renderer = make_renderer(options, session, error);
     if (!state_->renderer && !session.streamed)
         (void)io::check_all_chunks(session.loaded.pack,
                                    session.loaded.path); // a damaged pack is not the machine's fault
-    require(state_->renderer != nullptr, error);
+    require_graphics(state_->renderer != nullptr, error);
     state_->mode = options.mode;
     state_->profile = options.profile;
     state_->folder = options.render_folder;
@@ -128,21 +123,16 @@ Pictures::~Pictures() = default;
 
 void Pictures::follow(const Session& session, const FrameEntry& entry) {
     const std::string error = upload_mesh(*state_->renderer, session, entry);
-    require(error.empty(), error);
+    require_graphics(error.empty(), error);
 }
 
 void Pictures::write(const Session& session, const View& view, std::size_t frame, double time_s) {
     std::string error = state_->renderer->draw_uploaded(
         session.mesh(), view, draw_options(state_->mode, state_->profile, time_s), *state_->target);
-    require(error.empty(), error);
+    require_graphics(error.empty(), error);
     state_->target->read_colour(state_->image);
     error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));
-    require(error.empty(), error);
-    ++state_->written;
-}
-
-std::size_t Pictures::written() const {
-    return state_->written;
+    require_graphics(error.empty(), error);
 }
 
 } // namespace fjell::flight

@@ -18,6 +18,8 @@ namespace fjell::flight {
 
 // The profile's light, in this mode. time_s: of the flight, for what moves by itself.
 [[nodiscard]] gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s);
+// Throws Failure 3 with that line.
+void require_graphics(bool made, const std::string& error);
 // A target of this size with the profile's samples, or as many as this GPU has. Empty with an error.
 [[nodiscard]] std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile,
                                                       std::string& error);
@@ -40,7 +42,6 @@ public:
     void follow(const Session& session, const FrameEntry& entry);
     // Draws the mesh of the last update and writes FOLDER/frame_NNNNN.png. Throws Failure 3.
     void write(const Session& session, const View& view, std::size_t frame, double time_s);
-    [[nodiscard]] std::size_t written() const;
 
 private:
     struct State;

@@ -33,7 +33,7 @@ struct FrameBlock {
     float error_eye[4];                   // metres from the eye; share of a metre's error at a metre's distance
     std::int32_t heights[4];              // log2 of the grid's step, 1 where diagonals alternate; texels of a layer
     float rounding[4];                    // metres that floats may add to an error
-    // Light: linear rgb of a sun of irradiance 1 above the air (sky.h); heights in metres above the eye.
+    // Light: linear rgb of a sun of irradiance 1 above the air (lighting.h); heights in metres above the eye.
     float sun_low[4], sun_high[4]; // at the terrain's lowest and highest place; the lowest; 1 / their difference
     float ambient[3][4];           // SkyLight::ambient
     float source[5][4];            // SkyLight::source

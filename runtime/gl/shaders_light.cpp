@@ -16,7 +16,7 @@ float luminance(vec3 colour) { return dot(colour, vec3(0.2126, 0.7152, 0.0722));
 vec3 haze_source(vec3 direction) {
 #ifdef AIR
     float to_sun = dot(direction, sun.xyz), towards = dot(direction.xz, sun_level.xy);
-    float g = 1.64 - 1.6 * to_sun; // Mie's phase function: Cornette and Shanks, g = 0.8 (sky.h)
+    float g = 1.64 - 1.6 * to_sun; // Mie's phase function: Cornette and Shanks, g = 0.8 (lighting.h)
     float lobe = 1.0 + to_sun * to_sun;
     float mie = 0.01628 * lobe * inversesqrt(g * g * g);
     return max(source[0].rgb + source[3].rgb * towards, 0.0) * (0.0596831 * lobe) +
@@ -48,7 +48,7 @@ vec3 sky_radiance(vec3 direction) {
 // What of light comes through the air on a way of so many metres that ends so many metres above the eye.
 vec3 through_air(float metres, float rise) {
 #ifdef AIR
-    // Densities fall by e every 8000 and 1200 m (sky.h): their means over the way, relative to the eye's.
+    // Densities fall by e every 8000 and 1200 m (lighting.h): their means over the way, relative to the eye's.
     vec2 x = clamp(rise * vec2(air[0].w, air[1].w), -30.0, 30.0);
     vec2 mean = mix((1.0 - exp(-x)) / x, 1.0 - 0.5 * x, lessThan(abs(x), vec2(1e-3)));
     return exp(-metres * (air[0].rgb * mean.x + air[1].rgb * mean.y));

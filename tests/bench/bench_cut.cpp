@@ -1,5 +1,5 @@
 // The live cut against recursion: the same terrain, views, threshold and run. lean_ is the strongest recursion that we
-// can write (rivals/lean_recursion.h), rec_ our recursive method; both cull, because that is how they are fast, and
+// can write (bench/lean_recursion.h), rec_ our recursive method; both cull, because that is how they are fast, and
 // their nanoseconds a vertex are printed so that nobody has to doubt them. No case repeats a view, and none rebuilds
 // between frames but where it says so.
 //
@@ -54,7 +54,7 @@ Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, dou
     return f;
 }
 
-Flight fly_lean(rivals::LeanRecursion& lean, const std::vector<View>& views, double error_px) {
+Flight fly_lean(LeanRecursion& lean, const std::vector<View>& views, double error_px) {
     Flight f;
     for (int i = 0; i < 8; ++i) (void)lean.refine(views[0], error_px, true);
     for (const View& view : views) {

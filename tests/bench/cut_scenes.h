@@ -12,10 +12,10 @@
 #include <benchmark/benchmark.h>
 
 #include "baker/bake/bake.h"
+#include "bench/lean_recursion.h"
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
 #include "pack/terrain_data.h"
-#include "rivals/lean_recursion.h"
 #include "support/dem.h"
 #include "support/times.h"
 
@@ -27,8 +27,8 @@ using test::us_since;
 
 struct Scene {
     io::LoadedPack pack;
-    double error_px = 1;                                   // where the recursive method selects about 100,000 vertices
-    std::shared_ptr<rivals::LeanRecursion> lean = nullptr; // for squares
+    double error_px = 1;                           // where the recursive method selects about 100,000 vertices
+    std::shared_ptr<LeanRecursion> lean = nullptr; // for squares
 };
 
 inline std::string bake_scene(const std::string& name, const std::function<baker::Dem()>& make, int tile_log2) {
@@ -71,7 +71,7 @@ inline std::vector<View> flight_views(const Terrain& t, double cells, std::size_
 }
 
 // Of the lean recursion nothing is bounded: its strip holds whatever comes.
-inline rivals::LeanRecursion make_lean(const Terrain& terrain) {
+inline LeanRecursion make_lean(const Terrain& terrain) {
     return {terrain, std::size_t{1} << 24};
 }
 
@@ -81,7 +81,7 @@ inline const Scene& mountains() {
     static const Scene scene = [] {
         const auto make = [] { return baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json"); };
         Scene s{io::load_pack(bake_scene("mountains", make, 10), io::LoadTerrain::yes), 0.8};
-        s.lean = std::make_shared<rivals::LeanRecursion>(make_lean(s.pack.terrain));
+        s.lean = std::make_shared<LeanRecursion>(make_lean(s.pack.terrain));
         return s;
     }();
     return scene;

@@ -11,21 +11,21 @@ fi
 
 cmake -S fjell -B fjell-build -DFJELL_TOOLS=OFF -DFJELL_GL=ON
 cmake --build fjell-build
-cmake --install fjell-build --prefix ~/fjell-0.2
+cmake --install fjell-build --prefix ~/fjell-0.3
 
-cmake -S fjell/content/hosts/first -B first-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake -S fjell/content/hosts/first -B first-build -DCMAKE_PREFIX_PATH=~/fjell-0.3
 cmake --build first-build
 first-build/first terrain.fjell first.png
 
-cmake -S fjell/content/hosts/game -B game-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake -S fjell/content/hosts/game -B game-build -DCMAKE_PREFIX_PATH=~/fjell-0.3
 cmake --build game-build
 game-build/game terrain.fjell picture.png
 
-export PKG_CONFIG_PATH=~/fjell-0.2/lib/pkgconfig
+export PKG_CONFIG_PATH=~/fjell-0.3/lib/pkgconfig
 g++ -std=c++20 engine.cpp main.cpp -o game $(pkg-config --cflags --libs fjell-io)
 ./game terrain.fjell
 
-cmake -S fjell/content/hosts/c_loop -B c_loop-build -DCMAKE_PREFIX_PATH=~/fjell-0.2
+cmake -S fjell/content/hosts/c_loop -B c_loop-build -DCMAKE_PREFIX_PATH=~/fjell-0.3
 cmake --build c_loop-build
 
 cc -std=c99 -c fjell/content/hosts/c_loop/*.c $(pkg-config --cflags fjell glfw3 epoxy)

@@ -56,19 +56,19 @@ function(find arguments prefix)
 endfunction()
 find("${VERSION} REQUIRED" ${STATIC})
 must("this version" ${command})
-find("0.2 REQUIRED COMPONENTS runtime io gl gltf" ${STATIC})
+find("0.3 REQUIRED COMPONENTS runtime io gl gltf" ${STATIC})
 must("all components" ${command})
-foreach(other 0.1 0.3 1.0) # before 1.0 a minor version may break
+foreach(other 0.2 0.4 1.0) # before 1.0 a minor version may break
   find("${other} REQUIRED" ${STATIC})
   must_fail("version ${other}" "requested version \"${other}\"" ${command})
 endforeach()
-find("0.2 REQUIRED COMPONENTS physics" ${STATIC})
+find("0.3 REQUIRED COMPONENTS physics" ${STATIC})
 must_fail("an unknown component" "no component physics: there are runtime, io, gl and gltf" ${command})
-find("0.2 REQUIRED" ${STATIC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+find("0.3 REQUIRED" ${STATIC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
 must_fail("a library that is missing" "component runtime needs hwy: install it" ${command})
 
 full_rounds_only("asking an installation for what it was built without")
-find("0.2 REQUIRED COMPONENTS gl" ${SHARED})
+find("0.3 REQUIRED COMPONENTS gl" ${SHARED})
 must_fail("a component that was not built" "component gl was not built: configure Fjell with -DFJELL_GL=ON" ${command})
 
 # Where the library cannot be is said while configuring, before anything is compiled.

@@ -37,7 +37,7 @@ constexpr std::size_t head_bytes = 24; // magic number and identity
 
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_checkpoint(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
     static const Folder folder;
     static const std::string path = folder.path + "/checkpoint", fresh = [] {

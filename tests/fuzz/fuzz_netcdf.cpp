@@ -11,7 +11,7 @@
 using namespace fjell;
 using fuzz::must;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_netcdf(const std::uint8_t* data, std::size_t size) {
     const int fd = memfd_create("fuzz", MFD_CLOEXEC);
     must(fd >= 0 && write(fd, data, size) == static_cast<ssize_t>(size), "there is memory");
     const std::string path = "/proc/self/fd/" + std::to_string(fd);

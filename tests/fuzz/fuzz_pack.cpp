@@ -301,7 +301,7 @@ void use(const Pack& pack, const PackScript& script) {
 
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_pack(const std::uint8_t* data, std::size_t size) {
     PackScript script;
     if (size < sizeof script) return 0;
     std::memcpy(&script, data, sizeof script);

@@ -96,7 +96,7 @@ void check_derived(const PageScript& script, PageArrays& a, PageArrays& b) {
 
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_page(const std::uint8_t* data, std::size_t size) {
     PageScript script;
     if (size < sizeof script) return 0;
     std::memcpy(&script, data, sizeof script);

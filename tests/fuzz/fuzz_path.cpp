@@ -16,7 +16,7 @@ bool near(double a, double b) {
 }
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_path(const std::uint8_t* data, std::size_t size) {
     try {
         const std::string_view text{reinterpret_cast<const char*>(data), size};
         const flight::CameraPath path = flight::parse_path(text, "fuzz");

@@ -11,7 +11,7 @@ using namespace fjell;
 using namespace fjell::flight;
 using fuzz::must;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_profile(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
         const Profile p = parse_profile(text, "fuzz");

@@ -50,7 +50,7 @@ void paint(const Ramp& ramp) {
 
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_ramp(const std::uint8_t* data, std::size_t size) {
     try {
         const Ramp ramp = baker::parse_ramp({reinterpret_cast<const char*>(data), size}, "fuzz");
         const std::string text = text_of(ramp);

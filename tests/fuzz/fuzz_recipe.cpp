@@ -9,7 +9,7 @@
 using namespace fjell;
 using fuzz::must;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_recipe(const std::uint8_t* data, std::size_t size) {
     try {
         const baker::Recipe recipe = baker::parse_recipe({reinterpret_cast<const char*>(data), size}, "fuzz");
         must(baker::parse_recipe(baker::recipe_text(recipe), "fuzz") == recipe, "a recipe comes back as it was");

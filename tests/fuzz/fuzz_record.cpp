@@ -50,7 +50,7 @@ void repeat(const flight::Recording& recording) {
 
 } // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_record(const std::uint8_t* data, std::size_t size) {
     try {
         repeat(flight::parse_recording({reinterpret_cast<const char*>(data), size}, "fuzz"));
     } catch (const io::Failure&) { // said what is wrong

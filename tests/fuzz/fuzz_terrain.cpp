@@ -11,7 +11,7 @@ using namespace fjell;
 using namespace fjell::baker;
 using fuzz::must;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+extern "C" int fuzz_terrain(const std::uint8_t* data, std::size_t size) {
     try {
         const auto source = synth_source({reinterpret_cast<const char*>(data), size});
         must(source->columns >= 2 && source->columns <= 65537 && source->rows >= 2 && source->rows <= 65537, "a size");

@@ -350,10 +350,6 @@ void make_seeds(const std::filesystem::path& folder) {
     copy_texts(folder / "path", {"content/paths"});
     write_text(folder / "path/recorded",
                "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
-    write_text(folder / "path/timed",
-               R"({"points": [{"time_s": 0, "position": [0, 500, 0], "direction": [1, 0, 0]},
-  {"time_s": 1.5, "position": [900, 700, 300], "direction": [1, 0, 1]},
-  {"time_s": 9, "position": [1000, 600, 1500], "direction": [0, 0, 1]}]})");
     copy_texts(folder / "profile", {"profiles"});
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");

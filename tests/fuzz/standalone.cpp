@@ -1,6 +1,5 @@
-// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn (a fifth of
-// them where rounds are brief), always the same ones. This is what `./dev test` runs; `./dev test --long` explores with
-// libFuzzer.
+// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn, always the
+// same ones. This is what `./dev test` runs; `./dev test --long` explores with libFuzzer.
 //
 // fuzz TARGET ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it
 // can be given to `fuzz TARGET 0 broken-input`.
@@ -17,9 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "support/rounds.h"
-
-// Each target's LLVMFuzzerTestOneInput, which CMake calls by the target's name.
+// Each target's function; where libFuzzer explores, CMake calls it LLVMFuzzerTestOneInput.
 #define FUZZ_TARGETS(X)                                                                                                \
     X(fuzz_checkpoint)                                                                                                 \
     X(fuzz_materials)                                                                                                  \
@@ -72,8 +69,10 @@ void run(Target target, const Bytes& bytes) {
 }
 
 void mutate(Bytes& bytes, std::mt19937& random) {
-    const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-    for (std::size_t n = 1 + below(6); n > 0 && !bytes.empty(); --n) {
+    const auto below = [&](std::size_t count) {
+        return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+    };
+    for (std::size_t count = 1 + below(6); count > 0 && !bytes.empty(); --count) {
         // The headers and the directory are small beside the rest, and worth more.
         const std::size_t few = std::min<std::size_t>(bytes.size(), 512), where = below(10);
         const std::size_t at = where < 6 ? below(bytes.size()) : where < 9 ? below(few) : bytes.size() - 1 - below(few);
@@ -118,8 +117,7 @@ int main(int argc, char** argv) {
         }
     if (seeds.empty()) return std::fprintf(stderr, "%s: no seeds\n", argv[1]), 2;
     std::mt19937 random(1);
-    const long wanted = std::strtol(argv[2], nullptr, 10);
-    const long rounds = fjell::test::full_rounds() ? wanted : wanted / 5;
+    const long rounds = std::strtol(argv[2], nullptr, 10);
     for (long round = 0; round < rounds; ++round) {
         Bytes bytes = seeds[static_cast<std::size_t>(round) % seeds.size()];
         mutate(bytes, random);

@@ -14,7 +14,7 @@
 
 namespace fjell::lab {
 
-// How the mesh is found: our two methods, or the leanest recursion (rivals/lean_recursion.h), which knows no tiles; and
+// How the mesh is found: our two methods, or the leanest recursion (bench/lean_recursion.h), which knows no tiles; and
 // for the conclusions "rivals" and "instructions" whatever else rivals/rival.h has.
 enum class Way : std::uint8_t {
     recursive,

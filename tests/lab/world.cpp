@@ -187,7 +187,7 @@ const std::vector<LeanSquare>& World::lean(const Case& c) {
                      fmt::format("square {} {}", column, row));
             const io::LoadedPack square = io::load_pack(path, io::LoadTerrain::yes);
             const std::size_t strip = std::min(std::size_t{1} << 24, 16 * samples());
-            lean_.push_back({std::make_unique<rivals::LeanRecursion>(square.terrain, strip), column * all.spacing_m[0],
+            lean_.push_back({std::make_unique<bench::LeanRecursion>(square.terrain, strip), column * all.spacing_m[0],
                              row * all.spacing_m[1]});
         }
     return lean_;

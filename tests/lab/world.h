@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/lean_recursion.h"
 #include "fjell/io/load.h"
 #include "fjell/view.h"
 #include "lab/draw.h"
 #include "lab/recipe.h"
-#include "rivals/lean_recursion.h"
 #include "rivals/rival.h"
 #include "support/dem.h"
 
@@ -23,7 +23,7 @@ namespace fjell::lab {
 // The lean recursion takes a square: an oblong terrain is several, side by side, each refined by itself. So vertices on
 // the borders between them may differ from one terrain's, by what their errors know of one side only.
 struct LeanSquare {
-    std::unique_ptr<rivals::LeanRecursion> recursion;
+    std::unique_ptr<bench::LeanRecursion> recursion;
     double x_m = 0, z_m = 0; // of its first sample
 };
 

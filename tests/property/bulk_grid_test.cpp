@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bulk_rows.h"
-#include "cut/evaluate.h"
 #include "cut/bulk_rows.h"
+#include "cut/evaluate.h"
 
 using namespace fjell;
 using namespace fjell::test;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "rivals/lean_recursion.h"
+#include "bench/lean_recursion.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 #include "view/wanted.h"
@@ -18,10 +18,10 @@ using namespace fjell::test;
 namespace {
 
 // As triangles_of() does: every triangle with an area, with its winding, the smallest sample first; sorted.
-std::vector<Triangle> triangles_of(const rivals::LeanRecursion& lean, const Terrain& terrain) {
+std::vector<Triangle> triangles_of(const bench::LeanRecursion& lean, const Terrain& terrain) {
     const auto strip = lean.strip();
     const auto coord = [&](std::size_t i) {
-        const rivals::LeanVertex& v = lean.vertex(strip[i]);
+        const bench::LeanVertex& v = lean.vertex(strip[i]);
         return Coord{static_cast<std::int32_t>(std::lround(v.x_m / terrain.header().spacing_m[0])),
                      static_cast<std::int32_t>(std::lround(v.z_m / terrain.header().spacing_m[1]))};
     };
@@ -61,7 +61,7 @@ TEST_CASE("the lean recursion draws the recursive method's triangles in one stri
         const std::int32_t samples = (1 << log2) + 1;
         const auto pack = bake_and_load(random_dem(random, samples, samples, Shape::fractal), small_bake(tile_log2));
         const Terrain& terrain = pack.terrain;
-        rivals::LeanRecursion lean(terrain, std::size_t{1} << 20);
+        bench::LeanRecursion lean(terrain, std::size_t{1} << 20);
         for (int i = 0; i < 4; ++i) {
             const View view = random_view(random, terrain);
             const double error_px = random_threshold(random);

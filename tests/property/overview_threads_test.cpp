@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "editor/jobs/overview_job.h"
+#include "editor/jobs/overview.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 

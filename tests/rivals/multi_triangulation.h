@@ -4,7 +4,7 @@
 //
 // The one here comes from bisecting two triangles again and again and grouping those that share a hypotenuse, without
 // the arithmetic of the vertex tree: its refinements turn out to be the tree's vertices, its arcs their parents, its
-// closed selections our valid cuts (tests/property/rivals_test.cpp). What the tree computes, this stores.
+// closed selections our valid cuts (tests/rivals/rivals_test.cpp). What the tree computes, this stores.
 // A refinement's error on screen is that of its vertex, from the pack; it culls by the same spheres, and forces the
 // refinements that another needs. Found anew every frame. Complexity: O(selected refinements).
 #pragma once

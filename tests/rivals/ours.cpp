@@ -137,7 +137,7 @@ Lean::Lean(const Terrain& terrain)
                  std::min<std::size_t>(std::size_t{1} << 23, 16 * std::size_t{terrain.columns()} * terrain.rows())) {}
 
 Refined Lean::refine(const View& view, double error_px, std::uint32_t) {
-    const LeanRecursion::Frame frame = recursion_.refine(view, error_px, true);
+    const bench::LeanRecursion::Frame frame = recursion_.refine(view, error_px, true);
     if (!frame.whole) throw std::runtime_error("lean: its strip is too short; ask for a larger threshold");
     return {frame.triangles, false};
 }
@@ -146,7 +146,7 @@ void Lean::faces(std::vector<Face>& out) const {
     out.clear();
     const auto strip = recursion_.strip();
     const auto corner = [&](std::size_t i) -> Corner {
-        const LeanVertex& v = recursion_.vertex(strip[i]);
+        const bench::LeanVertex& v = recursion_.vertex(strip[i]);
         return {std::round(v.x_m / spacing_x_m_), std::round(v.z_m / spacing_z_m_), v.y_m};
     };
     for (std::size_t i = 2; i < strip.size(); ++i) {

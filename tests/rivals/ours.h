@@ -4,9 +4,9 @@
 // of them throws std::runtime_error.
 #pragma once
 
+#include "bench/lean_recursion.h"
 #include "fjell/cut.h"
 #include "fjell/recursive.h"
-#include "rivals/lean_recursion.h"
 #include "rivals/rival.h"
 
 namespace fjell::rivals {
@@ -68,7 +68,7 @@ public:
 
 private:
     float spacing_x_m_, spacing_z_m_;
-    LeanRecursion recursion_;
+    bench::LeanRecursion recursion_;
 };
 
 } // namespace fjell::rivals

@@ -2,9 +2,9 @@
 
 #include <stdexcept>
 
-#include "cut/pages.h"
 #include "cut/mesh.h"
 #include "cut/morph.h"
+#include "cut/pages.h"
 #include "pack/terrain_data.h"
 #include "view/wanted.h"
 

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -47,6 +48,7 @@ pid_t start(const std::vector<std::string>& words, const std::function<void()>& 
     const pid_t pid = fork();
     if (pid == 0) {
         (void)prctl(PR_SET_PDEATHSIG, SIGKILL); // a test that is killed leaves nothing running
+        std::signal(SIGPIPE, SIG_DFL);
         in_child();
         execvp(pointers[0], pointers.data());
         _exit(127);
@@ -142,17 +144,39 @@ EditorWindow::EditorWindow(const VirtualDisplay& display, const fs::path& home,
         open_as(1, home_ / "out");
         open_as(2, home_ / "err");
     });
+    start_tool();
     find();
+}
+
+void EditorWindow::start_tool() {
+    std::signal(SIGPIPE, SIG_IGN); // where it has ended
+    int to_tool[2], from_tool[2];
+    if (pipe2(to_tool, O_CLOEXEC) != 0 || pipe2(from_tool, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    tool_ = start({"xdotool", "-"}, [&] {
+        setenv("DISPLAY", display_.name().c_str(), 1);
+        dup2(to_tool[0], 0);
+        dup2(from_tool[1], 1);
+        open_as(2, home_ / "xdotool.err");
+    });
+    close(to_tool[0]);
+    close(from_tool[1]);
+    tool_in_ = to_tool[1];
+    tool_out_ = from_tool[0];
+}
+
+void EditorWindow::end_tool() {
+    close(tool_in_); // which ends it
+    close(tool_out_);
+    waitpid(tool_, nullptr, 0);
 }
 
 void EditorWindow::find() {
     window_.clear();
     const auto start_time = Clock::now();
     while (window_.empty() && Clock::now() - start_time < longest_wait && runs()) {
-        int code = 0; // it fails as long as there is none
-        const std::string found = xdotool_if_it_can("search --onlyvisible --name Fjell", code);
+        const std::string found = xdotool("search --onlyvisible --name Fjell");
         window_ = found.substr(0, found.find('\n'));
-        if (window_.empty()) std::this_thread::sleep_for(20ms); // a look costs as much, and the editor is starting
+        if (window_.empty()) pause_polling();
     }
     INFO(errors());
     REQUIRE(!window_.empty());
@@ -169,6 +193,7 @@ EditorWindow::~EditorWindow() {
         kill(pid_, SIGKILL);
         waitpid(pid_, &status_, 0);
     }
+    end_tool();
 }
 
 bool EditorWindow::runs() {
@@ -196,28 +221,21 @@ void EditorWindow::signal(int number) {
     kill(pid_, number);
 }
 
+// One xdotool for all that a window is told: it takes a command a line. What a command has printed ends where the
+// pointer's place does, which is asked for after each. A window that goes while it is looked for ends it.
 std::string EditorWindow::xdotool(const std::string& what) {
-    int code = 0;
-    std::string printed = xdotool_if_it_can(what, code);
-    INFO("xdotool " << what << ": " << slurp(home_ / "xdotool.err"));
-    REQUIRE(code == 0);
-    return printed;
-}
-
-// Without a shell, which would cost more than it does.
-std::string EditorWindow::xdotool_if_it_can(const std::string& what, int& code) {
-    std::vector<std::string> words{"xdotool"};
-    std::istringstream text(what);
-    for (std::string word; text >> word;) words.push_back(word);
-    const pid_t pid = start(words, [&] {
-        setenv("DISPLAY", display_.name().c_str(), 1);
-        open_as(1, home_ / "xdotool.out");
-        open_as(2, home_ / "xdotool.err");
-    });
-    int status = 0;
-    waitpid(pid, &status, 0);
-    code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return slurp(home_ / "xdotool.out");
+    const std::string lines = what + "\ngetmouselocation\n";
+    std::string printed, line;
+    const bool told = write(tool_in_, lines.data(), lines.size()) == static_cast<ssize_t>(lines.size());
+    for (char c = 0; told && read(tool_out_, &c, 1) == 1;) {
+        line += c;
+        if (c != '\n') continue;
+        if (line.starts_with("x:")) return printed;
+        printed += std::exchange(line, {});
+    }
+    end_tool();
+    start_tool();
+    return {};
 }
 
 // The request is remembered by the editor, so one signal is enough.

@@ -90,9 +90,10 @@ public:
     [[nodiscard]] std::string errors() const; // its stderr so far
 
 private:
-    // Its words are parted by spaces. Returns what it printed, or fails the test.
+    void start_tool();
+    void end_tool();
+    // Returns what that has printed: nothing where there was nothing to be found.
     std::string xdotool(const std::string& what);
-    std::string xdotool_if_it_can(const std::string& what, int& code);
     // None: the editor has ended.
     std::optional<nlohmann::json> dump();
     std::optional<nlohmann::json> until_or_end(const std::string& what, const Condition& holds);
@@ -104,8 +105,8 @@ private:
 
     const VirtualDisplay& display_;
     std::filesystem::path home_;
-    pid_t pid_ = -1;
-    int status_ = -1;
+    pid_t pid_ = -1, tool_ = -1; // the editor; xdotool
+    int status_ = -1, tool_in_ = -1, tool_out_ = -1;
     std::string window_;
     std::uint64_t frame_ = 0; // of the last dump
     nlohmann::json input_;    // of the last dump

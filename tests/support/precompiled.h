@@ -28,5 +28,6 @@
 #include <utility>
 #include <vector>
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+
+#include "support/assertions.h"

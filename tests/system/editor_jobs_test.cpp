@@ -46,8 +46,28 @@ public:
         fs::remove(folder / "state.json");
         return state;
     }
+    // A state that the commands have dumped on their way.
+    [[nodiscard]] json dumped(const std::string& name) const {
+        json state = json::parse(slurp(folder / name));
+        fs::remove(folder / name);
+        return state;
+    }
     // Baked once a process, by the editor as in the first case below.
-    void bake() const { spit(folder / "hills.fjell", baked_hills()); }
+    void bake() const { spit(folder / "hills.fjell", baked_hills().bytes); }
+    struct Baked {
+        std::string bytes;
+        json state;
+        std::vector<std::string> files;
+    };
+    [[nodiscard]] static const Baked& baked_hills() {
+        static const Baked baked = [] {
+            const EditorFiles place;
+            json state = place.after({"bake hills.json hills.fjell tile=128", "wait"});
+            REQUIRE(place.last_code == 0);
+            return Baked{slurp(place.folder / "hills.fjell"), std::move(state), place.files()};
+        }();
+        return baked;
+    }
     [[nodiscard]] std::vector<std::string> files() const { return own.names(); }
 
     test::TemporaryFolder own;
@@ -64,15 +84,6 @@ private:
                                            "[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
         return folder_of_all.path;
     }
-    [[nodiscard]] static const std::string& baked_hills() {
-        static const std::string bytes = [] {
-            const EditorFiles place;
-            CHECK(place.after({"bake hills.json hills.fjell tile=128", "wait"})["scene"]["path"] == "hills.fjell");
-            REQUIRE(place.last_code == 0);
-            return slurp(place.folder / "hills.fjell");
-        }();
-        return bytes;
-    }
 };
 
 std::string last_message(const json& state) {
@@ -83,21 +94,21 @@ std::string last_message(const json& state) {
 } // namespace
 
 TEST_CASE("a bake by command writes the pack and opens it") {
-    const EditorFiles place;
-    const json state = place.after({"bake hills.json hills.fjell tile=128", "wait"});
-    CHECK(place.last_code == 0);
+    const auto& [bytes, state, files] = EditorFiles::baked_hills();
     CHECK(state["scene"]["path"] == "hills.fjell");
     CHECK(state["scene"]["columns"] == 513);
     CHECK(state["scene"]["tiles"] == json({4, 4}));
     CHECK(state["job"]["problem"] == "");
-    CHECK(place.files() == std::vector<std::string>{"hills.fjell", "hills.json"});
+    CHECK(files == std::vector<std::string>{"hills.fjell", "hills.json"});
 }
 
 TEST_CASE("a bake that cannot be, or is cancelled, is a message and leaves nothing") {
     const EditorFiles place;
-    CHECK_THAT(last_message(place.after({"bake none.tif x.fjell", "wait"})), Catch::Contains("none.tif"));
-    CHECK_THAT(last_message(place.after({"bake hills.json x.fjell tile=100", "wait"})), Catch::Contains("100"));
-    const json state = place.after({"bake hills.json x.fjell", "cancel", "wait"});
+    const json state =
+        place.after({"bake none.tif x.fjell", "wait", "dump none.json", "bake hills.json x.fjell tile=100", "wait",
+                     "dump tile.json", "bake hills.json x.fjell", "cancel", "wait"});
+    CHECK_THAT(last_message(place.dumped("none.json")), Catch::Contains("none.tif"));
+    CHECK_THAT(last_message(place.dumped("tile.json")), Catch::Contains("100"));
     CHECK(state["job"]["cancelled"] == true);
     CHECK_THAT(last_message(state), Catch::Contains("bake cancelled"));
     CHECK(place.files() == std::vector<std::string>{"hills.json"});
@@ -118,16 +129,19 @@ TEST_CASE("freezing before anything was drawn freezes what is seen then") {
 TEST_CASE("a tuning by command sets the threshold only when it shall, as one undo step, and writes its curve") {
     const EditorFiles place;
     place.bake();
-    const std::string words = "tune frames=20 budget_us=1000000 least_px=2 csv=curve.csv";
+    const std::string words = "tune frames=20 budget_us=1000000 least_px=2 csv=";
+    const json applied = place.after({"set refine.error_px 5", words + "curve0.csv", "wait", "dump tuned.json",
+                                      words + "curve1.csv apply=yes", "wait"},
+                                     "hills.fjell");
+    const json tuned = place.dumped("tuned.json");
     for (const bool apply : {false, true}) {
-        const json state =
-            place.after({"set refine.error_px 5", words + (apply ? " apply=yes" : ""), "wait"}, "hills.fjell");
+        const json& state = apply ? applied : tuned;
         INFO(last_message(state));
         CHECK(state["job"]["best_px"] == 2);
         CHECK(state["profile"]["refine.error_px"] == (apply ? 2 : 5));
         CHECK(state["document"]["undo"] == (apply ? 3 : 2)); // the first: opening the profile
         CHECK(state["job"]["curve"].size() == 5);
-        const std::string csv = slurp(place.folder / "curve.csv");
+        const std::string csv = slurp(place.folder / (apply ? "curve1.csv" : "curve0.csv"));
         CHECK(std::count(csv.begin(), csv.end(), '\n') == 6);
         CHECK_THAT(last_message(state), Catch::Contains("2 px, the smallest allowed, over an orbit: p99 ") &&
                                             Catch::Contains(" of 1,000 ms, mostly for "));
@@ -138,41 +152,64 @@ TEST_CASE("a tuning of whole frames draws them in a context of its own") {
     EditorFiles place;
     place.fills_pixels = true;
     place.bake();
-    const auto p50_us = [&](const std::string& measure) {
-        const json state =
-            place.after({"tune frames=10 budget_us=1000000 least_px=8 measure=" + measure, "wait"}, "hills.fjell");
+    const std::string words = "tune frames=10 budget_us=1000000 least_px=8 measure=";
+    const json update =
+        place.after({words + "frame", "wait", "dump frame.json", words + "update", "wait"}, "hills.fjell");
+    const auto p50_us = [&](const json& state) {
         INFO(last_message(state));
         CHECK(state["job"]["best_px"] == 8);
         return state["job"]["curve"].back()["p50_us"].get<double>();
     };
-    CHECK(p50_us("frame") > 2 * p50_us("update")); // drawing takes far longer than finding some hundred vertices
+    // Drawing takes far longer than finding some hundred vertices.
+    CHECK(p50_us(place.dumped("frame.json")) > 2 * p50_us(update));
 }
 
 TEST_CASE("a benchmark and an export by command write their files, and a preview says how large one will be") {
     const EditorFiles place;
     place.bake();
-    const json flown = place.after({"benchmark b.csv 25", "wait"}, "hills.fjell");
-    CHECK_THAT(last_message(flown), Catch::Contains("b.csv: 25 frames"));
+    // The mesh as it stands lags where a frame may do nothing; the one that its view settles on does not.
+    const json own = place.after({"benchmark b.csv 25",
+                                  "wait",
+                                  "dump flown.json",
+                                  "set refine.error_px 3",
+                                  "wait",
+                                  "preview",
+                                  "wait",
+                                  "dump preview.json",
+                                  "export m.glb",
+                                  "wait",
+                                  "dump written.json",
+                                  "export n.glb 12",
+                                  "wait",
+                                  "dump own.json",
+                                  "set budget.items 1",
+                                  "set refine.error_px 0.5",
+                                  "frames 1",
+                                  "export l.glb",
+                                  "set budget.items 0",
+                                  "wait",
+                                  "dump stands.json",
+                                  "set refine.error_px 3",
+                                  "wait",
+                                  "set budget.items 1",
+                                  "set refine.error_px 0.5",
+                                  "frames 1",
+                                  "export c.glb converged",
+                                  "set budget.items 0",
+                                  "wait"}, // waits until the view has settled
+                                 "hills.fjell");
+    CHECK_THAT(last_message(place.dumped("flown.json")), Catch::Contains("b.csv: 25 frames"));
     const std::string csv = slurp(place.folder / "b.csv");
     CHECK(std::count(csv.begin(), csv.end(), '\n') == 26);
-    const json preview = place.after({"set refine.error_px 3", "wait", "preview", "wait"}, "hills.fjell");
-    const json written = place.after({"set refine.error_px 3", "wait", "export m.glb", "wait"}, "hills.fjell");
-    CHECK(preview["job"]["preview"]["error_px"] == 3);
-    CHECK(preview["job"]["preview"] == written["job"]["preview"]);
-    CHECK(fs::file_size(place.folder / "m.glb") == preview["job"]["preview"]["bytes"]);
-    // The mesh as it stands lags where a frame may do nothing; the one that its view settles on does not.
-    const std::vector<std::string> lagging{"set budget.items 1", "set refine.error_px 0.5", "frames 1"};
-    const auto export_lagging = [&](const std::string& command) {
-        std::vector<std::string> commands = lagging;
-        commands.insert(commands.end(), {command, "set budget.items 0", "wait"}); // waits until the view has settled
-        return place.after(commands, "hills.fjell")["job"]["preview"];
-    };
-    const json stands = export_lagging("export l.glb"), settles = export_lagging("export c.glb converged");
+    const json preview = place.dumped("preview.json")["job"]["preview"];
+    CHECK(preview["error_px"] == 3);
+    CHECK(preview == place.dumped("written.json")["job"]["preview"]);
+    CHECK(fs::file_size(place.folder / "m.glb") == preview["bytes"]);
+    const json stands = place.dumped("stands.json")["job"]["preview"], settles = own["job"]["preview"];
     CHECK(stands["error_px"].get<double>() > 0.5);
     CHECK(settles["error_px"] == 0.5);
     CHECK(settles["triangles"].get<int>() > stands["triangles"].get<int>());
-    const json own = place.after({"export n.glb 12", "wait"}, "hills.fjell");
-    CHECK(own["job"]["preview"]["error_px"] == 12);
+    CHECK(place.dumped("own.json")["job"]["preview"]["error_px"] == 12);
     CHECK(fs::file_size(place.folder / "n.glb") < fs::file_size(place.folder / "m.glb"));
 }
 
@@ -197,16 +234,19 @@ TEST_CASE("what is exported is the terrain that is shown, whenever its pack is b
 TEST_CASE("a disk that takes no more bytes is a message, and nothing half-written stays") {
     const EditorFiles place;
     place.bake();
+    const auto before = place.files();
     // A limit on file sizes stands for a full disk: writing fails in the same place.
-    for (const std::string command : {"export m.glb 1", "benchmark b.csv 2000"}) {
-        const auto before = place.files();
-        const json state = place.after({"frames 3", command, "wait"}, "hills.fjell", "ulimit -f 64; ");
-        INFO(command << ": " << last_message(state));
-        CHECK(state["messages"].back()["severity"] == "error");
-        CHECK(state["job"]["problem"] != "");
-        CHECK(place.last_code == 3);
-        CHECK(place.files() == before);
+    const json flown =
+        place.after({"frames 3", "export m.glb 1", "wait", "dump exported.json", "benchmark b.csv 2000", "wait"},
+                    "hills.fjell", "ulimit -f 64; ");
+    const json exported = place.dumped("exported.json");
+    for (const json* const state : {&exported, &flown}) {
+        INFO(last_message(*state));
+        CHECK((*state)["messages"].back()["severity"] == "error");
+        CHECK((*state)["job"]["problem"] != "");
     }
+    CHECK(place.last_code == 3);
+    CHECK(place.files() == before);
 }
 
 TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
@@ -223,29 +263,29 @@ TEST_CASE("quitting in the middle of a job cancels it and leaves nothing") {
 
 TEST_CASE("jobs without a terrain, beside another job or out of range are refused in a line") {
     const EditorFiles place;
-    for (const std::string command : {"tune", "benchmark b.csv", "export m.glb", "preview"}) {
-        CHECK_THAT(last_message(place.after({command})), Catch::Contains("no terrain is open; open a pack first"));
-        CHECK(place.last_code == 2);
-    }
+    const json none = place.after({"tune", "benchmark b.csv", "export m.glb", "preview"});
+    CHECK_THAT(last_message(none), Catch::Contains("no terrain is open; open a pack first"));
+    CHECK(none["messages"].back()["times"] == 4);
+    CHECK(place.last_code == 2);
     place.bake();
-    CHECK_THAT(last_message(place.after({"frames 2", "benchmark b.csv 1000000", "preview"}, "hills.fjell")),
-               Catch::Contains("another job is running"));
-    CHECK_THAT(last_message(place.after({"frames 2", "export no/m.glb", "wait"}, "hills.fjell")),
-               Catch::Contains("no/m.glb"));
+    const json beside = place.after(
+        {"frames 2", "export no/m.glb", "wait", "dump out.json", "benchmark b.csv 1000000", "preview"}, "hills.fjell");
+    CHECK_THAT(last_message(place.dumped("out.json")), Catch::Contains("no/m.glb"));
+    CHECK_THAT(last_message(beside), Catch::Contains("another job is running"));
 }
 
 TEST_CASE("heights that a script opens are baked beside themselves without a dialog, and never over a file") {
     const EditorFiles place;
     spit(place.folder / "dem.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2 3\n3 4 5\n5 6 7\n");
-    const json state = place.after({"open dem.asc", "set refine.error_px 3"});
-    CHECK(place.last_code == 0);
+    const json refused = place.after({"open dem.asc", "set refine.error_px 3", "dump baked.json", "open dem.asc"});
+    const json state = place.dumped("baked.json");
+    for (const json& message : state["messages"]) CHECK(message["severity"] != "error");
     CHECK(state["interface"]["dialog"] == "none");
     CHECK(state["scene"]["path"] == "dem.fjell");
-    const std::string pack = slurp(place.folder / "dem.fjell");
-    const json refused = place.after({"open dem.asc"});
     CHECK(place.last_code == 2);
     CHECK(last_message(refused).find("dem.fjell: exists already") != std::string::npos);
-    CHECK(slurp(place.folder / "dem.fjell") == pack);
+    CHECK(refused["scene"] == state["scene"]);
+    CHECK(place.files() == std::vector<std::string>{"dem.asc", "dem.fjell", "hills.json"});
 }
 
 TEST_CASE(
@@ -254,15 +294,17 @@ TEST_CASE(
     place.fills_pixels = true;
     place.bake();
     const auto draws = [](const json& s) { return s["terrain_draws"].get<std::uint64_t>(); };
-    const json still = place.after({"wait", "frames 4", "dump before.json", "frames 30"}, "hills.fjell");
-    const json before = json::parse(slurp(place.folder / "before.json"));
+    const json stopped =
+        place.after({"wait", "frames 4", "dump before.json", "frames 30", "dump still.json",
+                     "interface half-resolution on", "navigate orbit", "add-point", "jump 9000 9000", "add-point",
+                     "play-path on", "frames 20", "frame-report 5", "dump flown.json", "play-path off", "wait"},
+                    "hills.fjell");
+    const json before = place.dumped("before.json"), still = place.dumped("still.json"),
+               flown = place.dumped("flown.json");
     CHECK(still["frame"] >= before["frame"].get<std::uint64_t>() + 30);
     CHECK(draws(still) == draws(before));
     // A report is of one frame, whose parts make the whole.
-    const json flown = place.after({"wait", "interface half-resolution on", "navigate orbit", "add-point",
-                                    "jump 9000 9000", "add-point", "play-path on", "frames 20", "frame-report 5"},
-                                   "hills.fjell");
-    CHECK(draws(flown) > 15);
+    CHECK(draws(flown) > draws(still) + 15);
     const json& view = flown["interface"]["view_px"];
     const bool software = flown["graphics"].get<std::string>().find("llvmpipe") != std::string::npos;
     CHECK((flown["half_draws"] > 10) == software); // where a GPU draws, a picture costs too little for that
@@ -274,8 +316,5 @@ TEST_CASE(
         parts_us += f[part].get<double>();
     CHECK(parts_us <= f["frame_us"].get<double>());
     CHECK(parts_us > 0.5 * f["frame_us"].get<double>());
-    const json stopped = place.after({"wait", "interface half-resolution on", "add-point", "jump 9000 9000",
-                                      "add-point", "play-path on", "frames 5", "play-path off", "wait"},
-                                     "hills.fjell");
     CHECK(stopped["drawn_px"] == json({view[2], view[3]}));
 }

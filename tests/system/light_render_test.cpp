@@ -74,7 +74,7 @@ TEST_CASE("from above a clear day does not wash the terrain out, and a hazy one 
         gl::LightSettings dull = clear;
         dull.visibility_km = 3;
         const double without = spread_of(lit.draw(above, clear, false)), with = spread_of(lit.draw(above, clear));
-        // Through 2.5 km of air straight down come 0.95 of green light (sky.h).
+        // Through 2.5 km of air straight down come 0.95 of green light (lighting.h).
         CHECK(with > 0.9 * without);
         CHECK(spread_of(lit.draw(above, dull)) < 0.8 * without); // the measure sees haze
     }

@@ -32,7 +32,8 @@ const fs::path root = FJELL_SOURCE_DIR;
 // Every file of the repository that is written by hand, by its path from the root.
 const std::vector<std::string>& files() {
     static const std::vector<std::string> all = [] {
-        std::vector<std::string> found{"README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CMakeLists.txt", "dev"};
+        std::vector<std::string> found{"README.md",   "CHANGELOG.md",   "CONTRIBUTING.md",
+                                       "SECURITY.md", "CMakeLists.txt", "dev"};
         for (const char* folder : {"runtime", "baker", "editor", "content", "profiles", "tests", "docs"})
             for (const auto& entry : fs::recursive_directory_iterator(root / folder))
                 if (entry.is_regular_file()) found.push_back(fs::relative(entry.path(), root).string());
@@ -41,12 +42,14 @@ const std::vector<std::string>& files() {
     return all;
 }
 
-std::vector<std::string> matches(const std::string& text, const char* pattern, std::size_t group = 1) {
+std::vector<std::string> matches(const std::string& text, const std::regex& regex, std::size_t group = 1) {
     std::vector<std::string> found;
-    const std::regex regex(pattern);
     for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at)
         found.push_back((*at)[group].str());
     return found;
+}
+std::vector<std::string> matches(const std::string& text, const char* pattern) {
+    return matches(text, std::regex(pattern));
 }
 
 struct Block {            // between ``` fences
@@ -310,6 +313,27 @@ TEST_CASE("every path that the documents name exists") {
     }
 }
 
+TEST_CASE("every file that a comment names exists") {
+    const auto there = [](const std::string& name) { // some file's path, or its end
+        return std::ranges::any_of(files(), [&](const std::string& file) {
+            return file.ends_with(name) && (file.size() == name.size() || file[file.size() - name.size() - 1] == '/');
+        });
+    };
+    const std::regex named("(^|[^A-Za-z0-9_./~<>*-])([a-z][A-Za-z0-9_/-]*\\.(?:h|c|cpp|md|cmake))(?![A-Za-z0-9_.])");
+    int comments = 0;
+    for (const std::string& file : files()) {
+        if (!file.ends_with(".h") && !file.ends_with(".cpp") && !file.ends_with(".c")) continue;
+        for (const std::string& comment : matches(slurp(root / file), "//([^\n]*)")) {
+            for (const std::string& name : matches(comment, named, 2)) {
+                INFO(file << ": //" << comment);
+                CHECK(there(name));
+                ++comments;
+            }
+        }
+    }
+    CHECK(comments > 100);
+}
+
 TEST_CASE("every name of the code that the documents use exists in it") {
     const std::set<std::string>& words = words_of_sources();
     const std::regex name(
@@ -410,6 +434,14 @@ TEST_CASE("numbers in the documents are the code's") {
     says(glossary, "one step, " + vertices + " vertices");
     says(glossary, std::to_string(CutBudget{}.segment_triangles) + " by default");
     says(glossary, "a vertex in memory, " + std::to_string(sizeof(VertexRecord)) + " bytes");
+    const std::string cut_note = slurp(root / "docs/notes/live-cut.md");
+    std::string group_bytes; // of a private struct, which asserts its size
+    for (const std::string& file : files())
+        if (file.starts_with("runtime/src/"))
+            for (const std::string& size :
+                 matches(slurp(root / file), "static_assert\\(sizeof\\(GroupState\\) == ([0-9]+)"))
+                group_bytes = size;
+    says(cut_note, "a cache line of records, with " + group_bytes + " bytes of state");
     const auto memory = matches(bake_help, "whatever the height field's size \\(default ([0-9]+)\\)");
     REQUIRE(memory.size() == 1);
     says(baking, "`--memory` MB (" + memory[0] + " by default)");

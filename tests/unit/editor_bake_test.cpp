@@ -5,9 +5,9 @@
 #include <string>
 
 #include "editor/command.h"
-#include "editor/files/file_kind.h"
+#include "editor/files/listing.h"
 #include "editor/handlers/handlers.h"
-#include "editor/jobs/factories.h"
+#include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-#include "editor/handlers/apply.h"
+#include "editor/handlers/handlers.h"
 #include "editor/probe.h"
 #include "fjell/gl/context.h"
 #include "fjell/query.h"

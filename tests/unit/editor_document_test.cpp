@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "editor/document.h"
-#include "editor/panels/slider.h"
+#include "editor/panels/tune.h"
 #include "fjell/io/failure.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "editor/files/file_kind.h"
-#include "editor/files/folder_listing.h"
-#include "editor/files/sample.h"
+#include "editor/files/listing.h"
 #include "editor/files/settings.h"
+#include "editor/handlers/handlers.h"
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "support/environment.h"

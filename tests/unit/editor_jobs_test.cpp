@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "editor/jobs/factories.h"
 #include "editor/jobs/jobs.h"
+#include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
 #include "flight/session.h"
 #include "support/program.h"

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "editor/command.h"
-#include "editor/handlers/apply.h"
-#include "editor/panels/layout.h"
+#include "editor/handlers/handlers.h"
+#include "editor/panels/panels.h"
 
 using namespace fjell::editor;
 using ui::Rect;

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "editor/engine.h"
-#include "editor/handlers/apply.h"
 #include "editor/handlers/handlers.h"
 #include "fjell/gl/context.h"
 #include "fjell/io/failure.h"

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "editor/route.h"
-#include "editor/scene/route_lines.h"
+#include "editor/scene/lines.h"
 #include "fjell/glm.h"
 #include "fjell/io/failure.h"
 #include "support/ground.h"

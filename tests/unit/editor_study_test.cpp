@@ -1,4 +1,4 @@
-// Runs of benchmarks by place, edits that shape a camera path, bookmarks and their thumbnails, and their verbs.
+// Runs of benchmarks by place, points that are added to a camera path, bookmarks, and their verbs.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "editor/bookmarks.h"
 #include "editor/command.h"
+#include "editor/files/settings.h"
 #include "editor/route.h"
 #include "editor/runs.h"
 #include "fjell/io/failure.h"
@@ -48,9 +48,6 @@ flight::Ground slope() {
 
 Vec3 position(const flight::ControlPoint& p) {
     return {p[0], p[1], p[2]};
-}
-Vec3 direction(const flight::ControlPoint& p) {
-    return {p[3], p[4], p[5]};
 }
 
 Route two_points() {
@@ -135,74 +132,29 @@ TEST_CASE("a point that is dragged keeps its height above the ground, and the wh
     CHECK_THROWS_AS(route.place(2, 0, 0, false, slope()), io::Failure);
 }
 
-TEST_CASE("a path that is aimed looks at one place from every point") {
-    Route route = two_points();
-    route.aim(800, 100, slope());
-    for (const flight::ControlPoint& p : route.points()) {
-        const Vec3 way = normalised(Vec3{800, 400, 100} - position(p));
-        CHECK(length(cross(way, direction(p))) < 1e-9);
-        CHECK(dot(way, direction(p)) > 0.999);
-    }
-    CHECK_THROWS_AS(route.aim(100, 100, slope()), io::Failure); // straight below the first point
-}
-
-TEST_CASE("a turntable is a level circle that looks inwards, above all ground on it, and closes") {
-    Route route;
-    const Vec3 centre{500, 250, 500};
-    route.circle(centre, {500, 300, 700}, 6, 10, slope());
-    const auto& points = route.points();
-    REQUIRE(points.size() == 25);
-    CHECK(length(position(points.front()) - position(points.back())) < 1e-9);
-    for (const flight::ControlPoint& p : points) {
-        CHECK(std::hypot(p[0] - 500, p[2] - 500) == Approx(200));
-        CHECK(p[1] == position(points[0]).y);
-        CHECK(p[1] >= 0.5 * p[0] + 10);
-        CHECK(length(cross(normalised(centre - position(p)), direction(p))) < 1e-9);
-    }
-    CHECK(route.seconds() == 6);
-    CHECK_THROWS_AS(route.circle(centre, {500, 900, 500}, 6, 10, slope()), io::Failure); // straight above
-}
-
-TEST_CASE("bookmarks come back as they were kept, with their thumbnails, and a damaged file is told") {
+TEST_CASE("bookmarks come back as they were kept, and a damaged file is told") {
     const TemporaryFolder folder;
-    gl::Image picture;
-    picture.width = 320;
-    picture.height = 100;
-    for (std::uint32_t i = 0; i < 320 * 100; ++i)
-        for (int c = 0; c < 3; ++c) picture.rgb.push_back(i % 320 < 160 ? 200 : 10); // bright on the left
-    Bookmark mark{"The valley", "/a/b.fjell", {{1.25, 2, 3}, {0, 0, -1}, {0, 1, 0}}, shrunk(picture), 0};
-    CHECK(mark.thumbnail.width == thumbnail_px);
-    CHECK(mark.thumbnail.height == 50);
-    CHECK(mark.thumbnail.pixel(79, 25)[0] == 200);
-    CHECK(mark.thumbnail.pixel(80, 25)[0] == 10);
+    const Bookmark mark{"The valley", "/a/b.fjell", {{1.25, 2, 3}, {0, 0, -1}, {0, 1, 0}}};
     Bookmark other = mark;
-    other.name = "no picture";
-    other.thumbnail = {};
+    other.name = "another";
     write_bookmarks(folder.path, {other, mark});
     std::string problem;
     std::vector<Bookmark> read = read_bookmarks(folder.path, problem);
     CHECK(problem.empty());
     REQUIRE(read.size() == 2);
-    CHECK(read[0].thumbnail.width == 0);
     CHECK(read[1].name == "The valley");
     CHECK(read[1].pack == "/a/b.fjell");
     CHECK(read[1].pose.position_m.x == 1.25);
-    CHECK(read[1].thumbnail.rgb == mark.thumbnail.rgb);
-    write_bookmarks(folder.path, {mark}); // the other one is gone, and its picture with it
-    CHECK(std::filesystem::exists(folder / "bookmarks/0.png"));
-    CHECK_FALSE(std::filesystem::exists(folder / "bookmarks/1.png"));
     spit(folder / "bookmarks.json", "{\"bookmarks\": [{\"name\": 3}]}");
     CHECK(read_bookmarks(folder.path, problem).empty());
     CHECK_THAT(problem, Catch::Contains("bookmarks.json"));
 }
 
 TEST_CASE("verbs of studies become their commands, and refuse what is out of range") {
-    const auto render = std::get<RenderPictures>(*parse_command("render out path width=640 height=360 fps=25"));
-    CHECK(render.path == "out");
-    CHECK(render.way == PictureWay::path);
+    const auto render = std::get<RenderPicture>(*parse_command("render out.png width=640 height=360"));
+    CHECK(render.path == "out.png");
     CHECK(render.width == 640);
-    CHECK(render.fps == 25);
-    CHECK(std::get<RenderPictures>(*parse_command("render a.png width=64")).way == PictureWay::still);
+    CHECK(render.height == 360);
     const auto compared = std::get<ComparePictures>(*parse_command("compare-picture 2.5"));
     CHECK(compared.with == CompareWith::threshold);
     CHECK(compared.error_px == 2.5);

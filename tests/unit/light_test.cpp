@@ -7,8 +7,8 @@
 
 #include "fjell/gl/light.h"
 #include "flight/profile_keys.h"
-#include "gl/noise.h"
 #include "gl/lighting.h"
+#include "gl/noise.h"
 
 using namespace fjell;
 using namespace fjell::gl;

@@ -266,6 +266,13 @@ TEST_CASE("a bad path is refused in one line that names the place") {
          "points[1].up: is zero");
     says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "roll": 3})"),
          "points[1].roll: unknown key");
+    // Of version 0.2: closed, timed and aimed paths.
+    says(R"({"closed": true, "points": [)" + good + "]}", "closed: is not read any more");
+    says(R"({"ease": true, "orbit": {}, "units": "terrain"})", "ease: is not read any more");
+    says(points(good + R"(, {"time_s": 3, "position": [1, 2, 3], "direction": [1, 0, 0]})"),
+         "points[1].time_s: is not read any more");
+    says(points(good + R"(, {"position": [1, 2, 3], "direction": [1, 0, 0], "look_at": [0, 0, 0]})"),
+         "points[1].look_at: is not read any more");
     says(R"({"orbit": {"radius": 3}})", "orbit.centre: is missing");
     says(R"({"units": "terrain", "orbit": {"radius": -3}})", "orbit.radius: must be from");
     says(R"({"straight": {"from": [0, 0, 0], "to": [0, 5, 0]}})", "straight.to: must lie");

@@ -10,8 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cut/pages.h"
 #include "cut/mesh.h"
+#include "cut/pages.h"
 #include "pack/memory.h"
 #include "stream/requests.h"
 #include "support/cut_scene.h"

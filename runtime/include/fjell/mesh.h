@@ -26,7 +26,7 @@ enum class Topology : std::uint8_t { triangles, strip };
 
 // A range of indices to draw.
 struct TileRange {             // a tile may have several
-    std::uint32_t tile;        // row-major
+    std::uint32_t tile;        // its number: row by row, of the tiles that there are (Terrain::tile_place)
     std::uint32_t first_index; // into MeshView::indices
     std::uint32_t index_count;
     std::uint32_t triangles; // degenerate ones not counted
@@ -38,7 +38,8 @@ struct MeshView {
     std::span<const MeshVertex> vertices; // the whole vertex buffer, used slots or not
     std::span<const std::uint32_t> indices;
     std::span<const TileRange> tiles;
-    // The slots written since the previous update: upload [begin, end).
+    // The slots that the recursive method has written since the previous update: upload [dirty_begin, dirty_end). Of a
+    // live cut it is empty: cut_take_changes() has what it has written.
     std::uint32_t dirty_begin = 0, dirty_end = 0;
 };
 

@@ -121,7 +121,7 @@ bool find_children(Pages& pages, Work& work, Mesh& mesh, Visibility& visibility,
         const Site child = child_site(site, d);
         if (leaf || !exists(pages.grid, child)) continue;
         const VertexPlace at = place_of(pages.grid, child);
-        if (!attach_page(pages, work, mesh, visibility, at.page)) {
+        if (pages.page_groups[at.page] == no_index && !attach_page(pages, work, mesh, visibility, at.page)) {
             while (d-- != 0) // what was attached for nothing
                 if (out.vertex[d] != no_index) note_idle(pages, out.vertex[d] / group_lanes / max_page_groups);
             return false;

@@ -51,7 +51,6 @@ using hn::Max;
 using hn::Mul;
 using hn::Or;
 using hn::Set;
-using hn::Sqrt;
 using hn::Sub;
 #include "view/decision-inl.h"
 

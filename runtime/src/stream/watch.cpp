@@ -1,6 +1,6 @@
 // Which pages the views want, without looking at their vertices.
 //
-// A vertex is wanted while the eye is nearer than radius + error q (tree/wanted.h). Of a page the directory knows the
+// A vertex is wanted while the eye is nearer than radius + error q (view/wanted.h). Of a page the directory knows the
 // largest of both and how high its ground is, so one distance to a box rules out a page none of whose vertices can be
 // wanted. Bounds do not have to nest: a page is watched only when the one above it is loaded, and a wanted
 // vertex' ancestors are wanted, one of them in every page above (a page's bound counts its borders too). So when no

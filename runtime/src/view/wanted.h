@@ -61,9 +61,6 @@ inline float Max(float a, float b) {
 inline float Abs(float a) {
     return std::abs(a);
 }
-inline float Sqrt(float a) {
-    return std::sqrt(a);
-}
 inline bool Lt(float a, float b) {
     return a < b;
 }

@@ -13,7 +13,7 @@
 #include <fjell/io/pack_file.h>
 #include <fjell/io/stream_reader.h>
 
-static_assert(FJELL_VERSION >= FJELL_MAKE_VERSION(0, 2, 0));
+static_assert(FJELL_VERSION >= FJELL_MAKE_VERSION(0, 3, 0));
 
 namespace {
 

@@ -1,0 +1,250 @@
+// Dialogs and panels of what runs beside the frame, and bookmarks.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "editor/number_text.h"
+#include "editor/panels/forms.h"
+#include "editor/panels/keyboard.h"
+#include "editor/panels/panels.h"
+#include "flight/profile_keys.h"
+
+namespace fjell::editor {
+
+void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
+    ExportForm& form = own.mesh_export;
+    constexpr const char* kinds[] = {"the frame's", "custom threshold"};
+    fields::suggest(form.path, form.made_for, state, ".glb");
+    ui::focus_first();
+    fields::path("glTF", "export", "path", form.path, "a file that ends in .glb",
+                 "Mesh, colours and camera in one file, for any viewer or modelling program.");
+    fields::destination("export", form.path);
+    fields::choice(
+        "Mesh", "export", "own", form.own, kinds,
+        "The frame's is written as it is drawn: the triangles that the camera sees, morphed, as fine as the budgets "
+        "allowed. A custom threshold refines the whole terrain for this view, whatever the budgets.");
+    fields::label("Converged");
+    ImGui::BeginDisabled(form.own == 1);
+    bool converged = form.converged || form.own == 1;
+    if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
+    ImGui::EndDisabled();
+    ui::control(
+        "export", "converged",
+        "The mesh that this view settles on once it has had time and work items, instead of the frame's as it stands.");
+    ImGui::BeginDisabled(form.own == 0);
+    double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
+    fields::number("Pixels", "export", "error_px", shown, "%.4g",
+                   "0.01 to 1,000 pixels: a smaller threshold makes a larger file.");
+    if (form.own == 1) form.error_px = shown;
+    ImGui::EndDisabled();
+    ImGui::Separator();
+    const bool can = !state.job.running && state.scene.open();
+    const double error_px = form.own == 1 ? form.error_px : 0;
+    if (fields::button("Preview", "export", "preview", can,
+                       "Counts, and the size of the file to the byte; nothing is written."))
+        commands.push(PreviewExport{form.converged, error_px});
+    ImGui::SameLine();
+    if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
+                       "Writes the file; an existing one is replaced only when it is complete.", true))
+        commands.push(ExportMesh{form.path, form.converged, error_px});
+    fields::close("export", commands);
+    if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
+        fields::cancel("export", commands);
+    const ExportPreview& p = state.job.preview;
+    if (p.bytes != 0) {
+        ui::row("Vertices", "%s", count_text(static_cast<double>(p.vertices)).text);
+        ui::row("Triangles", "%s", count_text(static_cast<double>(p.triangles)).text);
+        ui::row("File", "%s within %.3g px", byte_text(static_cast<double>(p.bytes)).text, p.error_px);
+    }
+    const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
+    if (!counted) fields::outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
+}
+
+void draw_screenshot(const State&, PanelState& own, Commands& commands) {
+    ScreenshotForm& form = own.screenshot;
+    constexpr const char* kinds[] = {"the terrain", "the window, with its panels"};
+    ui::focus_first();
+    fields::path("Picture", "screenshot", "path", form.path, "a file that ends in .png", "Where the PNG is written.");
+    fields::destination("screenshot", form.path);
+    fields::choice("Contents", "screenshot", "what", form.what, kinds, "At the current size of the window.");
+    ImGui::Separator();
+    if (fields::button("Save", "screenshot", "start", form.path[0] != '\0',
+                       "Closes this dialog and saves the next frame.", true)) {
+        commands.push(ShowDialog{Dialog::none});
+        commands.push(TakeScreenshot{form.path, form.what == 1});
+    }
+    fields::close("screenshot", commands);
+}
+
+void draw_job_status(const State& state, Commands& commands) {
+    const JobView& job = state.job;
+    if (!job.running) return;
+    ImGui::Text("%s: %s %.0f%%", job_names[static_cast<int>(job.kind)], job.stage.c_str(), 100 * job.share);
+    ui::mark("status", "job");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Cancel")) commands.push(CancelJob{});
+    ui::control("status", "cancel-job",
+                "Stops the job; no partial file remains. A bake may keep a folder from which it can resume.");
+    ImGui::SameLine();
+}
+
+// --- Auto-tune and benchmark: forms and outcomes that stay beside the picture while they run.
+
+namespace {
+
+// What will be flown.
+void draw_flight(const State& state) {
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(
+        ImColor(ui::quiet).Value,
+        "Flies %s as the profile says, over a terrain that is loaded once more for this, in a view of %u x %u.",
+        state.route.flight_name().text, state.document.profile().width_px, state.document.profile().height_px);
+    ImGui::PopTextWrapPos();
+}
+
+constexpr const char* measures[] = {"update (CPU)", "whole frame"};
+
+void draw_tune_form(TuneForm& form) {
+    fields::number("Budget, ms", "auto-tune", "budget_ms", form.budget_ms, "%.6g",
+                   "The time that 99% of the frames (p99) must not exceed: 0.01 to 1,000 milliseconds. A frame at 60 "
+                   "Hz has 16.7.");
+    fields::choice("Measure", "auto-tune", "measure", form.measure, measures,
+                   "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing, in a picture "
+                   "as large as the profile says; slower, and dependent on the graphics driver.");
+    fields::whole("Frames, 0: auto", "auto-tune", "frames", form.frames,
+                  "Frames of a flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit if "
+                  "there is no path. Fewer frames fly the same path faster, with more changes in each.");
+    fields::label("From, to, px");
+    ImGui::PushID("range");
+    float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    ImGui::SetNextItemWidth(width);
+    ImGui::InputDouble("##least", &form.least_px, 0, 0, "%.4g");
+    ui::control("auto-tune", "least_px", "The smallest threshold to try, in pixels.");
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
+    ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
+    ui::control("auto-tune", "most_px", "The largest threshold, in pixels: the search begins there.");
+    ImGui::PopID();
+}
+
+void draw_tune_result(const State& state, const JobView& shown, Commands& commands) {
+    if (shown.running || shown.best_px <= 0) return;
+    char text[48];
+    std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
+    const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
+    const bool used = key->get(state.document.profile()) == shown.best_px;
+    ImGui::SameLine();
+    if (fields::button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))
+        commands.push(SetKey{key, shown.best_px, false});
+}
+
+} // namespace
+
+void draw_auto_tune(const State& state, PanelState& own, Commands& commands) {
+    TuneForm& form = own.tune;
+    draw_tune_form(form);
+    draw_flight(state);
+    const bool can = !state.job.running && state.scene.open();
+    if (fields::button("Start", "auto-tune", "start", can,
+                       "Flies again and again until the smallest threshold is found whose p99 keeps the budget.")) {
+        TuneThreshold t;
+        t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
+                      form.budget_ms * 1000,
+                      static_cast<std::uint32_t>(form.frames),
+                      form.least_px,
+                      form.most_px,
+                      false};
+        commands.push(t);
+    }
+    const bool running = fields::runs(state, JobKind::tune);
+    if (running) fields::cancel("auto-tune", commands);
+    const JobView& shown = state.job.kind == JobKind::tune ? state.job : state.tuned;
+    draw_tune_result(state, shown, commands);
+    fields::outcome(state, JobKind::tune);
+    draw_tune_curve(shown, std::max(ImGui::GetContentRegionAvail().y, 16 * ImGui::GetFontSize()));
+}
+
+void draw_benchmark(const State& state, PanelState& own, Commands& commands) {
+    CsvForm& form = own.benchmark;
+    fields::suggest(form.path, form.made_for, state, ".csv");
+    fields::path("CSV", "benchmark", "path", form.path, "a file",
+                 "One line for each frame, with the columns of fjell-fly --csv.");
+    fields::whole("Frames, 0: auto", "benchmark", "frames", form.frames,
+                  "0: as many as the path has at 60 Hz, or 840 for an orbit if there is no path. Fewer frames fly the "
+                  "same path faster.");
+    draw_flight(state);
+    ImGui::Separator();
+    const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
+    if (fields::button("Run", "benchmark", "start", can, "Starts at once and flies as fast as possible."))
+        commands.push(RunBenchmark{form.path, static_cast<std::size_t>(form.frames)});
+    if (fields::runs(state, JobKind::benchmark)) fields::cancel("benchmark", commands);
+    fields::outcome(state, JobKind::benchmark);
+    draw_runs(state, commands);
+}
+
+// --- Bookmarks, and pictures rendered beside the frame: larger than the window, or one for each frame of the path.
+
+namespace {
+
+void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
+    auto& name = own.bookmark_name;
+    ui::heading("Bookmarks");
+    const float add = ImGui::CalcTextSize("Add").x + 2 * ImGui::GetStyle().FramePadding.x;
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
+    const bool entered =
+        ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name, ImGuiInputTextFlags_EnterReturnsTrue);
+    ui::control("bookmark", "name", "What the bookmark is called; without a name it is numbered.");
+    ImGui::SameLine();
+    if (ImGui::Button("Add") || entered) {
+        commands.push(AddBookmark{name});
+        name[0] = '\0';
+    }
+    ui::control("bookmark", "add", "Keeps the camera's place.");
+    std::size_t index = 0;
+    char mark[24];
+    for (const Bookmark& b : state.bookmarks.all) {
+        if (b.pack != state.bookmarks.pack) continue;
+        ImGui::PushID(static_cast<int>(index));
+        if (ImGui::SmallButton("x")) commands.push(RemoveBookmark{index});
+        std::snprintf(mark, sizeof mark, "remove.%zu", index);
+        ui::control("bookmark", mark, "Removes this bookmark.");
+        ImGui::SameLine();
+        if (ImGui::Selectable(b.name.c_str())) commands.push(GoToBookmark{index});
+        std::snprintf(mark, sizeof mark, "go.%zu", index);
+        ui::control("bookmark", mark, "Looks from there.");
+        ImGui::PopID();
+        ++index;
+    }
+    if (index == 0) {
+        ui::note("This terrain has none yet.");
+    }
+}
+
+void draw_render(const State& state, PanelState& own, Commands& commands) {
+    RenderForm& form = own.render;
+    ui::heading("Render");
+    fields::suggest(form.file, form.made_for, state, ".png");
+    fields::path("Picture", "render", "path", form.file, "a file that ends in .png", "Where the PNG is written.");
+    fields::whole("Width, px", "render", "width", form.width, "Of the picture; the window's size does not matter.");
+    fields::whole("Height, px", "render", "height", form.height, "Of the picture; the window's size does not matter.");
+    const bool can =
+        !state.job.running && state.scene.open() && form.file[0] != '\0' && form.width >= 16 && form.height >= 16;
+    if (fields::button("Render", "render", "start", can,
+                       "Draws beside the frames, and holds the threshold in every picture whatever the budgets are. A "
+                       "picture wider than the profile's view is refined further, as for a larger screen."))
+        commands.push(
+            RenderPicture{form.file, static_cast<std::uint32_t>(form.width), static_cast<std::uint32_t>(form.height)});
+    if (fields::runs(state, JobKind::picture)) fields::cancel("render", commands);
+    fields::outcome(state, JobKind::picture);
+}
+
+} // namespace
+
+void draw_pictures(const State& state, PanelState& own, Commands& commands) {
+    draw_bookmarks(state, own, commands);
+    draw_render(state, own, commands);
+}
+
+} // namespace fjell::editor
