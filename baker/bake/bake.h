@@ -79,7 +79,7 @@ struct BakeSummary {
 // Bakes to OUT beside its place and renames; an old pack stays until then. Throws Failure. When that is an interruption
 // (130) or a failure of the input, and a stage is complete, PACK.work stays and the same call goes on; otherwise
 // nothing is left behind. What an earlier run has left is compared with checksums before it is used. O(samples) of disk
-// beside the pack (work_bytes.h). One at a time for each OUT.
+// beside the pack (work_bytes()). One at a time for each OUT.
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path);
 
 // Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.

@@ -11,7 +11,7 @@
 #include "baker/maps/maps.h"
 #include "baker/pack/chunk_spool.h"
 #include "baker/read/source.h"
-#include "baker/store/digest.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 
 #include "baker/maps/control.h"
 #include "baker/read/gdal_file.h"
-#include "baker/read/raster_files.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -22,43 +22,8 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-struct TextField {
-    const char* key;
-    std::optional<std::string> Recipe::*member;
-    bool path;
-    std::vector<std::string> words; // empty: any text
-};
-struct NumberField {
-    const char* key;
-    std::optional<double> Recipe::*member;
-};
-
-const std::vector<TextField>& text_fields() {
-    static const std::vector<TextField> fields{
-        {"output", &Recipe::output, true, {}},
-        {"ramp", &Recipe::ramp, true, {}},
-        {"crs", &Recipe::crs, false, {}},
-        {"encoding", &Recipe::encoding, false, {"none", "terrarium", "terrain-rgb"}},
-        {"nodata", &Recipe::nodata, false, {"hole", "fill", "refuse"}},
-        {"tile",
-         &Recipe::tile,
-         false,
-         {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
-        {"estimate", &Recipe::estimate, false, {"max", "midpoint"}},
-        {"order", &Recipe::order, false, {"planar", "hz", "linear"}},
-        {"horizons", &Recipe::horizons, false, {"none", "half", "quarter"}},
-        {"layers", &Recipe::layers, true, {}},
-        {"control", &Recipe::control, false, {"full", "half", "quarter"}}};
-    return fields;
-}
-const std::vector<NumberField>& number_fields() {
-    static const std::vector<NumberField> fields{{"spacing", &Recipe::spacing},
-                                                 {"zscale", &Recipe::zscale},
-                                                 {"zoffset", &Recipe::zoffset},
-                                                 {"nesting", &Recipe::nesting},
-                                                 {"quantum", &Recipe::quantum}};
-    return fields;
-}
+using Of = RecipeKey::Of;
+constexpr double above_0 = std::numeric_limits<double>::denorm_min();
 
 [[noreturn]] void refuse(const std::string& name, const std::string& what) {
     throw Failure(1, fmt::format("{}: {}; see fjell-bake --help, whose options are the keys of a recipe", name, what));
@@ -73,80 +38,69 @@ std::string quoted(std::string text) {
     return '"' + text + '"';
 }
 
-std::string joined(const std::vector<std::string>& words) {
-    return fmt::format("{}", fmt::join(words, ", "));
-}
-
-std::string text_of(const json& value, const TextField& field, const std::string& name) {
-    const bool count = std::string_view(field.key) == "tile" && value.is_number_unsigned();
-    if (!value.is_string() && !count) refuse(name, fmt::format("\"{}\" must be text", field.key));
-    std::string text = count ? std::to_string(value.get<std::uint64_t>()) : value.get<std::string>();
-    if (text.find('\0') != std::string::npos) refuse(name, fmt::format("\"{}\" has a zero byte in it", field.key));
-    if (!field.words.empty() && std::find(field.words.begin(), field.words.end(), text) == field.words.end())
-        refuse(name, fmt::format("\"{}\" is {}, but must be one of {}", field.key, quoted(text), joined(field.words)));
-    return text;
-}
-
-double number_of(const json& value, const std::string& key, const std::string& name) {
+double number_of(const json& value, const RecipeKey& key, const std::string& name) {
     if (!value.is_number() || !std::isfinite(value.get<double>()))
-        refuse(name, fmt::format("\"{}\" must be a number", key));
+        refuse(name, fmt::format("\"{}\" must be a number", key.name));
     return value.get<double>();
 }
 
-std::vector<std::string> files_of(const json& value, const std::string& key, const std::string& name) {
-    std::vector<std::string> files;
-    if (!value.is_array()) refuse(name, fmt::format("\"{}\" must be a list of file names", key));
+// From a file: what the key's member takes.
+void take(std::optional<std::string>& to, const json& value, const RecipeKey& key, const std::string& name) {
+    const bool count = std::string_view(key.name) == "tile" && value.is_number_unsigned();
+    if (!value.is_string() && !count) refuse(name, fmt::format("\"{}\" must be text", key.name));
+    to = count ? std::to_string(value.get<std::uint64_t>()) : value.get<std::string>();
+    if (to->find('\0') != std::string::npos) refuse(name, fmt::format("\"{}\" has a zero byte in it", key.name));
+    if (!key.words.empty() && std::find(key.words.begin(), key.words.end(), *to) == key.words.end())
+        refuse(name,
+               fmt::format("\"{}\" is {}, but must be one of {}", key.name, quoted(*to), fmt::join(key.words, ", ")));
+}
+void take(std::optional<double>& to, const json& value, const RecipeKey& key, const std::string& name) {
+    to = number_of(value, key, name);
+}
+void take(std::vector<std::string>& to, const json& value, const RecipeKey& key, const std::string& name) {
+    if (!value.is_array()) refuse(name, fmt::format("\"{}\" must be a list of file names", key.name));
     for (const auto& entry : value) {
         if (!entry.is_string() || entry.get<std::string>().find('\0') != std::string::npos)
-            refuse(name, fmt::format("\"{}\" must hold file names, but entry {} is none", key, files.size()));
-        files.push_back(entry.get<std::string>());
+            refuse(name, fmt::format("\"{}\" must hold file names, but entry {} is none", key.name, to.size()));
+        to.push_back(entry.get<std::string>());
     }
-    return files;
 }
-
-std::array<double, 4> bbox_of(const json& value, const std::string& name) {
+void take(std::optional<std::array<double, 4>>& to, const json& value, const RecipeKey& key, const std::string& name) {
     if (!value.is_array() || value.size() != 4) refuse(name, "\"bbox\" must be a list of west, south, east, north");
-    std::array<double, 4> box{};
-    for (std::size_t i = 0; i < 4; ++i) box[i] = number_of(value[i], "bbox", name);
-    return box;
+    to.emplace();
+    for (std::size_t i = 0; i < 4; ++i) (*to)[i] = number_of(value[i], key, name);
 }
-
-DeclaredVoids voids_of(const json& value, const std::string& name) {
-    DeclaredVoids voids;
+void take(std::optional<DeclaredVoids>& to, const json& value, const RecipeKey& key, const std::string& name) {
     if (!value.is_array()) refuse(name, "\"void\" must be a list of numbers, or [\"none\"]");
+    to.emplace();
     for (const auto& entry : value) {
         if (entry == "none")
-            voids.no_others = true;
+            to->no_others = true;
         else
-            voids.numbers.push_back(number_of(entry, "void", name));
+            to->numbers.push_back(number_of(entry, key, name));
     }
-    return voids;
 }
 
-void take(Recipe& recipe, const std::string& key, const json& value, const std::string& name) {
-    if (key == "inputs" || key == "texture") {
-        (key == "inputs" ? recipe.inputs : recipe.texture) = files_of(value, key, name);
-        return;
-    }
-    if (key == "bbox") {
-        recipe.bbox = bbox_of(value, name);
-        return;
-    }
-    if (key == "void") {
-        recipe.voids = voids_of(value, name);
-        return;
-    }
-    for (const TextField& field : text_fields())
-        if (key == field.key) {
-            recipe.*field.member = text_of(value, field, name);
-            return;
-        }
-    for (const NumberField& field : number_fields())
-        if (key == field.key) {
-            recipe.*field.member = number_of(value, key, name);
-            return;
-        }
-    refuse(name, fmt::format("{} is no key of a recipe", quoted(key)));
+template <typename T>
+json written(const std::optional<T>& value) {
+    return value ? json(*value) : json();
+}
+json written(const std::vector<std::string>& files) {
+    return files.empty() ? json() : json(files);
+}
+json written(const std::optional<DeclaredVoids>& voids) {
+    if (!voids) return {};
+    json list = voids->numbers;
+    if (voids->no_others) list.push_back("none");
+    return list;
+}
+
+bool is_given(const std::vector<std::string>& files) {
+    return !files.empty();
+}
+template <typename T>
+bool is_given(const std::optional<T>& value) {
+    return value.has_value();
 }
 
 template <typename Change>
@@ -154,35 +108,142 @@ void change_paths(Recipe& recipe, Change change) {
     const auto if_file = [&](std::string& path) {
         if (!path.empty() && !is_gdal_name(path) && std::filesystem::path(path).is_relative()) path = change(path);
     };
-    for (std::string& input : recipe.inputs) if_file(input);
-    for (std::string& image : recipe.texture) if_file(image);
-    for (const TextField& field : text_fields())
-        if (field.path && recipe.*field.member) if_file(*(recipe.*field.member));
+    for (const RecipeKey& key : recipe_keys()) {
+        if (!key.path) continue;
+        if (const auto* const files = std::get_if<std::vector<std::string> Recipe::*>(&key.member))
+            for (std::string& file : recipe.**files) if_file(file);
+        else if (auto& file = recipe.*std::get<std::optional<std::string> Recipe::*>(key.member))
+            if_file(*file);
+    }
+}
+
+const RecipeKey* find_key(const std::string& name) {
+    const std::vector<RecipeKey>& keys = recipe_keys();
+    const auto found = std::find_if(keys.begin(), keys.end(), [&](const RecipeKey& key) { return name == key.name; });
+    return found == keys.end() ? nullptr : &*found;
 }
 
 } // namespace
+
+const std::vector<RecipeKey>& recipe_keys() {
+    static const std::vector<RecipeKey> keys{
+        {"inputs",
+         Of::files,
+         &Recipe::inputs,
+         "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS and "
+         "spacing make a mosaic, later ones on top",
+         {},
+         true},
+        {"output", Of::files, &Recipe::output, "the pack to write", {}, true},
+        {"tile",
+         Of::pack,
+         &Recipe::tile,
+         "cells a side of a tile, a power of two, or auto (default)",
+         {"auto", "2", "4", "8", "16", "32", "64", "128", "256", "512", "1024", "2048", "4096"}},
+        {"estimate",
+         Of::pack,
+         &Recipe::estimate,
+         "world-space error: max (true, default) or midpoint",
+         {"max", "midpoint"}},
+        {"nesting",
+         Of::pack,
+         &Recipe::nesting,
+         "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05); with less the mesh may crack",
+         {},
+         false,
+         0.001,
+         1},
+        {"order",
+         Of::pack,
+         &Recipe::order,
+         "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear",
+         {"planar", "hz", "linear"}},
+        {"quantum",
+         Of::pack,
+         &Recipe::quantum,
+         "the step of stored heights in metres (default: the source's own)",
+         {},
+         false,
+         above_0},
+        {"texture",
+         Of::files,
+         &Recipe::texture,
+         "ortho-images, placed by their coordinates or stretched over all; later ones on top",
+         {},
+         true},
+        {"ramp", Of::files, &Recipe::ramp, "colours by height (JSON, content/ramps)", {}, true},
+        {"horizons",
+         Of::pack,
+         &Recipe::horizons,
+         "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none (default), "
+         "half or quarter of the samples' density",
+         {"none", "half", "quarter"}},
+        {"layers",
+         Of::files,
+         &Recipe::layers,
+         "control maps: which materials lie where, by rules over the ground, rasters of classes and painted images "
+         "(JSON, content/materials/control)",
+         {},
+         true},
+        {"control",
+         Of::pack,
+         &Recipe::control,
+         "texels of control maps: full, half (default) or quarter of the samples' density",
+         {"full", "half", "quarter"}},
+        {"crs", Of::reading, &Recipe::crs,
+         "auto (default: what is in degrees is reprojected to a projection that suits it), none, or a projected CRS to "
+         "reproject to, such as EPSG:32633"},
+        {"encoding",
+         Of::reading,
+         &Recipe::encoding,
+         "heights packed into red, green and blue",
+         {"none", "terrarium", "terrain-rgb"}},
+        {"nodata",
+         Of::reading,
+         &Recipe::nodata,
+         "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file marks "
+         "and NaN become holes, implausible heights are refused)",
+         {"hole", "fill", "refuse"}},
+        {"spacing", Of::reading, &Recipe::spacing,
+         "metres between samples: of a file without a georeference, of one in degrees to take it as a square grid, or "
+         "to reproject to with --crs CRS"},
+        {"zscale", Of::reading, &Recipe::zscale, "multiplies heights (after the file's own scale)"},
+        {"zoffset", Of::reading, &Recipe::zoffset, "metres added to heights after --zscale"},
+        {"bbox", Of::reading, &Recipe::bbox,
+         "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees of what "
+         "spans more than a plane holds, or columns and rows from the north-west where there is no georeference"},
+        {"void", Of::reading, &Recipe::voids,
+         "a number that stands for no height without the file saying so, as the file has it: before its scale and "
+         "offset and before --zscale; give it again for more. none: every other number is a height, even one that "
+         "looks like a void"}};
+    return keys;
+}
+
+const RecipeKey& recipe_key(const std::string& name) {
+    if (const RecipeKey* const key = find_key(name)) return *key;
+    throw std::logic_error("recipes have no key " + name);
+}
 
 Recipe parse_recipe(const std::string& text, const std::string& name) {
     const json object = io::parse_json(text, name);
     if (!object.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
-    for (const auto& [key, value] : object.items()) take(recipe, key, value, name);
+    for (const auto& [name_of_key, value] : object.items()) {
+        const RecipeKey* const key = find_key(name_of_key);
+        if (!key) refuse(name, fmt::format("{} is no key of a recipe", quoted(name_of_key)));
+        std::visit([&](const auto member) { take(recipe.*member, value, *key, name); }, key->member);
+    }
     return recipe;
 }
 
 std::string recipe_text(const Recipe& recipe) {
     ordered_json json = ordered_json::object();
-    if (!recipe.inputs.empty()) json["inputs"] = recipe.inputs;
-    if (!recipe.texture.empty()) json["texture"] = recipe.texture;
-    for (const TextField& field : text_fields())
-        if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
-    for (const NumberField& field : number_fields())
-        if (recipe.*field.member) json[field.key] = *(recipe.*field.member);
-    if (recipe.bbox) json["bbox"] = *recipe.bbox;
-    if (recipe.voids) {
-        json["void"] = recipe.voids->numbers;
-        if (recipe.voids->no_others) json["void"].push_back("none");
-    }
+    for (const RecipeKey& key : recipe_keys())
+        std::visit(
+            [&](const auto member) {
+                if (is_given(recipe.*member)) json[key.name] = written(recipe.*member);
+            },
+            key.member);
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -202,46 +263,33 @@ Recipe for_file(Recipe recipe, const std::string& path) {
 }
 
 Recipe merged(Recipe given, const Recipe& below) {
-    if (given.inputs.empty()) given.inputs = below.inputs;
-    if (given.texture.empty()) given.texture = below.texture;
-    for (const TextField& field : text_fields())
-        if (!(given.*field.member)) given.*field.member = below.*field.member;
-    for (const NumberField& field : number_fields())
-        if (!(given.*field.member)) given.*field.member = below.*field.member;
-    if (!given.bbox) given.bbox = below.bbox;
-    if (!given.voids) given.voids = below.voids;
+    for (const RecipeKey& key : recipe_keys())
+        std::visit(
+            [&](const auto member) {
+                if (!is_given(given.*member)) given.*member = below.*member;
+            },
+            key.member);
     return given;
 }
 
 Recipe reading_part(Recipe recipe) {
-    recipe.inputs.clear();
-    recipe.texture.clear();
-    for (auto* const text : {&recipe.output, &recipe.ramp, &recipe.tile, &recipe.estimate, &recipe.order,
-                             &recipe.horizons, &recipe.layers, &recipe.control})
-        text->reset();
-    recipe.nesting.reset();
-    recipe.quantum.reset();
+    for (const RecipeKey& key : recipe_keys())
+        if (key.of != Of::reading) std::visit([&](const auto member) { recipe.*member = {}; }, key.member);
     return recipe;
 }
 
-ReadOptions read_options(const Recipe& recipe) {
-    ReadOptions o;
-    o.spacing_m = recipe.spacing;
-    o.zscale = recipe.zscale;
-    o.zoffset_m = recipe.zoffset.value_or(0);
-    o.crs = recipe.crs.value_or("auto");
-    o.bbox = recipe.bbox;
-    o.voids = recipe.voids.value_or(DeclaredVoids{});
-    const std::string nodata = recipe.nodata.value_or(""), encoding = recipe.encoding.value_or("");
-    if (nodata == "hole") o.nodata = NoData::hole;
-    if (nodata == "fill") o.nodata = NoData::fill;
-    if (nodata == "refuse") o.nodata = NoData::refuse;
-    if (encoding == "terrarium") o.encoding = Encoding::terrarium;
-    if (encoding == "terrain-rgb") o.encoding = Encoding::terrain_rgb;
-    return o;
-}
-
 namespace {
+
+// The place of a value among its key's words; usual: it is not given, or no such word.
+template <typename T>
+T word_at(const std::optional<std::string>& value, const char* key, T usual) {
+    const std::vector<std::string>& words = recipe_key(key).words;
+    const auto found = value ? std::find(words.begin(), words.end(), *value) : words.end();
+    return found == words.end() ? usual : static_cast<T>(found - words.begin());
+}
+static_assert(static_cast<int>(Estimate::midpoint) == 1 && static_cast<int>(Order::hierarchical_z) == 1 &&
+                  static_cast<int>(Order::linear) == 2 && static_cast<int>(Encoding::terrain_rgb) == 2,
+              "words are in the order of the values they name: change recipe_keys() too");
 
 // "512" or "auto" to log2; 0 for auto.
 int tile_log2(const std::string& text) {
@@ -251,28 +299,48 @@ int tile_log2(const std::string& text) {
     throw Failure(2, fmt::format("--tile {}: must be auto or a power of two from 2 to 4096 (cells a side)", text));
 }
 
-Order order_named(const std::string& name) {
-    return name == "planar" ? Order::planar : name == "hz" ? Order::hierarchical_z : Order::linear;
+void check_ranges(const Recipe& recipe) {
+    for (const RecipeKey& key : recipe_keys()) {
+        const auto* const member = std::get_if<std::optional<double> Recipe::*>(&key.member);
+        if (!member || !(recipe.**member) || std::isinf(key.least)) continue;
+        const double value = *(recipe.**member);
+        if (std::isfinite(value) && value >= key.least && value <= key.most) continue;
+        throw Failure(2, fmt::format("--{} {}: must be {}", key.name, value,
+                                     std::isfinite(key.most) ? fmt::format("from {} to {}", key.least, key.most)
+                                                             : "more than 0"));
+    }
 }
 
 } // namespace
 
+ReadOptions read_options(const Recipe& recipe) {
+    ReadOptions o;
+    o.spacing_m = recipe.spacing;
+    o.zscale = recipe.zscale;
+    o.zoffset_m = recipe.zoffset.value_or(0);
+    o.crs = recipe.crs.value_or("auto");
+    o.bbox = recipe.bbox;
+    o.voids = recipe.voids.value_or(DeclaredVoids{});
+    constexpr NoData named[] = {NoData::hole, NoData::fill, NoData::refuse};
+    if (recipe.nodata) o.nodata = named[word_at(recipe.nodata, "nodata", 0)];
+    o.encoding = word_at(recipe.encoding, "encoding", Encoding::none);
+    return o;
+}
+
 BakeOptions bake_options(const Recipe& recipe) {
+    check_ranges(recipe);
     BakeOptions o;
     o.tile_log2 = tile_log2(recipe.tile.value_or("auto"));
-    o.estimate = recipe.estimate.value_or("max") == "max" ? Estimate::max : Estimate::midpoint;
-    o.order = order_named(recipe.order.value_or("planar"));
-    const std::string horizons = recipe.horizons.value_or("none");
-    o.horizon_spacing = horizons == "half" ? 2 : horizons == "quarter" ? 4 : 0;
+    o.estimate = word_at(recipe.estimate, "estimate", o.estimate);
+    o.order = word_at(recipe.order, "order", o.order);
+    constexpr int horizon_spacings[] = {0, 2, 4}, control_spacings[] = {1, 2, 4};
+    o.horizon_spacing = horizon_spacings[word_at(recipe.horizons, "horizons", 0)];
     o.layers_path = recipe.layers.value_or("");
     if (recipe.control && o.layers_path.empty())
         throw Failure(2, "--control says how fine control maps are; give their rules with --layers");
-    const std::string control = recipe.control.value_or("half");
-    o.control_spacing = control == "full" ? 1 : control == "half" ? 2 : 4;
+    o.control_spacing = control_spacings[word_at(recipe.control, "control", 1)];
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
-    if (recipe.quantum && !(o.quantum_m > 0 && std::isfinite(o.quantum_m)))
-        throw Failure(2, fmt::format("--quantum {}: must be more than 0 (metres)", o.quantum_m));
     o.texture_paths = recipe.texture;
     o.ramp_path = recipe.ramp.value_or("");
     o.reading = recipe_text(reading_part(recipe));
@@ -295,12 +363,6 @@ std::vector<std::string> files_read(const Recipe& recipe) {
 
 std::vector<std::string> places_written(const std::string& pack_path) {
     return {pack_path, io::where_written(pack_path) + ".work/"};
-}
-
-std::vector<std::string> words_of(const std::string& key) {
-    for (const TextField& field : text_fields())
-        if (key == field.key) return field.words;
-    return {};
 }
 
 std::array<double, 4> parse_bbox(const std::string& text) {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "baker/bake/bake.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 
 namespace fjell::baker {
 
@@ -22,6 +24,26 @@ struct Recipe {
     std::optional<DeclaredVoids> voids;        // key "void"
     friend bool operator==(const Recipe&, const Recipe&) = default;
 };
+
+// An option: its name on a command line (--name) and in a file, and all that either, or a form, has to know of it.
+struct RecipeKey {
+    enum class Of { files, pack, reading }; // what it says: names of files; what the pack is; how files become heights
+    using Member = std::variant<std::vector<std::string> Recipe::*, std::optional<std::string> Recipe::*,
+                                std::optional<double> Recipe::*, std::optional<std::array<double, 4>> Recipe::*,
+                                std::optional<DeclaredVoids> Recipe::*>;
+    const char* name = nullptr;
+    Of of = Of::pack;
+    Member member;
+    const char* about = nullptr;                             // what it is, its unit and default: one paragraph
+    std::vector<std::string> words = {};                     // that it takes; empty: any
+    bool path = false;                                       // a file's name
+    double least = -std::numeric_limits<double>::infinity(); // of a number
+    double most = std::numeric_limits<double>::infinity();
+};
+// In the order in which help and files have them.
+[[nodiscard]] const std::vector<RecipeKey>& recipe_keys();
+// Throws std::logic_error: there is none.
+[[nodiscard]] const RecipeKey& recipe_key(const std::string& name);
 
 // A JSON object whose keys are the options above; unknown keys, wrong types and words that no option knows are refused.
 // name: for messages. Throws Failure 1, one line with the key. O(text).
@@ -49,8 +71,6 @@ struct Recipe {
 // Where its bake writes: the pack, and the work folder with all that is in it, as refuse_overwriting() wants them.
 [[nodiscard]] std::vector<std::string> places_written(const std::string& pack_path);
 
-// The words an option takes; none: any text. Key as in the file.
-[[nodiscard]] std::vector<std::string> words_of(const std::string& key);
 // "WEST,SOUTH,EAST,NORTH" to four numbers. Throws Failure 2.
 [[nodiscard]] std::array<double, 4> parse_bbox(const std::string& text);
 // "-9999", "none" or several with commas, added to what there is. Throws Failure 2.

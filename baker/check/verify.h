@@ -10,6 +10,12 @@
 
 namespace fjell::baker {
 
+// What the directory says of a page (PageBound) against the page itself.
+
+// Empty: the bound holds for every vertex of the page, and no narrower one would. Otherwise what is wrong, in words.
+// The page must be loaded. O(vertices of a page).
+[[nodiscard]] std::string wrong_bound(const Pack& pack, const Terrain& terrain, std::uint32_t tile, std::uint32_t page);
+
 struct VerifyReport {
     std::uint64_t vertices = 0, samples_compared = 0, chunks = 0;
     std::uint64_t nesting_violations = 0;    // error_m(parent) < (1 + mu) error_m(child)

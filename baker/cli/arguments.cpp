@@ -14,66 +14,34 @@ namespace fjell::baker {
 
 namespace {
 
-void add_words(CLI::App& app, const std::string& key, std::optional<std::string>& to, const std::string& help) {
-    app.add_option("--" + key, to, help)->check(io::one_of(words_of(key)));
+// From a command line: what a key's member takes.
+template <typename T>
+void add_key(CLI::App& app, const std::string& name, T& to, const RecipeKey& key) {
+    CLI::Option* const option = app.add_option(name, to, key.about);
+    if (&key != &recipe_key("tile") && !key.words.empty()) option->check(io::one_of(key.words));
 }
-
-// Shared by bake and verify --against: how files become heights in metres.
-void add_read_options(CLI::App& app, Recipe& r) {
-    app.add_option("--spacing", r.spacing,
-                   "metres between samples: of a file without a georeference, of one in degrees "
-                   "to take it as a square grid, or to reproject to with --crs CRS");
-    app.add_option("--crs", r.crs,
-                   "auto (default: what is in degrees is reprojected to a projection that suits it), "
-                   "none, or a projected CRS to reproject to, such as EPSG:32633");
-    add_words(app, "encoding", r.encoding, "heights packed into red, green and blue");
+void add_key(CLI::App& app, const std::string& name, std::optional<std::array<double, 4>>& to, const RecipeKey& key) {
     app.add_option_function<std::string>(
-        "--bbox", [&r](const std::string& text) { r.bbox = parse_bbox(text); },
-        "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees of what "
-        "spans more than a plane holds, or columns and rows from the north-west where there is no georeference");
-    app.add_option("--zscale", r.zscale, "multiplies heights (after the file's own scale)");
-    app.add_option("--zoffset", r.zoffset, "metres added to heights after --zscale");
-    add_words(app, "nodata", r.nodata,
-              "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file "
-              "marks and NaN become holes, implausible heights are refused)");
-    app.add_option_function<std::vector<std::string>>(
-           "--void",
-           [&r](const std::vector<std::string>& texts) {
-               r.voids.reset();
-               for (const std::string& text : texts) parse_voids(text, r.voids);
-           },
-           "a number that stands for no height without the file saying so, as the file has it: before its scale and "
-           "offset and before --zscale; give it again for more. none: every other number is a height, even one that "
-           "looks like a void")
+        name, [&to](const std::string& text) { to = parse_bbox(text); }, key.about);
+}
+void add_key(CLI::App& app, const std::string& name, std::optional<DeclaredVoids>& to, const RecipeKey& key) {
+    const auto parse = [&to](const std::vector<std::string>& texts) {
+        to.reset();
+        for (const std::string& text : texts) parse_voids(text, to);
+    };
+    app.add_option_function<std::vector<std::string>>(name, parse, key.about)
         ->type_name("VALUE")
         ->type_size(1)
         ->allow_extra_args(false);
 }
 
-// Shared by bake and plan: all that a pack's bytes depend on.
-void add_recipe_options(CLI::App& app, Recipe& r) {
-    app.add_option(
-        "IN", r.inputs,
-        "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS "
-        "and spacing make a mosaic, later ones on top");
-    app.add_option("--tile", r.tile, "cells a side of a tile, a power of two, or auto");
-    add_words(app, "estimate", r.estimate, "world-space error: max (true, default) or midpoint");
-    app.add_option("--nesting", r.nesting, "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05)");
-    add_words(app, "order", r.order, "how vertices lie in pages: planar (default), hz (hierarchical Z) or linear");
-    app.add_option("--quantum", r.quantum, "the step of stored heights in metres (default: the source's own)");
-    app.add_option("--texture", r.texture,
-                   "ortho-images, placed by their coordinates or stretched over all; later ones on top");
-    app.add_option("--ramp", r.ramp, "colours by height (JSON, content/ramps)");
-    add_words(app, "horizons", r.horizons,
-              "horizon maps, for shadows at any time of day and for the share of the sky that ground sees: none "
-              "(default), half or quarter of the samples' density");
-    app.add_option("--layers", r.layers,
-                   "control maps: which materials lie where, by rules over the ground, rasters of classes and painted "
-                   "images (JSON, content/materials/control)");
-    add_words(app, "control", r.control,
-              "texels of control maps: full, half (default) or quarter of the samples' "
-              "density");
-    add_read_options(app, r);
+// reading: only how files become heights in metres, for verify --against. Else all that a pack's bytes depend on.
+void add_recipe_options(CLI::App& app, Recipe& r, bool reading = false) {
+    for (const RecipeKey& key : recipe_keys()) {
+        const std::string name = &key == &recipe_key("inputs") ? "IN" : std::string("--") + key.name;
+        if (&key == &recipe_key("output") || (reading && key.of != RecipeKey::Of::reading)) continue;
+        std::visit([&](const auto member) { add_key(app, name, r.*member, key); }, key.member);
+    }
 }
 
 void add_how_options(CLI::App& app, Arguments& a) {
@@ -207,7 +175,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
                          "here");
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
-    add_read_options(*c.verify, a.against);
+    add_recipe_options(*c.verify, a.against, true);
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
     c.heights->add_option("PACK", a.pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();

@@ -10,9 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/cli/progress.h"
 #include "baker/cli/summary.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/shard/launch.h"
 #include "baker/shard/merge.h"
 #include "baker/shard/plan_folder.h"

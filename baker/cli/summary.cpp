@@ -5,10 +5,13 @@
 #include <fstream>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include "baker/cli/describe.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/crs_label.h"
+#include "baker/georeference/open_source.h"
 #include "baker/synth/synth.h"
+#include "fjell/io/failure.h"
+#include "io/json.h"
 
 namespace fjell::baker {
 
@@ -97,6 +100,96 @@ Recipe complete(const Recipe& given, const std::string& recipe_path) {
 std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
     if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
     return open_source(recipe.inputs, read_options(recipe));
+}
+
+namespace {
+
+using nlohmann::json;
+
+// One number for square cells.
+std::string spacing_text(const double (&step)[2]) {
+    const std::string x = fmt::format("{:.6g}", step[0]), y = fmt::format("{:.6g}", step[1]);
+    return x == y ? x : x + " x " + y;
+}
+
+void add_source(json& to, const SourceFacts& f) {
+    to["height_unit"] = f.height_unit.empty() ? json() : json(f.height_unit);
+    to["height_unit_m"] = f.height_unit_m;
+    to["reprojected_from"] = json();
+    if (!f.reprojected_from.empty())
+        to["reprojected_from"] = {
+            {"crs_name", f.reprojected_from}, {"spacing", {f.from_step[0], f.from_step[1]}}, {"unit", f.from_unit}};
+}
+
+} // namespace
+
+std::string describe(const BakeSummary& s) {
+    const SourceFacts& f = s.source;
+    std::string text = fmt::format("heights {:.6g} to {:.6g} m (", s.min_m, s.max_m);
+    text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
+    text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
+    const double samples = static_cast<double>(s.columns) * s.rows;
+    text += s.voids ? fmt::format("; {} samples are holes ({:.2g}%)\n", s.voids,
+                                  100 * static_cast<double>(s.voids) / samples)
+                    : "; no holes\n";
+    const std::string crs = crs_text(crs_label(s.crs_wkt));
+    text += fmt::format("samples {} m apart, {}", spacing_text(s.spacing_m), crs.empty() ? "no CRS" : "in " + crs);
+    if (!f.reprojected_from.empty())
+        text += fmt::format("; reprojected from {}, where they are {} {} apart", f.reprojected_from,
+                            spacing_text(f.from_step), f.from_unit);
+    return text + "\n";
+}
+
+void add_description(json& to, const BakeSummary& s) {
+    const CrsLabel crs = crs_label(s.crs_wkt);
+    to["height_m"] = {s.min_m, s.max_m};
+    to["ground_error_m"] = s.ground_error_m;
+    to["spacing_m"] = {s.spacing_m[0], s.spacing_m[1]};
+    to["crs_name"] = crs.name.empty() ? json() : json(crs.name);
+    to["epsg"] = crs.epsg ? json(crs.epsg) : json();
+    add_source(to, s.source);
+}
+
+void add_notes(json& to, const std::optional<PackNotes>& notes) {
+    for (const char* key : {"ground_error_m", "read", "height_unit", "height_unit_m", "reprojected_from"})
+        to[key] = json();
+    if (!notes) return;
+    if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;
+    if (!notes->read.empty()) to["read"] = io::parse_json(notes->read, "notes");
+    add_source(to, notes->source);
+}
+
+namespace {
+constexpr int bar_cells = 30;
+}
+
+ProgressBar::ProgressBar(bool quiet) : draws_(!quiet && isatty(STDERR_FILENO)) {}
+
+ProgressBar::~ProgressBar() {
+    if (drawn_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::operator()(const char* stage, std::uint64_t done, std::uint64_t total) {
+    io::check_interrupt();
+    if (!draws_ || total == 0) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (stage_ != stage) {
+        stage_ = stage;
+        start_ = now;
+        last_ = {};
+    }
+    if (done < total && now - last_ < std::chrono::milliseconds(50)) return;
+    last_ = now;
+    drawn_ = true;
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const double share = static_cast<double>(done) / static_cast<double>(total);
+    const double rate = elapsed > 0 ? static_cast<double>(done) / elapsed : 0;
+    const auto full = static_cast<std::size_t>(share * bar_cells);
+    const std::string bar = std::string(full, '#') + std::string(bar_cells - full, '.');
+    const double left = rate > 0 ? static_cast<double>(total - done) / rate : 0;
+    const std::string speed = rate >= 1e6 ? fmt::format("{:.1f} M/s", rate / 1e6) : fmt::format("{:.0f} /s", rate);
+    fmt::print(stderr, "\r\033[K{:<8} [{}] {:3.0f}%  {}  {:.0f} s left", stage, bar, share * 100, speed, left);
+    std::fflush(stderr);
 }
 
 } // namespace fjell::baker

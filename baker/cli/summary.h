@@ -1,6 +1,8 @@
 // What the commands that bake have in common: inputs by their recipe, and what they say in the end.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +11,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
+#include "baker/pack/notes.h"
 #include "baker/pack/write_set.h"
 #include "io/file.h"
 
@@ -36,5 +39,32 @@ void print_set(const SetSummary& set, const std::string& folder);
 [[nodiscard]] Recipe complete(const Recipe& given, const std::string& recipe_path);
 // Files of heights, or one of content/terrain: mountains are made as they are asked for.
 [[nodiscard]] std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe);
+
+// What a bake made of its source, in words and as JSON.
+
+// Several lines: heights and their unit, holes, CRS, where it was reprojected from.
+[[nodiscard]] std::string describe(const BakeSummary& summary);
+
+// The keys that say the same: height_m, height_unit, height_unit_m, ground_error_m, spacing_m, crs_name, epsg,
+// reprojected_from (null, or its crs_name, spacing and unit).
+void add_description(nlohmann::json& to, const BakeSummary& summary);
+// What a pack says of it: ground_error_m, read, height_unit, height_unit_m, reprojected_from; null where it does not.
+void add_notes(nlohmann::json& to, const std::optional<PackNotes>& notes);
+
+// A progress bar with rate and time left, on a terminal only; also where Ctrl-C is noticed.
+
+class ProgressBar {
+public:
+    explicit ProgressBar(bool quiet); // quiet, or stderr not a terminal: draws nothing
+    ~ProgressBar();                   // leaves the terminal's line clean
+    // Throws Failure when the process was asked to stop, so that destructors remove what is half-written.
+    void operator()(const char* stage, std::uint64_t done, std::uint64_t total);
+
+private:
+    bool draws_;
+    bool drawn_ = false;
+    std::string stage_;
+    std::chrono::steady_clock::time_point start_, last_;
+};
 
 } // namespace fjell::baker

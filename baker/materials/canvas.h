@@ -25,7 +25,7 @@ struct Canvas {
 
 // The steps, one over the other.
 [[nodiscard]] Canvas draw_material(const MaterialRecipe& recipe, int side);
-// elements.cpp: stones and strokes, on what is there.
+// Stones and strokes, on what is there.
 void draw_stones(const MaterialStep& step, std::uint32_t seed, Canvas& canvas);
 void draw_strokes(const MaterialStep& step, std::uint32_t seed, Canvas& canvas);
 // A colour of the step's list, between its two nearest; t: 0 to 1.

@@ -36,13 +36,6 @@ float gradient_noise(float x, float y, int nx, int ny, std::uint32_t seed) {
 
 } // namespace
 
-std::uint32_t mix_bits(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
-    std::uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u ^ seed * 0xc2b2ae3du;
-    h = (h ^ h >> 15) * 0x2c1b3c6du;
-    h = (h ^ h >> 12) * 0x297a2d39u;
-    return h ^ h >> 15;
-}
-
 float fraction(float v) {
     return v - static_cast<float>(whole_part(v));
 }

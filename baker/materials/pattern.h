@@ -8,7 +8,16 @@
 
 namespace fjell::baker {
 
-[[nodiscard]] std::uint32_t mix_bits(std::uint32_t x, std::uint32_t y, std::uint32_t seed);
+// Of a point of a lattice; also of what synth scatters over the terrain.
+[[nodiscard]] inline std::uint32_t salted_bits(std::uint32_t x, std::uint32_t y, std::uint32_t salt) {
+    std::uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u ^ salt;
+    h = (h ^ h >> 15) * 0x2c1b3c6du;
+    h = (h ^ h >> 12) * 0x297a2d39u;
+    return h ^ h >> 15;
+}
+[[nodiscard]] inline std::uint32_t mix_bits(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
+    return salted_bits(x, y, seed * 0xc2b2ae3du);
+}
 // 0 to 1.
 [[nodiscard]] inline float unit_of(std::uint32_t bits) {
     return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f);

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "baker/read/gdal_file.h"
 #include "baker/read/options.h"
 #include "baker/read/source.h"
-#include "baker/read/units.h"
 
 namespace fjell::baker {
 

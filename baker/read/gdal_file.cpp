@@ -1,20 +1,28 @@
 #include "baker/read/gdal_file.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
 
-#include <unistd.h>
-
+#include <cpl_conv.h>
+#include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <ogr_spatialref.h>
+#include <unistd.h>
 
 #include "baker/read/netcdf_length.h"
 #include "baker/read/options.h"
-#include "baker/read/raster_files.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -145,6 +153,297 @@ void read_row(GDALRasterBand& band, int row, double* to, const std::string& path
 }
 void read_row(GDALRasterBand& band, int row, std::uint8_t* to, const std::string& path, const GdalMessages& messages) {
     read_row_as(band, row, to, GDT_Byte, path, messages);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::file_status status_of(const std::string& path) {
+    std::error_code ignored; // what cannot be looked at cannot be opened, and is said then
+    return fs::status(path, ignored);
+}
+
+// A file, or those within a name such as /vsizip/a.zip/b.tif or NETCDF:"a.nc":height.
+std::vector<std::string> files_named(const std::string& name) {
+    if (fs::exists(status_of(name))) return {name};
+    std::string rest = name;
+    while (rest.starts_with("/vsi") && rest.find('/', 1) != std::string::npos) rest.erase(0, rest.find('/', 1) + 1);
+    if (rest != name) {
+        std::erase_if(rest, [](char c) { return c == '{' || c == '}'; });
+        for (fs::path at = rest; !at.empty() && at != at.root_path(); at = at.parent_path())
+            if (fs::exists(status_of(at.string()))) return {at.string()};
+        return {};
+    }
+    std::vector<std::string> files;
+    for (std::size_t from = 0; from < name.size();) {
+        const std::size_t end = std::min(name.find_first_of(":\"", from), name.size());
+        const std::string part = name.substr(from, end - from);
+        if (!part.empty() && fs::exists(status_of(part))) files.push_back(part);
+        from = end + 1;
+    }
+    return files;
+}
+
+struct CplFree {
+    void operator()(CPLXMLNode* node) const { CPLDestroyXMLNode(node); }
+};
+
+bool is_vrt(const std::string& path) {
+    char head[1024]; // as much as GDAL looks at
+    std::ifstream file(path, std::ios::binary);
+    file.read(head, sizeof head);
+    return std::string_view(head, static_cast<std::size_t>(file.gcount())).find("<VRTDataset") !=
+           std::string_view::npos;
+}
+
+class Sources {
+public:
+    void add(const std::string& name) {
+        for (const std::string& file : files_named(name)) add_file(file);
+    }
+    std::vector<std::string> files;
+
+private:
+    void add_file(const std::string& path) {
+        if (!seen_.insert(path).second) return;
+        const fs::file_status status = status_of(path);
+        if (!fs::is_regular_file(status) && !fs::is_directory(status))
+            throw Failure(1, fmt::format("{}: not a regular file{}; give a file in its place", path,
+                                         files.empty() ? "" : ", which " + files.front() + " needs"));
+        files.push_back(path);
+        if (!fs::is_regular_file(status) || !is_vrt(path)) return;
+        const GdalMessages quiet; // what is wrong with it is said when it is opened
+        const std::unique_ptr<CPLXMLNode, CplFree> xml(CPLParseXMLFile(path.c_str()));
+        for (const CPLXMLNode* node = xml.get(); node; node = node->psNext) visit(*node, path);
+    }
+
+    void visit(const CPLXMLNode& node, const std::string& vrt) {
+        if (node.eType != CXT_Element) return;
+        if (EQUAL(node.pszValue, "SourceFilename") || EQUAL(node.pszValue, "SourceDataset")) {
+            const char* const name = CPLGetXMLValue(&node, nullptr, "");
+            const bool relative = CPLTestBool(CPLGetXMLValue(&node, "relativeToVRT", "0"));
+            add(relative ? CPLProjectRelativeFilename(fs::path(vrt).parent_path().c_str(), name) : name);
+            return;
+        }
+        for (const CPLXMLNode* child = node.psChild; child; child = child->psNext) visit(*child, vrt);
+    }
+
+    std::set<std::string> seen_;
+};
+
+} // namespace
+
+std::vector<std::string> raster_sources(const std::string& path) {
+    Sources sources;
+    sources.add(path);
+    return std::move(sources.files);
+}
+
+std::vector<std::string> raster_files(const std::string& path, const char* what) {
+    std::vector<std::string> files = raster_sources(path);
+    GdalMessages messages;
+    const GdalFile file = open_raster(path, what, messages);
+    const CPLStringList listed(file->GetFileList());
+    // A VRT's list has its sources, but not what lies beside those, and opening thousands only to ask would take long.
+    for (std::size_t i = 1, sources = files.size(); i < sources; ++i)
+        for (const char* end : {".aux.xml", ".ovr", ".msk", ".prj", ".hdr", ".tfw", ".wld", ".aux", ".clr"}) {
+            const std::string after = files[i] + end, instead = fs::path(files[i]).replace_extension(end).string();
+            if (fs::exists(status_of(after))) files.push_back(after);
+            if (fs::exists(status_of(instead))) files.push_back(instead);
+        }
+    for (int i = 0; i < listed.Count(); ++i) files.emplace_back(listed[i]);
+    return files;
+}
+
+namespace {
+
+bool near_zero(double v, double beside) {
+    return std::abs(v) <= 1e-9 * std::abs(beside);
+}
+
+// netCDF: an axis in degrees_east, or one that is called a longitude without a unit, as GMT writes both.
+bool names_degrees(GDALDataset& file) {
+    constexpr std::array<const char*, 4> words{"units=degree", "standard_name=longitude", "long_name=longitude",
+                                               "[degrees_east]"};
+    const char* const* metadata = file.GetMetadata();
+    for (const char* const* entry = metadata; entry && *entry; ++entry)
+        if (std::any_of(words.begin(), words.end(),
+                        [line = CPLString(*entry)](const char* word) { return line.ifind(word) != std::string::npos; }))
+            return true;
+    return false;
+}
+
+// No CRS, but every place is a latitude and longitude, and no pixel is larger than 5 degrees: an ASCII grid of a globe.
+bool looks_like_degrees(const double* t, int columns, int rows) {
+    const double west = std::min(t[0], t[0] + columns * t[1]), east = std::max(t[0], t[0] + columns * t[1]);
+    const double south = std::min(t[3], t[3] + rows * t[5]), north = std::max(t[3], t[3] + rows * t[5]);
+    return west >= -181 && east <= 361 && south >= -91 && north <= 91 && std::abs(t[1]) <= 5 && std::abs(t[5]) <= 5;
+}
+
+} // namespace
+
+std::string wkt_of(const OGRSpatialReference& crs) {
+    char* text = nullptr;
+    const bool exported = crs.exportToWkt(&text) == OGRERR_NONE && text;
+    std::string wkt = exported ? text : "";
+    CPLFree(text);
+    return wkt;
+}
+
+void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]) {
+    step[0] = step[1] = 0;
+    if (crs_wkt.empty()) return;
+    load_gdal();
+    OGRSpatialReference crs;
+    if (crs.importFromWkt(crs_wkt.c_str()) != OGRERR_NONE) return;
+    if (!crs.IsProjected() && !crs.IsLocal()) return;
+    const double unit_m = crs.GetLinearUnits();
+    for (const int axis : {0, 1})
+        if (unit_m > 0) step[axis] = spacing_m[axis] / unit_m;
+}
+
+Placement place(GDALDataset& file, const std::string& path) {
+    Placement p;
+    p.columns = file.GetRasterXSize();
+    p.rows = file.GetRasterYSize();
+    std::array<double, 6> t{};
+    if (file.GetGeoTransform(t.data()) != CE_None) return p;
+    if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || t[1] == 0 || t[5] == 0 ||
+        !near_zero(t[2], t[1]) || !near_zero(t[4], t[5]))
+        throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first with gdalwarp", path));
+    const OGRSpatialReference* const crs = file.GetSpatialRef();
+    p.axes = Axes::metres;
+    if (crs ? crs->IsGeographic() != 0 : names_degrees(file))
+        p.axes = Axes::degrees;
+    else if (!crs && looks_like_degrees(t.data(), p.columns, p.rows))
+        p.axes = Axes::perhaps_degrees;
+    if (crs && p.axes == Axes::metres) p.unit_m = crs->GetLinearUnits();
+    p.flip_x = t[1] < 0;
+    p.flip_y = t[5] > 0;
+    p.step[0] = std::abs(t[1]);
+    p.step[1] = std::abs(t[5]);
+    p.origin[0] = t[0] + t[1] * (p.flip_x ? p.columns - 0.5 : 0.5);
+    // Longitudes count from anywhere, but projections know no more than a turn to each side.
+    if (p.axes == Axes::degrees && (p.origin[0] >= 360 || p.east(p.columns - 1) <= -360))
+        p.origin[0] -= 360 * std::floor((p.origin[0] + 180) / 360);
+    p.origin[1] = t[3] + t[5] * (p.flip_y ? p.rows - 0.5 : 0.5);
+    // A local frame says nothing about where on Earth it is; other programs could do nothing with it.
+    if (crs && !crs->IsLocal()) p.crs_wkt = wkt_of(*crs);
+    return p;
+}
+
+double unit_in_metres(const char* name) {
+    std::string unit(name ? name : "");
+    std::transform(unit.begin(), unit.end(), unit.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    struct Unit {
+        std::string_view name;
+        double metres;
+    };
+    constexpr double survey_foot = 1200.0 / 3937;
+    constexpr std::array<Unit, 30> units{{{"", 1},
+                                          {"m", 1},
+                                          {"metre", 1},
+                                          {"metres", 1},
+                                          {"meter", 1},
+                                          {"meters", 1},
+                                          {"ft", 0.3048},
+                                          {"foot", 0.3048},
+                                          {"feet", 0.3048},
+                                          {"international foot", 0.3048},
+                                          {"international feet", 0.3048},
+                                          {"us survey foot", survey_foot},
+                                          {"us survey feet", survey_foot},
+                                          {"us_survey_foot", survey_foot},
+                                          {"foot_us", survey_foot},
+                                          {"ftus", survey_foot},
+                                          {"us-ft", survey_foot},
+                                          {"usft", survey_foot},
+                                          {"sfoot", survey_foot},
+                                          {"survey foot", survey_foot},
+                                          {"km", 1000},
+                                          {"kilometre", 1000},
+                                          {"kilometer", 1000},
+                                          {"dm", 0.1},
+                                          {"decimetre", 0.1},
+                                          {"decimeter", 0.1},
+                                          {"cm", 0.01},
+                                          {"centimetre", 0.01},
+                                          {"centimeter", 0.01},
+                                          {"mm", 0.001}}};
+    const auto found = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
+    return found == units.end() ? 0 : found->metres;
+}
+
+namespace {
+
+// Metres in one unit of the CRS' vertical axis; 0: it has none.
+double vertical_unit(const OGRSpatialReference* crs, std::string& name) {
+    if (!crs || (!crs->IsCompound() && !crs->IsVertical())) return 0;
+    const char* text = nullptr;
+    const double metres = crs->GetTargetLinearUnits("VERT_CS", &text);
+    name = text ? text : "";
+    return metres > 0 ? metres : 0;
+}
+
+double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
+               const std::string& path) {
+    const std::string named = band.GetUnitType() ? band.GetUnitType() : "";
+    const double unit = unit_in_metres(named.c_str());
+    std::string axis;
+    const double vertical = vertical_unit(crs, axis);
+    if (unit == 0 && !options.zscale)
+        throw Failure(1,
+                      fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
+                                  path, named));
+    if (unit == 0) return 1;                                                // --zscale says what a unit is
+    if (vertical == 0 || std::abs(vertical / unit - 1) < 1e-5) return unit; // feet of two kinds differ by 2e-6
+    if (named.empty()) return vertical;
+    throw Failure(1,
+                  fmt::format("{}: its band says that heights are in \"{}\", its CRS in \"{}\"; give it the CRS that "
+                              "is right (gdal_edit.py -a_srs)",
+                              path, named, axis));
+}
+
+} // namespace
+
+std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
+    std::string name = band.GetUnitType() ? band.GetUnitType() : "";
+    if (name.empty()) (void)vertical_unit(crs, name);
+    return name;
+}
+
+namespace {
+
+// Depths: what netCDF calls positive downwards, or by a standard name of the sea floor's depth.
+bool counts_downwards(GDALRasterBand& band) {
+    const auto has = [&](const char* key, const char* word) {
+        const char* const value = band.GetMetadataItem(key);
+        return value && CPLString(value).ifind(word) != std::string::npos;
+    };
+    return has("positive", "down") || has("standard_name", "sea_floor_depth");
+}
+
+} // namespace
+
+Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
+                   const std::string& path) {
+    const double unit = unit_of(band, crs, options, path);
+    int known = 0;
+    const double scale = band.GetScale(&known), offset = band.GetOffset(&known);
+    if (!options.zscale && counts_downwards(band))
+        throw Failure(1,
+                      fmt::format("{}: says that its numbers are depths; give --zscale -1 to make heights of them, or "
+                                  "--zscale 1 if they are heights already",
+                                  path));
+    const Scaling s{scale * unit, offset * unit, options.zscale.value_or(1), options.zoffset_m};
+    if (!std::isfinite(s.file_scale) || s.file_scale == 0 || !std::isfinite(s.file_offset_m))
+        throw Failure(1,
+                      fmt::format("{}: its band has scale {} and offset {}; set them right with gdal_edit.py -scale 1 "
+                                  "-offset 0",
+                                  path, scale, offset));
+    return s;
 }
 
 } // namespace fjell::baker

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gdal_priv.h>
 
+#include "baker/read/options.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::baker {
@@ -53,5 +55,68 @@ using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
 // because some drivers only warn about missing data and hand out zeros.
 void read_row(GDALRasterBand& band, int row, double* to, const std::string& path, const GdalMessages& messages);
 void read_row(GDALRasterBand& band, int row, std::uint8_t* to, const std::string& path, const GdalMessages& messages);
+
+// Which files a raster consists of: so that no output replaces one of them, and none that would block is opened.
+
+// path: a file, or one of GDAL's names for what is in one. The files themselves, and of a VRT those that it names, as
+// do VRTs among these. Throws Failure (1) for a pipe, a device or a socket among them, whose opening might never end.
+// Opens nothing but VRTs.
+[[nodiscard]] std::vector<std::string> raster_sources(const std::string& path);
+
+// These, and what GDAL reads beside them (.aux.xml, .prj, .hdr, .tfw, .ovr, ...), as far as it is there. what: as for
+// open_raster(), whose Failures it throws.
+[[nodiscard]] std::vector<std::string> raster_files(const std::string& path, const char* what);
+
+// The georeference of a raster's samples.
+
+// metres: any linear unit. perhaps_degrees: nothing says so, but every place is a latitude and longitude.
+enum class Axes : std::uint8_t { none, metres, degrees, perhaps_degrees };
+
+// A grid with row 0 in the north and column 0 in the west, in the units of its CRS.
+struct Placement {
+    std::int32_t columns = 0, rows = 0;
+    Axes axes = Axes::none;
+    double step[2] = {1, 1};             // from sample to sample, > 0
+    double origin[2] = {0, 0};           // of sample (0, 0): easting or longitude, northing or latitude
+    double unit_m = 1;                   // metres in one unit of metre axes
+    bool flip_x = false, flip_y = false; // how the file has them
+    std::string crs_wkt;                 // empty: none that means anything elsewhere
+
+    [[nodiscard]] double east(double column) const { return origin[0] + step[0] * column; }
+    [[nodiscard]] double north(double row) const { return origin[1] - step[1] * row; }
+};
+
+// Throws Failure 1 for a grid that is rotated or sheared, or absurd.
+[[nodiscard]] Placement place(GDALDataset& file, const std::string& path);
+
+// What a spacing is in units of the CRS, where that counts metres, feet and so on; 0 in degrees and without a CRS.
+void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]);
+
+[[nodiscard]] std::string wkt_of(const OGRSpatialReference& crs);
+
+// Numbers of a band to metres.
+
+// Nothing on Earth, Mars or Venus lies outside; undeclared voids (-32767, -99999, 1e38) do.
+inline constexpr double lowest_m = -12000, highest_m = 30000;
+
+// raw -> metres as in the file -> metres as asked.
+struct Scaling {
+    double file_scale = 1, file_offset_m = 0, zscale = 1, zoffset_m = 0;
+
+    [[nodiscard]] double file_m(double raw) const { return raw * file_scale + file_offset_m; }
+    [[nodiscard]] double asked_m(double metres) const { return metres * zscale + zoffset_m; }
+    friend bool operator==(const Scaling&, const Scaling&) = default;
+};
+
+// Metres in one unit of this name; no name means metres, 0 that it is not known.
+[[nodiscard]] double unit_in_metres(const char* name);
+
+// What the band, or the vertical axis of the CRS where the band is silent, calls its unit; empty: neither says.
+[[nodiscard]] std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs);
+
+// From the band's scale, offset and unit, the unit of the CRS' vertical axis where the band has none, and the options.
+// Throws Failure 1: a unit not known here, two units that differ, an absurd scale.
+[[nodiscard]] Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
+                                 const std::string& path);
 
 } // namespace fjell::baker

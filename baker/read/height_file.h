@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "baker/read/decode.h"
-#include "baker/read/placement.h"
+#include "baker/read/gdal_file.h"
 #include "baker/read/windows.h"
 #include "baker/store/memory.h"
 
@@ -24,7 +24,7 @@ struct FileFacts {
     std::string identity;    // names, sizes and times of everything it is read from
 };
 
-// An open file. One thread at a time. Throws Failure (place/open_source.h).
+// An open file. One thread at a time. Throws Failure (georeference/open_source.h).
 class HeightFile {
 public:
     HeightFile(const std::string& path, const ReadOptions& options);

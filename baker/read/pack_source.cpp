@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "baker/read/placement.h"
+#include "baker/read/gdal_file.h"
 #include "baker/read/tile_pages.h"
 #include "baker/read/windows.h"
 #include "pack/terrain_data.h"

@@ -10,7 +10,7 @@
 
 #include <sys/wait.h>
 
-#include "baker/bake/work_bytes.h"
+#include "baker/bake/context.h"
 #include "baker/shard/merge.h"
 #include "baker/store/parallel.h"
 

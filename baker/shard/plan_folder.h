@@ -26,7 +26,7 @@
 #include "baker/bake/recipe.h"
 #include "baker/pack/write_set.h"
 #include "baker/shard/shard_plan.h"
-#include "baker/store/digest.h"
+#include "baker/store/store.h"
 
 namespace fjell::baker {
 

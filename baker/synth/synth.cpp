@@ -13,6 +13,7 @@
 // Only + - * / and sqrt, in double and float without contraction, and integer hashes: same recipe, same bytes, on every
 // machine and compiler.
 #include "baker/synth/synth.h"
+#include "baker/materials/pattern.h"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +23,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/read/windows.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"
@@ -47,10 +48,7 @@ struct Field {
 };
 
 std::uint32_t hash(std::int32_t x, std::int32_t y, std::uint32_t salt) {
-    std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9E3779B1u ^ static_cast<std::uint32_t>(y) * 0x85EBCA77u ^ salt;
-    h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
-    h = (h ^ (h >> 12)) * 0x297A2D39u;
-    return h ^ (h >> 15);
+    return salted_bits(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), salt);
 }
 
 // floor() without <cmath>'s dependence on the rounding mode; |v| < 2^31 by the recipe's ranges.

@@ -15,10 +15,9 @@
 #include <fmt/format.h>
 #include <ogr_spatialref.h>
 
+#include "baker/georeference/open_source.h"
 #include "baker/heights/fill.h"
-#include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
-#include "baker/read/placement.h"
 #include "baker/store/parallel.h"
 #include "baker/store/store.h"
 #include "io/file.h"

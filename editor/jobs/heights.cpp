@@ -12,11 +12,11 @@
 
 #include <fmt/format.h>
 
+#include "baker/georeference/crs_label.h"
+#include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
 #include "baker/maps/control.h"
 #include "baker/maps/wetness.h"
-#include "baker/place/crs_label.h"
-#include "baker/place/open_source.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/source.h"
 #include "editor/jobs/work.h"

@@ -14,7 +14,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/synth/synth.h"
 #include "editor/number_text.h"
 #include "fjell/gl/context.h"
@@ -35,7 +35,7 @@ using io::Failure;
 
 void set_word(std::optional<std::string>& word, const std::string& value, const char* key) {
     if (value.empty()) return;
-    const std::vector<std::string> known = baker::words_of(key);
+    const std::vector<std::string>& known = baker::recipe_key(key).words;
     if (!known.empty() && std::ranges::find(known, value) == known.end())
         throw Failure(2, fmt::format("{}={}: must be one of {}", key, value, fmt::join(known, ", ")));
     word = value;

@@ -21,7 +21,7 @@
 
 #include "baker/bake/checkpoint.h"
 #include "baker/materials/encode.h"
-#include "baker/pack/split.h"
+#include "baker/pack/write_set.h"
 #include "flight/record.h"
 #include "input.h"
 #include "io/file.h"

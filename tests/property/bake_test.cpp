@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "baker/bake/work_bytes.h"
+#include "baker/bake/context.h"
 #include "baker/check/verify.h"
 #include "pack/terrain_data.h"
 #include "support/control_rules.h"

@@ -8,7 +8,7 @@
 #include <xxhash.h>
 
 #include "baker/heights/fill.h"
-#include "baker/read/placement.h"
+#include "baker/read/gdal_file.h"
 #include "baker/read/windows.h"
 #include "baker/store/parallel.h"
 #include "baker/synth/synth.h"

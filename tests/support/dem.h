@@ -11,7 +11,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/read/source.h"
 
 namespace fjell::baker {

@@ -198,6 +198,10 @@ extern "C" {
         return decide("fallocate", fd) == Do::fail ? -1 : real(fd, mode, offset, bytes);                               \
     }
 
+void* dlopen(const char* file, int mode) {
+    static const auto real = next<void* (*)(const char*, int)>("dlopen");
+    return file && decide_path("dlopen", file) == Do::fail ? nullptr : real(file, mode);
+}
 OPEN(open)
 OPEN(open64)
 OPENAT(openat)

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "baker/pack/split.h"
+#include "baker/pack/write_set.h"
 #include "io/file.h"
 #include "io/set_file.h"
 #include "support/program.h"

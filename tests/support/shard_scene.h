@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/pack/split.h"
+#include "baker/pack/write_set.h"
 #include "baker/shard/merge.h"
 #include "baker/shard/shard_step.h"
 #include "io/file.h"

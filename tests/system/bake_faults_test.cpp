@@ -2,7 +2,7 @@
 // comes to the same bytes.
 #include "bake_faults.h"
 
-#include "baker/store/digest.h"
+#include "baker/store/store.h"
 #include "support/rounds.h"
 
 using namespace fjell::test;
@@ -50,6 +50,22 @@ TEST_CASE("a disk that fails at any call is one line and exit code 3, and leaves
         CHECK(noticed > 0);
     }
     scene.recovers();
+}
+
+TEST_CASE("without GDAL a file of heights is refused in one line, and what reads none goes on") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 5 6\n7 8 9\n");
+    const std::string bake = FJELL_BIN_DIR "/fjell-bake ";
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --quiet").code == 0);
+    const Fault gone{"dlopen", "ENOENT", "1+", "libgdal"};
+    const Run r = run_in(folder.path, with(gone, bake + "dem.asc -o other.fjell"));
+    CHECK(r.code == 3);
+    CHECK(one_line(r.err));
+    CHECK(r.err.find("GDAL cannot be loaded") != std::string::npos);
+    for (const char* command : {"info out.fjell", "verify out.fjell", "--help"}) {
+        INFO(command);
+        CHECK(run_in(folder.path, with(gone, bake + command)).code == 0);
+    }
 }
 
 TEST_CASE("short and interrupted calls change no byte") {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "fjell/gl/palette.h"
 #include "fjell/io/heights.h"
 #include "fjell/measure.h"

@@ -3,9 +3,9 @@
 #include <bit>
 #include <cmath>
 
+#include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
 #include "baker/maps/image.h"
-#include "baker/place/open_source.h"
 #include "raster.h"
 #include "support/dem.h"
 #include "support/rounds.h"

@@ -24,6 +24,9 @@ namespace fjell::test {
 
 using TempDir = TemporaryFolder;
 
+// Tests call GDAL as they like.
+inline const bool gdal_is_there = (baker::load_gdal(), true);
+
 struct Raster {
     int columns = 0, rows = 0;
     std::vector<double> values;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "raster.h"
 
 namespace fjell::test {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "read_support.h"
 
 namespace fjell::test {

@@ -12,7 +12,7 @@
 #include "baker/bake/bake.h"
 #include "support/dem.h"
 
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
 #include "raster.h"

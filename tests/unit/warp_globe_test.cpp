@@ -4,7 +4,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "baker/place/projection.h"
+#include "baker/georeference/projection.h"
 #include "source_check.h"
 #include "support/rounds.h"
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <thread>
 
-#include "baker/place/projection.h"
-#include "baker/place/warp.h"
+#include "baker/georeference/projection.h"
+#include "baker/georeference/warp.h"
 #include "source_check.h"
 
 using namespace fjell::baker;

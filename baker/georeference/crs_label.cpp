@@ -1,4 +1,4 @@
-#include "baker/place/crs_label.h"
+#include "baker/georeference/crs_label.h"
 
 #include <cstdlib>
 #include <string_view>

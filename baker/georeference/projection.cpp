@@ -1,4 +1,4 @@
-#include "baker/place/projection.h"
+#include "baker/georeference/projection.h"
 
 #include <algorithm>
 #include <array>

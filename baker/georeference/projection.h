@@ -9,8 +9,8 @@
 #include <gdal_alg.h>
 #include <ogr_spatialref.h>
 
+#include "baker/read/gdal_file.h"
 #include "baker/read/options.h"
-#include "baker/read/placement.h"
 
 namespace fjell::baker {
 

@@ -1,6 +1,6 @@
 // Heights from any raster GDAL opens (thesis 5.3.1, its DataReader for bmp and ascii). Everything that could change the
 // ground silently - units, degrees, voids, orientation - is converted, or refused with the option that decides it.
-#include "baker/place/open_source.h"
+#include "baker/georeference/open_source.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "baker/place/crs_label.h"
-#include "baker/place/projection.h"
-#include "baker/place/warp.h"
+#include "baker/georeference/crs_label.h"
+#include "baker/georeference/projection.h"
+#include "baker/georeference/warp.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/mosaic.h"
 #include "fjell/pack.h"
