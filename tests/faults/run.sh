@@ -30,7 +30,7 @@ noticed=0 wrong=0
 declare -A asked
 try() { # program cases code fault
   local file text files
-  mapfile -t files <(git grep -lF -e "$3" -- '*.cpp' '*.h' '*.c' ':!tests')
+  mapfile -t files < <(git grep -lF -e "$3" -- '*.cpp' '*.h' '*.c' ':!tests')
   if ((${#files[@]} != 1)); then
     printf 'LOST     %s: in %d files: %s\n' "$1" "${#files[@]}" "$3"
     return 1
