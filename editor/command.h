@@ -1,6 +1,6 @@
 // Everything that can be done in the editor, as data.
 //
-// Panels, keys, the command line and scripts make commands; apply() (editor/handlers/apply.h) is the one place that
+// Panels, keys, the command line and scripts make commands; apply() (editor/handlers/handlers.h) is the one place that
 // applies them. Each but MoveCamera has a text form, one line: a verb and its words (`set refine.error_px 2`), so that
 // scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame allocate nothing.
 #pragma once

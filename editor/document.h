@@ -34,7 +34,7 @@ public:
     [[nodiscard]] const flight::ProfileKey* held() const { return held_; } // the control; null: none
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
-    // Of the next step back, or forward (edit_stamp.h); 0: there is none.
+    // Of the next step back, or forward (next_edit_stamp()); 0: there is none.
     [[nodiscard]] std::uint64_t undo_stamp() const { return undo_.empty() ? 0 : undo_.back().stamp; }
     [[nodiscard]] std::uint64_t redo_stamp() const { return redo_.empty() ? 0 : redo_.back().stamp; }
     // What one step back, or forward, would change: the key's label, "several values", or empty.

@@ -131,7 +131,7 @@ struct GraphSpan {
 };
 inline constexpr std::size_t least_graph_span = 8;
 
-// The terrain from above (editor/scene/overview.h), north up.
+// The terrain from above (editor/scene/textures.h), north up.
 struct OverviewImage {
     unsigned texture = 0; // GL name; 0: there is none yet
     double share = 0;     // of it that is painted, 0..1

@@ -32,14 +32,14 @@ void move_camera(HandlerContext context, double seconds);
 
 // --- One handler per command; apply() finds it. Handlers may throw io::Failure, which becomes a message.
 
-// profile.cpp
+// --- profile
 void handle(const SetKey& c, HandlerContext context);
 void handle(const Undo& c, HandlerContext context);
 void handle(const Redo& c, HandlerContext context);
 void handle(const OpenProfile& c, HandlerContext context);
 void handle(const SaveProfile& c, HandlerContext context);
 
-// files.cpp
+// --- files
 // The sample terrain: a small synthetic landscape (content/terrain/mountains-small.json), baked at its first use.
 [[nodiscard]] std::string_view sample_landscape(); // JSON, as fjell-bake takes it
 [[nodiscard]] std::string sample_pack(const std::string& cache_folder);
@@ -55,7 +55,7 @@ void handle(const OpenSample& c, HandlerContext context);
 
 void handle(const BrowseFor& c, HandlerContext context);
 
-// bake.cpp
+// --- bake
 void handle(const DraftBake& c, HandlerContext context);
 void handle(const GiveBakeFile& c, HandlerContext context);
 void handle(const OpenBaked& c, HandlerContext context);
@@ -63,7 +63,7 @@ void handle(const BakePack& c, HandlerContext context);
 // A pack is ready: it is opened, or the user is asked.
 void take_baked(const std::string& pack, HandlerContext context);
 
-// unsaved.cpp
+// --- what is not saved
 void handle(const AnswerUnsaved& c, HandlerContext context);
 void handle(const RecoverChanges& c, HandlerContext context);
 void handle(const Quit& c, HandlerContext context);
@@ -73,7 +73,7 @@ void handle(const Quit& c, HandlerContext context);
 // After something was saved: runs the command that waited for it.
 void continue_saving(HandlerContext context);
 
-// camera.cpp
+// --- camera
 void handle(const MoveCamera& c, HandlerContext context);
 void handle(const PlaceCamera& c, HandlerContext context);
 void handle(const JumpTo& c, HandlerContext context);
@@ -88,7 +88,7 @@ void take_from_path(State& state);
 // Around the ground at the picture's centre or, where that shows the sky, around a point ahead.
 void begin_orbit(HandlerContext context);
 
-// path.cpp
+// --- path
 void handle(const OpenPath& c, HandlerContext context);
 void handle(const SavePath& c, HandlerContext context);
 void handle(const RecordPath& c, HandlerContext context);
@@ -106,7 +106,7 @@ void redo_path(HandlerContext context);
 // Makes what is being recorded the path, so that it can be saved, asked about and restored.
 void end_recording(HandlerContext context);
 
-// interface.cpp
+// --- interface
 void handle(const ShowPanel& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
@@ -116,7 +116,7 @@ void handle(const PlacePanel& c, HandlerContext context);
 void handle(const ChooseFrame& c, HandlerContext context);
 void handle(const ZoomGraphs& c, HandlerContext context);
 
-// jobs.cpp
+// --- jobs
 void handle(const TuneThreshold& c, HandlerContext context);
 void handle(const RunBenchmark& c, HandlerContext context);
 void handle(const ExportMesh& c, HandlerContext context);
@@ -124,7 +124,7 @@ void handle(const PreviewExport& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.
 void handle_job_result(HandlerContext context);
 
-// study.cpp
+// --- runs, bookmarks, pictures
 void handle(const ChoosePlace& c, HandlerContext context);
 void handle(const ForgetRun& c, HandlerContext context);
 void handle(const RenderPicture& c, HandlerContext context);

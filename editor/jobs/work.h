@@ -17,7 +17,7 @@
 
 namespace fjell::editor {
 
-// bake_job.cpp
+// --- bakes
 [[nodiscard]] Jobs::Body bake_job(BakePack bake);
 // Its options, as fjell-bake has them, and the heights that it reads. Failure: io::Failure.
 [[nodiscard]] baker::Recipe bake_recipe(const BakePack& bake);
@@ -25,11 +25,11 @@ namespace fjell::editor {
 // The pack's name beside its heights: mountains.tif becomes mountains.fjell.
 [[nodiscard]] std::string pack_beside(const std::string& input);
 
-// flight_jobs.cpp
+// --- flights that measure
 [[nodiscard]] Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const std::string& csv);
 [[nodiscard]] Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv);
 
-// export_job.cpp
+// --- exports
 struct ExportPlan {
     std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
     std::string path;                         // empty: counts and size alone
@@ -42,7 +42,7 @@ struct ExportPlan {
 };
 [[nodiscard]] Jobs::Body export_job(ExportPlan plan);
 
-// picture_job.cpp
+// --- pictures
 struct PicturePlan {
     std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
     std::shared_ptr<const flight::GroundLayers> layers;

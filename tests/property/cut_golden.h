@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cut/evaluate.h"
+#include "cut/state.h"
 #include "fjell/cut.h"
 #include "pack/terrain_data.h"
 

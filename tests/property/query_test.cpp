@@ -178,6 +178,8 @@ TEST_CASE("a position beyond the rim gets the nearest height on it, and says so"
             REQUIRE(!got.inside);
             REQUIRE(got.height_m == ground_height(t, 0, z).height_m);
         }
+        const double x = uniform(random, 0, wx);
+        for (const double beyond : {-1e-9 * wz, -wz, 2 * wz, infinity}) REQUIRE(!ground_height(t, x, beyond).inside);
         REQUIRE(ground_height(t, 2 * wx, 2 * wz).height_m ==
                 Approx(data_of(t).height_m({data_of(t).tree.columns() - 1, data_of(t).tree.rows() - 1}))
                     .margin(0x1p-22 * std::abs(t.header().max_m)));

@@ -418,6 +418,7 @@ TEST_CASE("a ramp that is not one is refused, naming the stop") {
     check_refusal(refused("{\"stops\": [" + a + ", {\"rgb\": [1, 1, 1],\n\"rgb\": [2, 2, 2]}]}"), 1, path + ":2",
                   {"\"rgb\" is there twice"});
     check_refusal(refused("{\"stops\": [" + b + ", " + a + "]}"), 1, path, {"stop 1", "rise"});
+    check_refusal(refused("{\"stops\": [" + b + ", " + b + "]}"), 1, path, {"stop 1", "rise"});
     check_refusal(refused("{\"stops\": [" + a + ", {\"height_m\": 9, \"rgb\": [9, 9, 999]}]}"), 1, path,
                   {"stop 1", "0..255"});
     check_refusal(refused("{\"stops\": [" + a + ", {\"height_m\": 9, \"rgb\": [9, 9]}]}"), 1, path,

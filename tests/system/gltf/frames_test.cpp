@@ -42,7 +42,7 @@ public:
                            const CutReport& report) {
         gltf::Snapshot snapshot;
         const auto taken =
-            gltf::take_snapshot(data_of(cut.cut).terrain_handle, cut.cut, view, settings, report, snapshot);
+            gltf::take_snapshot(data_of(cut.cut).pages.handle, cut.cut, view, settings, report, snapshot);
         INFO(name << ": " << taken.message);
         REQUIRE(taken.ok());
         CHECK(taken.triangles == report.triangles_drawn); // the frame's mesh, and no other
