@@ -56,9 +56,9 @@ TEST_CASE("without GDAL a file of heights is refused in one line, and what reads
     const TemporaryFolder folder;
     spit(folder / "dem.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2 3\n4 5 6\n7 8 9\n");
     const std::string bake = FJELL_BIN_DIR "/fjell-bake ";
-    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --quiet").code == 0);
+    REQUIRE(run_in(folder.path, bake + "dem.asc --spacing 1 -o out.fjell --quiet").code == 0);
     const Fault gone{"dlopen", "ENOENT", "1+", "libgdal"};
-    const Run r = run_in(folder.path, with(gone, bake + "dem.asc -o other.fjell"));
+    const Run r = run_in(folder.path, with(gone, bake + "dem.asc --spacing 1 -o other.fjell"));
     CHECK(r.code == 3);
     CHECK(one_line(r.err));
     CHECK(r.err.find("GDAL cannot be loaded") != std::string::npos);
