@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -10,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "baker/bake/reader_pool.h"
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
 #include "baker/maps/control.h"
@@ -29,6 +29,31 @@ namespace fjell::baker {
 // Stages that bring the heights in: read, fill, measure.
 
 namespace {
+
+// Readers of a source that wait for a thread: opening one costs as much as reading a window.
+// Source: HeightSource or ImageSource; null: all readers are null. Any thread may take and give.
+template <typename Source, typename Reader>
+class ReaderPool {
+public:
+    explicit ReaderPool(const Source* source) : source_(source) {}
+    [[nodiscard]] std::unique_ptr<Reader> take() {
+        if (!source_) return nullptr;
+        const std::lock_guard hold(lock_);
+        if (free_.empty()) return source_->reader();
+        std::unique_ptr<Reader> reader = std::move(free_.back());
+        free_.pop_back();
+        return reader;
+    }
+    void give(std::unique_ptr<Reader> reader) {
+        const std::lock_guard hold(lock_);
+        if (reader) free_.push_back(std::move(reader));
+    }
+
+private:
+    const Source* source_;
+    std::mutex lock_;
+    std::vector<std::unique_ptr<Reader>> free_;
+};
 
 void write_ground(const Window& w, const float* read, const HasGround& has_ground, Store<float>& heights) {
     constexpr std::int32_t side = 256;

@@ -14,5 +14,5 @@
 .globl fjell_gdal_table
 .hidden fjell_gdal_table
 fjell_gdal_table:
-#include "gdal_names.h"
+#include "gdal_names.inc"
 .section .note.GNU-stack, "", %progbits

@@ -1,6 +1,6 @@
 // GDAL, loaded when the first file asks for it: with it come a hundred libraries, 60 to 100 ms of every start.
 //
-// gdal_names.h has what the baker's objects call, FUNCTION(name), and what they refer to, TYPEINFO(name); the build
+// gdal_names.inc has what the baker's objects call, FUNCTION(name), and what they refer to, TYPEINFO(name); the build
 // asks nm for it. A function is one jump through a table (late_gdal.S). A typeinfo, of a class of GDAL's that ours
 // derive from, is a copy, as the linker would have made one.
 #include "baker/read/gdal_file.h"
@@ -38,7 +38,7 @@ void load_gdal() {
         void* found = nullptr;
 #define FUNCTION(name) found = find(#name), std::memcpy(to, &found, 8), to += 8;
 #define TYPEINFO(name) std::memcpy(to, find(#name), 24), to += 24;
-#include "gdal_names.h"
+#include "gdal_names.inc"
 #undef FUNCTION
 #undef TYPEINFO
     });
