@@ -228,10 +228,10 @@ Recipe parse_recipe(const std::string& text, const std::string& name) {
     const json object = io::parse_json(text, name);
     if (!object.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
-    for (const auto& [name_of_key, value] : object.items()) {
-        const RecipeKey* const key = find_key(name_of_key);
-        if (!key) refuse(name, fmt::format("{} is no key of a recipe", quoted(name_of_key)));
-        std::visit([&](const auto member) { take(recipe.*member, value, *key, name); }, key->member);
+    for (const auto& item : object.items()) {
+        const RecipeKey* const key = find_key(item.key());
+        if (!key) refuse(name, fmt::format("{} is no key of a recipe", quoted(item.key())));
+        std::visit([&](const auto member) { take(recipe.*member, item.value(), *key, name); }, key->member);
     }
     return recipe;
 }

@@ -184,6 +184,8 @@ template <typename... F>
 struct Overloaded : F... {
     using F::operator()...;
 };
+template <typename... F>
+Overloaded(F...) -> Overloaded<F...>; // clang 14 does not find it out
 
 // What takes a line is done here; all else has a handler.
 void dispatch(const Command& command, HandlerContext context) {

@@ -13,6 +13,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
+#include "flight/methods/method.h"
 
 namespace fjell::editor {
 
