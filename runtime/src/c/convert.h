@@ -38,7 +38,7 @@ template <typename Cpp>
 struct COf;
 #define FJELL_AT(field)                                                                                                \
     static_assert(offsetof(C, field) == before<C> + offsetof(Type, field) &&                                           \
-                      sizeof(C::field) == field_bytes<decltype(Type::field)>,                                          \
+                      field_bytes<decltype(C::field)> == field_bytes<decltype(Type::field)>,                           \
                   "the C++ type has changed: run runtime/src/c/types.py");
 #define FJELL_C_TYPE(Name, fields)                                                                                     \
     template <>                                                                                                        \
