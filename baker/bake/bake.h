@@ -21,9 +21,9 @@ using Progress = std::function<void(const char* stage, std::uint64_t done, std::
 // The pack depends on the source and on these, but not on those under "how".
 struct BakeOptions {
     int tile_log2 = 0; // 0: auto
-    Estimate estimate = Estimate::max;
+    ErrorEstimate estimate = ErrorEstimate::max;
     double nesting = 0.05; // mu, 0.001..1
-    Order order = Order::planar;
+    PageOrder order = PageOrder::planar;
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
     std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow

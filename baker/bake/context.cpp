@@ -28,7 +28,7 @@ double texels_of(const Tree& tree, std::uint32_t log2_side) {
 
 } // namespace
 
-std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps) {
+std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps) {
     const double samples = static_cast<double>(tree.columns()) * tree.rows();
     const double places = static_cast<double>(tree.grid_columns()) * tree.grid_rows();
     const double tiles = static_cast<double>(tree.tiles_x) * tree.tiles_y;
@@ -54,7 +54,7 @@ std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps) {
     const double control_chunks = control_texel_bytes * control * sum_of_mips * not_compressed;
     const double all_chunks = map_chunks + horizon_chunks + control_chunks;
     // Vertices: places and centres of the step above the finest one, its unsaturated errors, records of mixed pages.
-    const bool linear = order == Order::linear;
+    const bool linear = order == PageOrder::linear;
     const int mixed_log2 = linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0);
     const double steps = places / 4 * (sizeof(std::uint32_t) + sizeof(CentreRecord)) * 1.25 + places / 4;
     const double mixed = std::ldexp(places, -2 * mixed_log2) * (sizeof(std::uint32_t) + sizeof(std::uint16_t));
@@ -105,7 +105,7 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
     : source(the_source), options(the_options), out_path(the_out_path), tree(tiling(source, options)),
       regions(tree, options.region_cells), part(the_part), pages{tree.tile_log2, options.order},
       threads(resolve_threads(options.threads)),
-      mixed_log2(options.order == Order::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
+      mixed_log2(options.order == PageOrder::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
       folder(out_path), image(images_of(source, options)), control(control_of(options)),
       control_images(open_control_images(control, frame_of(source))),
       // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
@@ -146,7 +146,7 @@ void BakeContext::leave_out(const std::function<bool(std::int64_t region)>& keep
     for (std::uint64_t u = 0; u < region_window().area(); ++u)
         if (const std::int64_t region = region_at(u); keeps(region)) {
             kept.push_back(region);
-            regions.for_each_tile(regions.at(region), [&](std::uint32_t tile, Coord) { tiles.push_back(tile); });
+            regions.for_each_tile(regions.at(region), [&](std::uint32_t tile, SampleIndex) { tiles.push_back(tile); });
         }
     std::sort(tiles.begin(), tiles.end()); // row by row, as they are without
     kept_ = std::move(kept);

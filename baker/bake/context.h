@@ -27,7 +27,7 @@ struct MapSizes {
 // The most bytes that all stores of a bake and the pack's compressed chunks take at once, whatever the heights are:
 // the stores by their sizes, chunks as if nothing in them could be compressed. Not the pack itself, which grows when
 // the other stores are gone. O(1).
-[[nodiscard]] std::uint64_t work_bytes(const Tree& tree, Order order, const MapSizes& maps);
+[[nodiscard]] std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps);
 
 // A loop over the independent units of a stage: windows, tiles or regions.
 struct UnitLoop {

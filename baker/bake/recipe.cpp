@@ -287,8 +287,8 @@ T word_at(const std::optional<std::string>& value, const char* key, T usual) {
     const auto found = value ? std::find(words.begin(), words.end(), *value) : words.end();
     return found == words.end() ? usual : static_cast<T>(found - words.begin());
 }
-static_assert(static_cast<int>(Estimate::midpoint) == 1 && static_cast<int>(Order::hierarchical_z) == 1 &&
-                  static_cast<int>(Order::linear) == 2 && static_cast<int>(Encoding::terrain_rgb) == 2,
+static_assert(static_cast<int>(ErrorEstimate::midpoint) == 1 && static_cast<int>(PageOrder::hierarchical_z) == 1 &&
+                  static_cast<int>(PageOrder::linear) == 2 && static_cast<int>(Encoding::terrain_rgb) == 2,
               "words are in the order of the values they name: change recipe_keys() too");
 
 // "512" or "auto" to log2; 0 for auto.

@@ -237,7 +237,7 @@ public:
 private:
     const HeightScale& scale_;
     const Store<float>& heights_;
-    const Coord last_, grid_; // the last sample; the last place of step 2
+    const SampleIndex last_, grid_; // the last sample; the last place of step 2
     const Patch<std::int32_t>& patch_;
     Buffer<std::int32_t> row_;
 };

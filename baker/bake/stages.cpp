@@ -137,12 +137,12 @@ namespace {
 
 HeightStatistics measure_region(const BakeContext& context, const HeightStores& heights, const Region& region) {
     const Tree& tree = context.tree;
-    const Coord last = tree.sample(region.last);
+    const SampleIndex last = tree.sample(region.last);
     const Window w{region.first.x, region.first.y, last.x - region.first.x + 1, last.y - region.first.y + 1};
     const StoreView<float> samples(heights.heights, w);
     HeightStatistics all;
-    context.regions.for_each_tile(region, [&](std::uint32_t, Coord corner) {
-        const Coord end = tree.sample({corner.x + tree.side(), corner.y + tree.side()});
+    context.regions.for_each_tile(region, [&](std::uint32_t, SampleIndex corner) {
+        const SampleIndex end = tree.sample({corner.x + tree.side(), corner.y + tree.side()});
         all.add(measure_tile(samples.row(corner.y - w.y) + (corner.x - w.x), end.x - corner.x + 1, end.y - corner.y + 1,
                              samples.stride()));
     });
@@ -488,7 +488,7 @@ namespace {
 
 // A region's part of a step.
 struct StepExtents {
-    Coord square; // the first one
+    SampleIndex square; // the first one
     std::int32_t nx, ny;
 };
 StepExtents extents_of(const Region& region, int z) {
@@ -534,10 +534,10 @@ std::uint8_t correct_leaves(const BakeContext& context, const BakePlan& plan, co
                          largest(step.error.side_y, step.nx + 1, step.ny),
                          largest(step.error.centre, step.nx, step.ny)});
     std::uint8_t worst = 0;
-    const auto correct = [&](VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows, Coord offset) {
+    const auto correct = [&](VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows, SampleIndex offset) {
         for (std::int32_t j = 0; j < rows; ++j)
             for (std::int32_t i = 0; i < columns; ++i) {
-                const Coord v{2 * (step.square.x + i) + offset.x, 2 * (step.square.y + j) + offset.y};
+                const SampleIndex v{2 * (step.square.x + i) + offset.x, 2 * (step.square.y + j) + offset.y};
                 bool irregular = straddles_rim(tree, v);
                 for (std::int32_t y = v.y - 1; !irregular && heights.has_voids() && y <= v.y + 1; ++y)
                     for (std::int32_t x = v.x - 1; x <= v.x + 1; ++x) irregular = irregular || heights.is_void({x, y});
@@ -557,9 +557,9 @@ std::uint8_t correct_leaves(const BakeContext& context, const BakePlan& plan, co
 void append_pages(const BakeContext& context, const BakePlan& plan, const StepResult& result, ChunkSink& spool) {
     const StepInput& in = result.step;
     const std::int32_t n = context.tree.side() >> (in.z + 1); // squares of a tile
-    if (context.options.order == Order::linear || n < static_cast<std::int32_t>(page_squares)) return;
+    if (context.options.order == PageOrder::linear || n < static_cast<std::int32_t>(page_squares)) return;
     ChunkBatch batch;
-    context.regions.for_each_tile(result.region, [&](std::uint32_t tile, Coord corner) {
+    context.regions.for_each_tile(result.region, [&](std::uint32_t tile, SampleIndex corner) {
         const std::int32_t i0 = (corner.x >> (in.z + 1)) - in.square.x, j0 = (corner.y >> (in.z + 1)) - in.square.y;
         const auto pages = static_cast<std::uint32_t>(n) / page_squares;
         for (std::uint32_t py = 0; py < pages; ++py)
@@ -686,7 +686,7 @@ void append_corners(const BakeContext& context, const BakePlan& plan, const Mixe
 float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed, ChunkSink& spool) {
     const Tree& tree = context.tree;
     const int z = context.mixed_log2;
-    const std::uint32_t pages = context.options.order == Order::linear ? context.pages.pages_per_tile() : 1;
+    const std::uint32_t pages = context.options.order == PageOrder::linear ? context.pages.pages_per_tile() : 1;
     const std::int32_t places = (tree.side() >> z) + 1; // of a tile, a side
     const std::uint64_t place_count = static_cast<std::uint64_t>(places) * static_cast<std::uint64_t>(places);
     std::vector<std::uint8_t> worst(context.tile_count(), 0);
@@ -700,7 +700,7 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
             std::vector<std::uint32_t> steps(w.area());
             mixed.records.read(w, records.data(), places);
             mixed.heights.read(w, steps.data(), places);
-            const auto vertex = [&](Coord c) {
+            const auto vertex = [&](SampleIndex c) {
                 const std::size_t at = static_cast<std::size_t>(c.y >> z) * static_cast<std::size_t>(places) +
                                        static_cast<std::size_t>(c.x >> z);
                 const bool corner = ((c.x | c.y) & (tree.side() - 1)) == 0;

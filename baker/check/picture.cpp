@@ -387,7 +387,7 @@ private:
 
     std::vector<Item> items;
     std::int32_t unit; // pixels of a letters' unit
-    std::vector<Coord> places;
+    std::vector<SampleIndex> places;
     std::int32_t lines = 0;
 };
 

@@ -38,7 +38,7 @@ PageExtremes extremes_of(const Terrain& terrain, std::uint32_t tile, std::uint32
         e.least = std::min(e.least, steps);
         e.most = std::max(e.most, steps);
         e.error_m = std::max(e.error_m, static_cast<double>(data_of(terrain).errors.metres[records[i].error]));
-        const Coord c = data_of(terrain).pages.coord({page, i});
+        const SampleIndex c = data_of(terrain).pages.coord({page, i});
         if (data_of(terrain).tree.is_corner(c)) continue; // neither wanted nor unwanted: it is always there
         const float unit_m = terrain.header().level_radius_m[data_of(terrain).tree.level(c)];
         const double radius_m = unit_m * data_of(terrain).radii.factor[records[i].radius & (radius_codes - 1)];
@@ -115,7 +115,7 @@ public:
         allowed_m = 0.5 * static_cast<double>(data_of(terrain).height_scale.quantum_m) + rounding_m +
                     0x1p-23 * (largest + terrain.header().max_m - terrain.header().min_m);
         // Estimate 2 promises nothing about samples; with holes their rims are still looked at.
-        report.true_error_checked = terrain.header().estimate == Estimate::max;
+        report.true_error_checked = terrain.header().estimate == ErrorEstimate::max;
     }
 
     VerifyReport run(Borders& borders) {
@@ -143,7 +143,7 @@ private:
             const VertexRecord* from =
                 data_of(terrain).records + std::size_t{entry.slot} * data_of(terrain).page_capacity;
             for (std::uint32_t i = 0; i < data_of(terrain).pages.page_vertices(page); ++i) {
-                const Coord c = nw + data_of(terrain).pages.coord({page, i});
+                const SampleIndex c = nw + data_of(terrain).pages.coord({page, i});
                 const StoredVertex stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
                 StoredVertex& to = vertices[at(c)];
                 if (to.seen && !(to == stored))
@@ -162,13 +162,13 @@ private:
             }
     }
 
-    [[nodiscard]] bool own(Coord v) const {
-        const Coord place{nw.x / side, nw.y / side}; // beyond the rim, and in a set, there may be no neighbour
+    [[nodiscard]] bool own(SampleIndex v) const {
+        const SampleIndex place{nw.x / side, nw.y / side}; // beyond the rim, and in a set, there may be no neighbour
         return (v.x < nw.x + side || terrain.tile_at({place.x + 1, place.y}) == no_tile) &&
                (v.y < nw.y + side || terrain.tile_at({place.x, place.y + 1}) == no_tile);
     }
 
-    void check_vertex(Coord v) {
+    void check_vertex(SampleIndex v) {
         if (own(v)) check_height(v);
         if (tree.is_corner(v)) return;
         const double nesting = 1 + static_cast<double>(terrain.header().nesting);
@@ -178,8 +178,8 @@ private:
         if (kids.count == 0) check_leaf(v);
     }
 
-    void check_height(Coord v) {
-        const Coord sample = tree.sample(v);
+    void check_height(SampleIndex v) {
+        const SampleIndex sample = tree.sample(v);
         if (std::abs(wanted(sample) - height(v)) > allowed_m)
             note(report.height_mismatches,
                  fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y, wanted(sample), height(v)));
@@ -188,7 +188,7 @@ private:
             note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.x, v.y));
     }
 
-    void check_child(Coord v, Coord c, double nesting) {
+    void check_child(SampleIndex v, SampleIndex c, double nesting) {
         if (!(error(v) >= nesting * error(c)))
             note(report.nesting_violations, fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.x, v.y,
                                                         error(v), c.x, c.y, error(c)));
@@ -197,15 +197,15 @@ private:
                  fmt::format("vertex ({}, {}): its sphere does not hold that of ({}, {})", v.x, v.y, c.x, c.y));
     }
 
-    void check_leaf(Coord v) {
+    void check_leaf(SampleIndex v) {
         const Diamond d = diamond(tree, v);
-        for (const Coord corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
+        for (const SampleIndex corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
             if (holds(corner) && !(radius(v) > distance(v, corner)))
                 note(report.sphere_violations, fmt::format("leaf ({}, {}): its sphere misses a corner", v.x, v.y));
     }
 
     void check_triangles() {
-        const Coord ne{nw.x + side, nw.y}, sw{nw.x, nw.y + side}, se{nw.x + side, nw.y + side};
+        const SampleIndex ne{nw.x + side, nw.y}, sw{nw.x, nw.y + side}, se{nw.x + side, nw.y + side};
         Excess worst;
         bisect(ne, nw, se, worst, report.samples_compared);
         bisect(sw, se, nw, worst, report.samples_compared);
@@ -220,19 +220,19 @@ private:
     struct Excess {
         std::uint64_t count = 0;
         double excess_m = 0;
-        Coord sample, vertex;
+        SampleIndex sample, vertex;
     };
 
     // A triangle that can still be split stands for every sample under it with the error of its splitting vertex.
-    void bisect(Coord apex, Coord left, Coord right, Excess& worst, std::uint64_t& compared) {
+    void bisect(SampleIndex apex, SampleIndex left, SampleIndex right, Excess& worst, std::uint64_t& compared) {
         if (((left.x + right.x) | (left.y + right.y)) & 1) return; // a triangle of the full resolution
-        const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+        const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
         compare(tree.sample(apex), tree.sample(left), tree.sample(right), middle, worst, compared);
         bisect(middle, apex, left, worst, compared);
         bisect(middle, right, apex, worst, compared);
     }
 
-    void compare(Coord a, Coord b, Coord c, Coord middle, Excess& worst, std::uint64_t& compared) {
+    void compare(SampleIndex a, SampleIndex b, SampleIndex c, SampleIndex middle, Excess& worst, std::uint64_t& compared) {
         check_rim(a, b, c, middle);
         if (!report.true_error_checked || hole(a) || hole(b) || hole(c)) return;
         const double bound = error(middle) + allowed_m;
@@ -257,7 +257,7 @@ private:
 
     // A triangle with a corner in a hole is not drawn, and any other covers the holes under it: where that matters,
     // both must be within its own size.
-    void check_rim(Coord a, Coord b, Coord c, Coord middle) {
+    void check_rim(SampleIndex a, SampleIndex b, SampleIndex c, SampleIndex middle) {
         if (!terrain.has_voids()) return;
         std::uint64_t solid = 0, holes = 0;
         const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
@@ -276,9 +276,9 @@ private:
 
     // The samples of a row inside the triangle. Edges run along an axis or a diagonal and meet rows at whole samples,
     // except beside the rim, where triangles are squeezed: there the row's ends are rounded inwards.
-    static std::pair<std::int32_t, std::int32_t> row_of(Coord a, Coord b, Coord c, std::int32_t y) {
+    static std::pair<std::int32_t, std::int32_t> row_of(SampleIndex a, SampleIndex b, SampleIndex c, std::int32_t y) {
         double least = HUGE_VAL, most = -HUGE_VAL;
-        const Coord edges[3][2] = {{a, b}, {b, c}, {c, a}};
+        const SampleIndex edges[3][2] = {{a, b}, {b, c}, {c, a}};
         for (const auto& [p, q] : edges) {
             if (y < std::min(p.y, q.y) || y > std::max(p.y, q.y)) continue;
             if (p.y == q.y) {
@@ -299,31 +299,31 @@ private:
         if (report.first.empty()) report.first = what;
     }
 
-    [[nodiscard]] bool holds(Coord c) const {
+    [[nodiscard]] bool holds(SampleIndex c) const {
         return c.x >= nw.x && c.y >= nw.y && c.x <= nw.x + side && c.y <= nw.y + side;
     }
-    [[nodiscard]] std::size_t at(Coord c) const {
+    [[nodiscard]] std::size_t at(SampleIndex c) const {
         return static_cast<std::size_t>(c.y - nw.y) * static_cast<std::size_t>(side + 1) +
                static_cast<std::size_t>(c.x - nw.x);
     }
-    [[nodiscard]] float given(Coord sample) const {
+    [[nodiscard]] float given(SampleIndex sample) const {
         return original.heights_m[(sample.y - original.y) * original.stride + (sample.x - original.x)];
     }
     // What a sample's height should be. Under a hole stands whatever continues the ground: there is nothing to compare
     // with.
-    [[nodiscard]] double wanted(Coord sample) const {
+    [[nodiscard]] double wanted(SampleIndex sample) const {
         const double known = original.heights_m ? static_cast<double>(given(sample)) : std::nan("");
         return std::isnan(known) ? height(sample) : known;
     }
-    [[nodiscard]] double height(Coord c) const { return data_of(terrain).height_scale.height_m(vertices[at(c)].steps); }
-    [[nodiscard]] double error(Coord c) const { return data_of(terrain).errors.metres[vertices[at(c)].error]; }
-    [[nodiscard]] double radius(Coord c) const {
+    [[nodiscard]] double height(SampleIndex c) const { return data_of(terrain).height_scale.height_m(vertices[at(c)].steps); }
+    [[nodiscard]] double error(SampleIndex c) const { return data_of(terrain).errors.metres[vertices[at(c)].error]; }
+    [[nodiscard]] double radius(SampleIndex c) const {
         return terrain.header().level_radius_m[tree.level(c)] *
                data_of(terrain).radii.factor[vertices[at(c)].radius & (radius_codes - 1)];
     }
-    [[nodiscard]] bool hole(Coord c) const { return (vertices[at(c)].radius & void_bit) != 0; }
-    [[nodiscard]] double distance(Coord v, Coord w) const {
-        const Coord a = tree.sample(v), b = tree.sample(w);
+    [[nodiscard]] bool hole(SampleIndex c) const { return (vertices[at(c)].radius & void_bit) != 0; }
+    [[nodiscard]] double distance(SampleIndex v, SampleIndex w) const {
+        const SampleIndex a = tree.sample(v), b = tree.sample(w);
         const double dx = static_cast<double>(terrain.x_m(a.x)) - terrain.x_m(b.x);
         const double dz = static_cast<double>(terrain.z_m(a.y)) - terrain.z_m(b.y);
         return std::sqrt(dx * dx + dz * dz + (height(a) - height(b)) * (height(a) - height(b)));
@@ -335,7 +335,7 @@ private:
     const Pack* const pack;
     const std::uint32_t tile;
     const std::int32_t side;
-    const Coord nw;
+    const SampleIndex nw;
     std::vector<StoredVertex> vertices; // the closed tile's, row by row
     double allowed_m = 0;
     VerifyReport report;
@@ -352,7 +352,7 @@ public:
         std::vector<std::uint32_t> at(static_cast<std::size_t>(tree.tiles_x) * static_cast<std::size_t>(tree.tiles_y),
                                       no_tile);
         for (std::uint32_t tile = 0; whole_ != nullptr && tile < whole_->tile_count(); ++tile) {
-            const Coord place = whole_->tile_place(tile);
+            const SampleIndex place = whole_->tile_place(tile);
             at[static_cast<std::size_t>(place.y) * static_cast<std::size_t>(tree.tiles_x) +
                static_cast<std::size_t>(place.x)] = tile;
         }

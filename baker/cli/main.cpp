@@ -46,11 +46,11 @@ using namespace fjell::baker;
 using namespace fjell::io;
 using nlohmann::json;
 
-const char* order_name(Order order) {
+const char* order_name(PageOrder order) {
     switch (order) {
-    case Order::planar: return "planar";
-    case Order::hierarchical_z: return "hz";
-    case Order::linear: break;
+    case PageOrder::planar: return "planar";
+    case PageOrder::hierarchical_z: return "hz";
+    case PageOrder::linear: break;
     }
     return "linear";
 }
@@ -104,7 +104,7 @@ json info_json(const PackFile& file) {
            {"tiles", {h.tiles_x, h.tiles_y}},
            {"tile_cells", 1u << h.tile_log2},
            {"order", order_name(h.order)},
-           {"estimate", h.estimate == Estimate::max ? "max" : "midpoint"},
+           {"estimate", h.estimate == ErrorEstimate::max ? "max" : "midpoint"},
            {"nesting", h.nesting},
            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
            {"origin_m", {h.origin_m[0], h.origin_m[1]}},

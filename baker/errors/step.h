@@ -76,7 +76,7 @@ struct StepInput {
     Tree tree;
     double spacing_m[2] = {1, 1};
     int z = 0;
-    Coord square;
+    SampleIndex square;
     std::int32_t nx = 0, ny = 0;
     const VertexPlanes<std::int32_t>& steps;
     VertexPlanes<std::uint8_t>& error;   // unsaturated; saturate_errors changes it in place

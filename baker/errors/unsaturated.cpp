@@ -23,10 +23,10 @@ std::int64_t floor_div(std::int64_t a, std::int64_t b) { // b > 0
 }
 
 // The samples of row y inside the triangle, its edges included: from, to.
-std::pair<std::int32_t, std::int32_t> row_of(const Coord (&corners)[3], std::int32_t y) {
+std::pair<std::int32_t, std::int32_t> row_of(const SampleIndex (&corners)[3], std::int32_t y) {
     std::int64_t from = INT32_MIN, to = INT32_MAX;
     for (int k = 0; k < 3; ++k) { // corners turn one way, so that inside is on the same side of all edges
-        const Coord p = corners[k], q = corners[(k + 1) % 3];
+        const SampleIndex p = corners[k], q = corners[(k + 1) % 3];
         const std::int64_t dx = q.x - p.x, dy = q.y - p.y;
         // dx (y - p.y) - dy (x - p.x) >= 0
         const std::int64_t c = dx * (y - p.y);
@@ -41,12 +41,12 @@ std::pair<std::int32_t, std::int32_t> row_of(const Coord (&corners)[3], std::int
 }
 
 // What lies under a triangle whose corners stand anywhere; none where it has no area: that is never drawn.
-TriangleScan scan_triangle(const QuantisedHeights& ground, Coord a, Coord b, Coord c) {
+TriangleScan scan_triangle(const QuantisedHeights& ground, SampleIndex a, SampleIndex b, SampleIndex c) {
     TriangleScan sum;
     std::int64_t area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
     if (area == 0) return sum;
     if (area < 0) std::swap(b, c), area = -area;
-    const Coord corners[3] = {a, b, c};
+    const SampleIndex corners[3] = {a, b, c};
     const double ha = ground.h(a), hb = ground.h(b) - ha, hc = ground.h(c) - ha;
     const double gx = (hb * (c.y - a.y) - hc * (b.y - a.y)) / static_cast<double>(area);
     const double gy = (hc * (b.x - a.x) - hb * (c.x - a.x)) / static_cast<double>(area);
@@ -68,8 +68,8 @@ TriangleScan scan_triangle(const QuantisedHeights& ground, Coord a, Coord b, Coo
     return sum;
 }
 
-double longest_edge_m(const UnsaturatedInput& in, Coord a, Coord b, Coord c) {
-    const auto edge = [&](Coord p, Coord q) {
+double longest_edge_m(const UnsaturatedInput& in, SampleIndex a, SampleIndex b, SampleIndex c) {
+    const auto edge = [&](SampleIndex p, SampleIndex q) {
         const double dx = std::abs(p.x - q.x) * in.spacing_m[0], dy = std::abs(p.y - q.y) * in.spacing_m[1];
         const double dh = static_cast<double>(in.ground.h(p) - in.ground.h(q)) * in.scales.height_scale.quantum_m;
         return std::sqrt(dx * dx + dy * dy + dh * dh) + 2 * in.scales.ground_pad_m + in.scales.height_pad_m;
@@ -79,28 +79,28 @@ double longest_edge_m(const UnsaturatedInput& in, Coord a, Coord b, Coord c) {
 
 } // namespace
 
-bool straddles_rim(const Tree& tree, Coord v) {
+bool straddles_rim(const Tree& tree, SampleIndex v) {
     const std::int32_t s = 1 << Tree::step_log2(v);
     return (v.x + s >= tree.columns() && tree.cut_x != 0) || (v.y + s >= tree.rows() && tree.cut_y != 0);
 }
 
-UnsaturatedError unsaturated_error(const UnsaturatedInput& in, Coord v) {
+UnsaturatedError unsaturated_error(const UnsaturatedInput& in, SampleIndex v) {
     const Tree& tree = in.ground.tree;
     const Diamond d = diamond(tree, v);
     const double quantum = in.scales.height_scale.quantum_m;
     // At the finest step, and for estimate 2, twice the surface's jump when the vertex is activated: that is what a
     // reader works out. Beside the rim triangles are squeezed, and measured whatever the estimate.
-    const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == Estimate::midpoint);
+    const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == ErrorEstimate::midpoint);
     double error_m =
         jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1])) : 0;
     const bool hole_below = in.ground.is_void(d.ends[0]) || in.ground.is_void(d.ends[1]);
     double on_ground_m = hole_below || in.ground.is_void(v) ? 0 : error_m;
     bool ground = false;
-    for (const Coord apex : d.apexes) {
+    for (const SampleIndex apex : d.apexes) {
         if (apex.x < in.region.first.x || apex.y < in.region.first.y || apex.x > in.region.last.x ||
             apex.y > in.region.last.y)
             continue;
-        const Coord a = tree.sample(apex), b = tree.sample(d.ends[0]), c = tree.sample(d.ends[1]);
+        const SampleIndex a = tree.sample(apex), b = tree.sample(d.ends[0]), c = tree.sample(d.ends[1]);
         const TriangleScan sum = scan_triangle(in.ground, a, b, c);
         ground = ground || sum.ground;
         if (!jump) error_m = std::max(error_m, sum.worst_steps * quantum);
@@ -150,7 +150,7 @@ public:
     void run(int z) {
         const Region& r = in.region;
         const std::int32_t s = 1 << z, n = (r.last.x - r.first.x) / (2 * s);
-        small = z <= 2 && in.estimate == Estimate::max && !in.ground.has_voids();
+        small = z <= 2 && in.estimate == ErrorEstimate::max && !in.ground.has_voids();
         if (small)
             phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.x, r.first.y), in.ground.steps.columns, n,
                                               r.last.y - r.first.y + 1, 2 * s);
@@ -167,7 +167,7 @@ public:
     }
 
 private:
-    void row(VertexKind kind, Coord first, int z, std::int32_t count) {
+    void row(VertexKind kind, SampleIndex first, int z, std::int32_t count) {
         const std::int32_t s = 1 << z;
         std::uint8_t* const codes = to.at(first.x / 2, first.y / 2);
         std::int32_t plain = in.ground.has_voids() ? 0 : count; // vertices before the first one that stands at the rim
@@ -182,7 +182,7 @@ private:
         const std::ptrdiff_t stride = in.ground.steps.columns;
         const bool root = z == tree.tile_log2 - 1;
         const bool falling = root || ((((first.x - s) >> (z + 1)) + ((first.y - s) >> (z + 1))) & 1) == 0;
-        if (in.estimate == Estimate::midpoint) {
+        if (in.estimate == ErrorEstimate::midpoint) {
             for (std::int32_t i = 0; i < plain; ++i) {
                 const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
                 const std::ptrdiff_t down = s * stride;

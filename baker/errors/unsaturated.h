@@ -15,7 +15,7 @@ struct UnsaturatedInput {
     Region region;
     const Scales& scales;
     const LeafErrors& leaf;
-    Estimate estimate = Estimate::max;
+    ErrorEstimate estimate = ErrorEstimate::max;
     double spacing_m[2] = {1, 1};
 };
 
@@ -33,8 +33,8 @@ struct UnsaturatedError {
 };
 // One vertex, of any step, the slow way, which handles holes and the rim; unsaturated_errors and the finest step use it
 // there. Triangles outside the region do not count.
-[[nodiscard]] UnsaturatedError unsaturated_error(const UnsaturatedInput& input, Coord v);
+[[nodiscard]] UnsaturatedError unsaturated_error(const UnsaturatedInput& input, SampleIndex v);
 // Does its diamond reach beyond the last column or row?
-[[nodiscard]] bool straddles_rim(const Tree& tree, Coord v);
+[[nodiscard]] bool straddles_rim(const Tree& tree, SampleIndex v);
 
 } // namespace fjell::baker

@@ -13,7 +13,7 @@ namespace fjell::baker {
 
 // Whole tiles in height scale coordinates, borders included.
 struct Region {
-    Coord first, last; // multiples of the tile's side
+    SampleIndex first, last; // multiples of the tile's side
 };
 
 // The least that a bake works on at once: one tile, or a square of small ones. Regions in rows from the north-west.
@@ -30,7 +30,7 @@ public:
     [[nodiscard]] std::int32_t down() const { return down_; }
     [[nodiscard]] std::int32_t cells() const { return group_ * tree_.side(); } // a side, at most
     [[nodiscard]] Region at(std::int64_t index) const {
-        const Coord first{static_cast<std::int32_t>(index % across_) * cells(),
+        const SampleIndex first{static_cast<std::int32_t>(index % across_) * cells(),
                           static_cast<std::int32_t>(index / across_) * cells()};
         return {first,
                 {std::min(first.x + cells(), tree_.grid_columns() - 1),
@@ -53,7 +53,7 @@ public:
     void for_each_tile(const Region& region, const Visit& visit) const {
         for (std::int32_t y = region.first.y; y < region.last.y; y += tree_.side())
             for (std::int32_t x = region.first.x; x < region.last.x; x += tree_.side())
-                visit(static_cast<std::uint32_t>(y / tree_.side() * tree_.tiles_x + x / tree_.side()), Coord{x, y});
+                visit(static_cast<std::uint32_t>(y / tree_.side() * tree_.tiles_x + x / tree_.side()), SampleIndex{x, y});
     }
 
 private:
@@ -88,9 +88,9 @@ struct QuantisedHeights {
     Patch<std::int32_t> steps;
     Patch<std::uint8_t> voids; // 1: a hole; no values: there is none here
 
-    [[nodiscard]] std::int32_t h(Coord c) const { return *steps.at(c.x, c.y); }
+    [[nodiscard]] std::int32_t h(SampleIndex c) const { return *steps.at(c.x, c.y); }
     [[nodiscard]] bool has_voids() const { return !voids.values.empty(); }
-    [[nodiscard]] bool is_void(Coord c) const { return has_voids() && *voids.at(c.x, c.y) != 0; }
+    [[nodiscard]] bool is_void(SampleIndex c) const { return has_voids() && *voids.at(c.x, c.y) != 0; }
 };
 
 } // namespace fjell::baker

@@ -53,7 +53,7 @@ std::vector<ChunkId> chunk_sequence(const PackHeader& header) {
         for (std::uint32_t tile = 0; tile < tiles; ++tile)
             for (std::uint32_t page = from; page < to; ++page) sequence.push_back({ChunkKind::geometry, tile, page});
     };
-    if (layout.order == Order::linear) {
+    if (layout.order == PageOrder::linear) {
         add_pages(0, pages);
     } else {
         add_pages(0, 1);

@@ -205,10 +205,10 @@ EncodedPage encode_step_page(const StepPageInput& input) {
 }
 
 EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
-                              const std::function<MixedPageVertex(Coord)>& vertex) {
+                              const std::function<MixedPageVertex(SampleIndex)>& vertex) {
     const PageLayout pages{static_cast<int>(header.tile_log2), header.order};
     const Tree tree{pages.tile_log2};
-    const PageLayout canonical{pages.tile_log2, pages.order == Order::linear ? Order::linear : Order::planar};
+    const PageLayout canonical{pages.tile_log2, pages.order == PageOrder::linear ? PageOrder::linear : PageOrder::planar};
     PageArrays a;
     StoredArrays s;
     s.count = canonical.page_vertices(page);
@@ -216,7 +216,7 @@ EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
     std::int32_t least = max_height_steps - 65535;
     float radius_m = 0;
     for (std::uint32_t i = 0; i < s.count; ++i) {
-        const Coord c = canonical.coord({page, i});
+        const SampleIndex c = canonical.coord({page, i});
         vertices[i] = vertex(c);
         least = std::min(least, vertices[i].steps);
         const auto code = static_cast<std::uint8_t>(vertices[i].radius & ~void_bit);

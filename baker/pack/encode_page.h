@@ -38,6 +38,6 @@ struct MixedPageVertex {
     std::uint8_t error = 0, radius = 0; // radius with void_bit
 };
 [[nodiscard]] EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
-                                            const std::function<MixedPageVertex(Coord)>& vertex);
+                                            const std::function<MixedPageVertex(SampleIndex)>& vertex);
 
 } // namespace fjell::baker

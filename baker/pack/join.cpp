@@ -23,7 +23,7 @@ namespace {
 enum class Side { north, south, west, east };
 
 // Of a tile, counted along one of its sides.
-Coord on_side(Side side, std::int32_t i, std::int32_t n) {
+SampleIndex on_side(Side side, std::int32_t i, std::int32_t n) {
     switch (side) {
     case Side::north: return {i, 0};
     case Side::south: return {i, n};
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> pages_along(const PageLayout& pages, Side side) {
     std::set<std::uint32_t> found;
     const auto n = static_cast<std::int32_t>(pages.side());
     for (std::int32_t i = 0; i <= n; ++i) {
-        const Coord c = on_side(side, i, n);
+        const SampleIndex c = on_side(side, i, n);
         found.insert(pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).page);
     }
     return {found.begin(), found.end()};
@@ -79,7 +79,7 @@ public:
         const auto n = static_cast<std::int32_t>(pages_.side());
         std::vector<BorderVertex> vertices(static_cast<std::size_t>(n) + 1);
         for (std::int32_t i = 0; i <= n; ++i) {
-            const Coord c = on_side(side, i, n);
+            const SampleIndex c = on_side(side, i, n);
             const PagePlace at = pages_.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
             const PageEntry page = data().page_table[std::size_t{tile} * data().pages_per_tile + at.page];
             const VertexRecord& record = data().records[std::size_t{page.slot} * data().page_capacity + at.index];
@@ -118,8 +118,8 @@ bool comparable(const PackHeader& a, const PackHeader& b) {
 struct Difference {
     std::uint64_t count = 0;
     double most_m = -1, here_m = 0, there_m = 0;
-    Coord at; // in samples of the first pack
-    void add(Coord place, double here, double there) {
+    SampleIndex at; // in samples of the first pack
+    void add(SampleIndex place, double here, double there) {
         ++count;
         if (std::abs(here - there) <= most_m) return;
         most_m = std::abs(here - there);
@@ -175,8 +175,8 @@ private:
         const auto of_a = to_east_ ? a_.read(last, in_a, Side::east) : a_.read(in_a, last, Side::south);
         const auto of_b = to_east_ ? b_.read(0, in_b, Side::west) : b_.read(in_b, 0, Side::north);
         const auto n = static_cast<std::int32_t>(of_a.size()) - 1;
-        const Coord nw = to_east_ ? Coord{static_cast<std::int32_t>(last) * n, static_cast<std::int32_t>(in_a) * n}
-                                  : Coord{static_cast<std::int32_t>(in_a) * n, static_cast<std::int32_t>(last) * n};
+        const SampleIndex nw = to_east_ ? SampleIndex{static_cast<std::int32_t>(last) * n, static_cast<std::int32_t>(in_a) * n}
+                                  : SampleIndex{static_cast<std::int32_t>(in_a) * n, static_cast<std::int32_t>(last) * n};
         for (std::int32_t i = first ? 0 : 1; i <= n; ++i) { // the first of each further tile was the last one's last
             ++vertices_;
             const auto k = static_cast<std::size_t>(i);
@@ -185,7 +185,7 @@ private:
         }
     }
 
-    void compare_vertex(Coord v, const BorderVertex& a, const BorderVertex& b) {
+    void compare_vertex(SampleIndex v, const BorderVertex& a, const BorderVertex& b) {
         const TerrainData& t = a_.data();
         if (a.steps != b.steps)
             heights_.add(v, static_cast<double>(t.height_scale.height_m(a.steps)),
@@ -202,10 +202,10 @@ private:
     }
 
     // Of the whole, and where the packs say that it lies.
-    [[nodiscard]] std::string place(Coord v) const {
+    [[nodiscard]] std::string place(SampleIndex v) const {
         const PackHeader& h = a_.header();
         const std::int64_t side = std::int64_t{1} << h.tile_log2;
-        const Coord s = a_.data().tree.sample(v);
+        const SampleIndex s = a_.data().tree.sample(v);
         std::string text = fmt::format("sample ({}, {})", at_a_.tile_x * side + s.x, at_a_.tile_y * side + s.y);
         if (h.crs_bytes != 0)
             text +=

@@ -257,7 +257,7 @@ public:
         const PackHeader& h = file_.pack().header;
         std::uint64_t chunk = 0;
         while (chunk + 1 < h.directory_count && file_.pack().entry(chunk).offset != offset) ++chunk;
-        return file_.path() + ": " + io::chunk_name(chunk_id(h, chunk)) + ": " + message(Code::corrupt);
+        return file_.path() + ": " + io::chunk_name(chunk_id(h, chunk)) + ": " + message(StatusCode::corrupt);
     }
 
 private:
@@ -287,7 +287,7 @@ std::string notes_of(const io::PackFile& file) {
     if (const int error = file.read(h.notes_offset, std::as_writable_bytes(std::span(notes))); error != 0)
         file.fail(error);
     if (!notes.empty() && XXH3_64bits(notes.data(), notes.size()) != h.notes_hash)
-        throw Failure(1, file.path() + ": notes: " + message(Code::corrupt));
+        throw Failure(1, file.path() + ": notes: " + message(StatusCode::corrupt));
     return notes;
 }
 

@@ -40,13 +40,13 @@ public:
 
 private:
     // Border samples come from every tile that has them, and are the same.
-    void copy(std::uint32_t tile, Coord corner, const Window& window, float* to) const {
+    void copy(std::uint32_t tile, SampleIndex corner, const Window& window, float* to) const {
         for (std::uint32_t page = 0; page < terrain_.pages_per_tile(); ++page) {
             const PageEntry entry = data_of(terrain_).page_table[std::size_t{tile} * terrain_.pages_per_tile() + page];
             const VertexRecord* const from =
                 data_of(terrain_).records + std::size_t{entry.slot} * data_of(terrain_).page_capacity;
             for (std::uint32_t i = 0; i < data_of(terrain_).pages.page_vertices(page); ++i) {
-                const Coord c = corner + data_of(terrain_).pages.coord({page, i}) - Coord{window.x, window.y};
+                const SampleIndex c = corner + data_of(terrain_).pages.coord({page, i}) - SampleIndex{window.x, window.y};
                 if (c.x < 0 || c.y < 0 || c.x >= window.columns || c.y >= window.rows) continue;
                 to[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(window.columns) +
                    static_cast<std::size_t>(c.x)] =

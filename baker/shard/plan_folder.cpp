@@ -105,7 +105,7 @@ ShardPlan make_shard_plan(const HeightSource& source, const BakeOptions& options
     plan.rows = source.rows;
     plan.tile_log2 = options.tile_log2 ? options.tile_log2 : auto_tile_log2(source.columns, source.rows);
     const int mixed_log2 = plan.tile_log2 - page_squares_log2;
-    if (options.order == Order::linear || mixed_log2 < 1)
+    if (options.order == PageOrder::linear || mixed_log2 < 1)
         throw Failure(2, "shards need tiles of 64 cells at least, and --order planar or hz; bake on one machine");
     plan.rounds = std::min(mixed_log2, most_rounds);
     const Tree tree = Tree::covering(plan.columns, plan.rows, plan.tile_log2);

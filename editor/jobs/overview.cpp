@@ -93,7 +93,7 @@ private:
         [[nodiscard]] bool empty() const { return column >= end_column || row >= end_row; }
     };
     void choose_layers();
-    [[nodiscard]] Texels texels_of(Coord tile) const;
+    [[nodiscard]] Texels texels_of(SampleIndex tile) const;
     [[nodiscard]] GroundHeight ground(double x, double z) const;
     void load_pages(std::uint32_t tile);
     void unload_pages(std::uint32_t tile);
@@ -172,7 +172,7 @@ void Painter::choose_layers() {
 }
 
 // Centres on a border are those of the tile in the south-east.
-Painter::Texels Painter::texels_of(Coord tile) const {
+Painter::Texels Painter::texels_of(SampleIndex tile) const {
     const auto first = [](double at_m, double texel_m, std::uint32_t all) {
         return static_cast<std::uint32_t>(std::clamp(std::ceil(at_m / texel_m - 0.5), 0.0, static_cast<double>(all)));
     };
@@ -223,7 +223,7 @@ void Painter::paint_layers(std::uint32_t tile) {
         for (std::size_t i = 0; i < colours_.rgb.size(); ++i) colours_.rgb[i] = static_cast<std::uint8_t>(bare[i % 3]);
     }
     const std::uint32_t side = colours_.side;
-    const Coord at = terrain_.tile_place(tile);
+    const SampleIndex at = terrain_.tile_place(tile);
     gl::GroundTexels texels{side, at.x * tile_x_m_, at.y * tile_z_m_, tile_x_m_ / (side - 1), tile_z_m_ / (side - 1)};
     if (mapped_) {
         std::uint32_t log2 = header_.control_log2, mip = 0;
@@ -261,7 +261,7 @@ bool Painter::paint_tile(std::uint32_t tile, const Texels& texels) {
     // A texel a tile needs no more than the corners, which are there always.
     if (wanted_ > 2) load_pages(tile);
     read_colours(tile);
-    const Coord at = terrain_.tile_place(tile);
+    const SampleIndex at = terrain_.tile_place(tile);
     const float low = header_.min_m, range = std::max(header_.max_m - header_.min_m, 1e-6F);
     for (std::uint32_t row = texels.row; row < texels.end_row && !stopped_(); ++row)
         for (std::uint32_t column = texels.column; column < texels.end_column; ++column) {

@@ -82,22 +82,22 @@ constexpr gl::Rgba8 frustum_rgba{255, 255, 255, 230}, culled_rgba{255, 70, 60, 2
 constexpr std::size_t shown_tiles = 12; // with their spheres: more are a ball of wool
 
 // In doubles: x_m() is a float, which jumps by centimetres where the terrain is a thousand kilometres wide.
-Vec3 place_of(const Terrain& terrain, Coord c, float height_m) {
+Vec3 place_of(const Terrain& terrain, SampleIndex c, float height_m) {
     return {c.x * terrain.header().spacing_m[0], static_cast<double>(height_m), c.y * terrain.header().spacing_m[1]};
 }
 
 // A tile's corners are always loaded.
 Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
-    const Coord c = data_of(terrain).tree.sample({x, y});
+    const SampleIndex c = data_of(terrain).tree.sample({x, y});
     return place_of(terrain, c, data_of(terrain).vertex({x, y}).height_m);
 }
 
-Coord tile_origin(const Terrain& terrain, std::uint32_t tile) {
-    const Coord place = terrain.tile_place(tile);
+SampleIndex tile_origin(const Terrain& terrain, std::uint32_t tile) {
+    const SampleIndex place = terrain.tile_place(tile);
     return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
 }
 
-gl::Rgba8 level_rgba(const Terrain& terrain, Coord v) {
+gl::Rgba8 level_rgba(const Terrain& terrain, SampleIndex v) {
     const gl::Rgb8 rgb = gl::level_rgb(data_of(terrain).tree.level(v), static_cast<int>(terrain.header().tile_log2));
     return {rgb[0], rgb[1], rgb[2], 220};
 }
@@ -136,7 +136,7 @@ void SceneLines::add_culled(const flight::Session& session) {
     const std::int32_t side = data_of(terrain).tree.side();
     for (std::uint32_t tile = 0; tile < terrain.tile_count() && lines_.size() + 6 <= most_lines; ++tile) {
         if (drawn_[tile]) continue;
-        const Coord o = tile_origin(terrain, tile);
+        const SampleIndex o = tile_origin(terrain, tile);
         const Vec3 nw = corner(terrain, o.x, o.y), ne = corner(terrain, o.x + side, o.y);
         const Vec3 sw = corner(terrain, o.x, o.y + side), se = corner(terrain, o.x + side, o.y + side);
         for (const auto& [a, b] : {std::pair{nw, ne}, {ne, se}, {se, sw}, {sw, nw}, {nw, se}, {ne, sw}})
@@ -153,15 +153,15 @@ void SceneLines::add_tile_spheres(const flight::Session& session, const View& vi
     for (const TileRange& range : session.mesh().tiles) { // a tile's ranges follow each other
         if (range.index_count == 0 || range.tile == last) continue;
         last = range.tile;
-        const Coord o = tile_origin(terrain, last);
-        const Coord c = data_of(terrain).tree.sample({o.x + half, o.y + half});
+        const SampleIndex o = tile_origin(terrain, last);
+        const SampleIndex c = data_of(terrain).tree.sample({o.x + half, o.y + half});
         near_.push_back({length(place_of(terrain, c, terrain.header().min_m) - view.eye_m), last});
     }
     const std::size_t count = std::min(near_.size(), shown_tiles);
     std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                       [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
     for (std::size_t i = 0; i < count; ++i) {
-        const Coord o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
+        const SampleIndex o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
         const TerrainData::Vertex v = data_of(terrain).vertex(c);
         if (!v.loaded) continue;
         balls_.push_back({place_of(terrain, data_of(terrain).tree.sample(c), v.height_m),
@@ -177,7 +177,7 @@ void SceneLines::add_chain(const flight::Session& session, const View& view) {
     const auto sample = [](double metres, double spacing_m, std::int32_t count) {
         return std::clamp(static_cast<std::int32_t>(std::lround(metres / spacing_m)), 0, count - 1);
     };
-    Coord v{sample(hit.position_m.x, terrain.header().spacing_m[0], data_of(terrain).tree.columns()),
+    SampleIndex v{sample(hit.position_m.x, terrain.header().spacing_m[0], data_of(terrain).tree.columns()),
             sample(hit.position_m.z, terrain.header().spacing_m[1], data_of(terrain).tree.rows())};
     while (!data_of(terrain).tree.is_corner(v) && balls_.size() < most_balls) {
         const TerrainData::Vertex vertex = data_of(terrain).vertex(v);
@@ -185,7 +185,7 @@ void SceneLines::add_chain(const flight::Session& session, const View& view) {
             balls_.push_back(
                 {place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m), level_rgba(terrain, v)});
         const Diamond d = diamond(data_of(terrain).tree, v);
-        const Coord up = data_of(terrain).tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
+        const SampleIndex up = data_of(terrain).tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
         if (data_of(terrain).tree.is_corner(up)) break;
         v = up;
     }

@@ -24,7 +24,7 @@ FileGround::FileGround(const io::PackFile& file) : file_(file) {
     if (!s.ok()) throw io::Failure(1, fmt::format("{}: {}: {}", file.path(), s.field, message(s.code)));
 }
 
-Coord FileGround::north_west_of(double x_m, double z_m) const {
+SampleIndex FileGround::north_west_of(double x_m, double z_m) const {
     const PackHeader& h = terrain_.header();
     const auto first = [](double at, std::uint32_t count) {
         return static_cast<std::int32_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
@@ -39,7 +39,7 @@ void FileGround::make_room() {
 }
 
 bool FileGround::has_ground(double x_m, double z_m) {
-    const Coord at = north_west_of(x_m, z_m);
+    const SampleIndex at = north_west_of(x_m, z_m);
     make_room();
     fetch(at);
     const TerrainVertex v = terrain_vertex(terrain_, at);
@@ -47,10 +47,10 @@ bool FileGround::has_ground(double x_m, double z_m) {
 }
 
 double FileGround::ground_m(double x_m, double z_m) {
-    const Coord nw = north_west_of(x_m, z_m);
+    const SampleIndex nw = north_west_of(x_m, z_m);
     make_room();
     bool all = true;
-    for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+    for (const SampleIndex by : {SampleIndex{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
         fetch(nw + by);
         all = all && terrain_vertex(terrain_, nw + by).loaded;
     }
@@ -61,13 +61,13 @@ double FileGround::ground_m(double x_m, double z_m) {
     }
 }
 
-void FileGround::fetch(Coord sample) {
+void FileGround::fetch(SampleIndex sample) {
     const PackHeader& h = terrain_.header();
     const std::int32_t side = std::int32_t{1} << h.tile_log2;
     const bool on_column = sample.x % side == 0, on_row = sample.y % side == 0;
     if (on_column && on_row) return; // a tile's corner
     // The tile that begins there, or on its border a neighbour to the west or north that has the sample too.
-    Coord place{std::min(sample.x / side, static_cast<std::int32_t>(h.tiles_x) - 1),
+    SampleIndex place{std::min(sample.x / side, static_cast<std::int32_t>(h.tiles_x) - 1),
                 std::min(sample.y / side, static_cast<std::int32_t>(h.tiles_y) - 1)};
     if (terrain_.tile_at(place) == no_tile) {
         if (on_column && sample.x == place.x * side) --place.x;

@@ -27,9 +27,9 @@ public:
     [[nodiscard]] bool has_ground(double x_m, double z_m);
 
 private:
-    [[nodiscard]] Coord north_west_of(double x_m, double z_m) const; // not the last column or row
+    [[nodiscard]] SampleIndex north_west_of(double x_m, double z_m) const; // not the last column or row
     void make_room();
-    void fetch(Coord sample);
+    void fetch(SampleIndex sample);
     bool load(std::uint32_t tile, std::uint32_t page);
 
     const io::PackFile& file_;

@@ -218,7 +218,7 @@ RecordedFrame recorded(std::span<const View> views, const CutSettings& settings,
 
 Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame) {
     for (const PageArrival& p : frame.pages) {
-        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile()) return {Code::out_of_range, "page"};
+        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile()) return {StatusCode::out_of_range, "page"};
         bool released = false;
         switch (p.event) {
         case PageEvent::inserted:

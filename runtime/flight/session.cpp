@@ -35,7 +35,7 @@ void make_method(const FlightOptions& options, const CutBudget* recorded, Sessio
 bool shall_stream(const FlightOptions& options, const PackHeader& h) {
     if (!options.replay.empty() || options.streaming == Streaming::off) return false;
     if (options.streaming == Streaming::on) return true;
-    return h.order != Order::linear && std::uint64_t{tiles_of(h)} * pages_per_tile(h) > options.profile.page_slots;
+    return h.order != PageOrder::linear && std::uint64_t{tiles_of(h)} * pages_per_tile(h) > options.profile.page_slots;
 }
 
 // A terrain without pages, of slots for so many.

@@ -49,7 +49,7 @@ struct Tiling {
 };
 
 // Returns whether the tile has ground.
-bool add_ground(const Tiling& tiling, Coord tile, const std::function<bool(double, double)>& has_ground, Enclosed& to) {
+bool add_ground(const Tiling& tiling, SampleIndex tile, const std::function<bool(double, double)>& has_ground, Enclosed& to) {
     bool any = false;
     const double step = static_cast<double>(tiling.side) / places_a_side;
     for (int j = 0; j <= places_a_side; ++j)
@@ -68,27 +68,27 @@ bool add_ground(const Tiling& tiling, Coord tile, const std::function<bool(doubl
 Area start_area(const Terrain& terrain, const std::function<bool(double, double)>& has_ground) {
     const Tiling tiling(terrain);
     if (tiling.h.tiles_held == 0) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
-    std::vector<Coord> tiles;
+    std::vector<SampleIndex> tiles;
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) tiles.push_back(terrain.tile_place(tile));
-    const auto off_middle = [&](Coord tile) {
+    const auto off_middle = [&](SampleIndex tile) {
         const double x = (2.0 * tile.x + 1 - tiling.h.tiles_x) * tiling.h.spacing_m[0],
                      z = (2.0 * tile.y + 1 - tiling.h.tiles_y) * tiling.h.spacing_m[1];
         return x * x + z * z;
     };
-    std::stable_sort(tiles.begin(), tiles.end(), [&](Coord a, Coord b) { return off_middle(a) < off_middle(b); });
+    std::stable_sort(tiles.begin(), tiles.end(), [&](SampleIndex a, SampleIndex b) { return off_middle(a) < off_middle(b); });
     Enclosed ground;
-    std::vector<Coord> found;
-    for (const Coord tile : tiles)
+    std::vector<SampleIndex> found;
+    for (const SampleIndex tile : tiles)
         if (add_ground(tiling, tile, has_ground, ground)) {
             found.push_back(tile);
             break;
         }
     if (!ground.any()) return area_of_tiles(terrain);
-    std::vector<Coord> seen = found;
+    std::vector<SampleIndex> seen = found;
     for (std::size_t at = 0; at < found.size(); ++at)
         for (std::int32_t dy = -1; dy <= 1; ++dy)
             for (std::int32_t dx = -1; dx <= 1; ++dx) {
-                const Coord next{found[at].x + dx, found[at].y + dy};
+                const SampleIndex next{found[at].x + dx, found[at].y + dy};
                 if (seen.size() > most_tiles || terrain.tile_at(next) == no_tile ||
                     std::find(seen.begin(), seen.end(), next) != seen.end())
                     continue;
@@ -104,7 +104,7 @@ Area area_of_tiles(const Terrain& terrain) {
     if (tiling.h.tiles_held == 0) return {0, 0, tiling.extent_x_m, tiling.extent_z_m};
     Enclosed tiles;
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
-        const Coord at = terrain.tile_place(tile);
+        const SampleIndex at = terrain.tile_place(tile);
         const double side = tiling.side;
         tiles.add(tiling.x_m(at.x * side), tiling.z_m(at.y * side));
         tiles.add(tiling.x_m((at.x + 1) * side), tiling.z_m((at.y + 1) * side));

@@ -36,7 +36,7 @@ const StreamReport& StreamedPack::update(std::span<const View> views, const CutS
 }
 
 void StreamedPack::tell(const StreamFailure& failure) {
-    const bool disk = failure.code == Code::unreadable;
+    const bool disk = failure.code == StatusCode::unreadable;
     const bool first = corrupt_ + unreadable_ == 0;
     ++(disk ? unreadable_ : corrupt_);
     if (!first || !listener_) return;

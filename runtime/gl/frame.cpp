@@ -101,7 +101,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
         set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
         set4(block.morph_reach[i], v.q_start, v.q_full, 0, 0);
     }
-    const bool blocks = header.order != Order::linear;
+    const bool blocks = header.order != PageOrder::linear;
     set_colour(block.tile_border, tile_border_rgb, now.tile_borders ? 1 : 0);
     set_colour(block.page_border, page_border_rgb, now.page_borders && blocks ? 0.8 : 0);
     set4(block.relief, now.contour_m > 0 ? 1 / now.contour_m : 0, now.slope ? 1 : 0, now.hatch ? 1 : 0, 0);
@@ -135,7 +135,7 @@ void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameB
 
 TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) const {
     TileBlock block{};
-    const Coord place = terrain.tile_place(tile);
+    const SampleIndex place = terrain.tile_place(tile);
     const auto column = static_cast<std::uint32_t>(place.x), row = static_cast<std::uint32_t>(place.y);
     block.column = static_cast<std::int32_t>(column << header.tile_log2);
     block.row = static_cast<std::int32_t>(row << header.tile_log2);

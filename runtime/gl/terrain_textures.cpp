@@ -98,7 +98,7 @@ std::uint32_t residency_square_log2(const PackHeader& header) {
 std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std::uint32_t square_x,
                                  std::uint32_t square_y) {
     const PackHeader& h = terrain.header();
-    if (h.order == Order::linear) { // its pages are of no step
+    if (h.order == PageOrder::linear) { // its pages are of no step
         for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
             if (!page_loaded(terrain, tile, page)) return h.tile_log2;
         return 0;

@@ -21,9 +21,9 @@ std::int32_t side_of(const Terrain& terrain) {
 
 // Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim and beside
 // missing tiles; where pages are missing, over the smallest power of two for which there are heights.
-double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing_m) {
-    const auto at = [&](std::int32_t by) { return Coord{sample.x + by * axis.x, sample.y + by * axis.y}; };
-    const auto inside = [&](Coord c) {
+double slope_at(const Terrain& terrain, SampleIndex sample, SampleIndex axis, double spacing_m) {
+    const auto at = [&](std::int32_t by) { return SampleIndex{sample.x + by * axis.x, sample.y + by * axis.y}; };
+    const auto inside = [&](SampleIndex c) {
         return c.x >= 0 && c.y >= 0 && c.x < static_cast<std::int32_t>(terrain.columns()) &&
                c.y < static_cast<std::int32_t>(terrain.rows());
     };
@@ -37,7 +37,7 @@ double slope_at(const Terrain& terrain, Coord sample, Coord axis, double spacing
     return 0;
 }
 
-void normal_at(const Terrain& terrain, Coord sample, float* normal) {
+void normal_at(const Terrain& terrain, SampleIndex sample, float* normal) {
     const double slope_x = slope_at(terrain, sample, {1, 0}, terrain.header().spacing_m[0]);
     const double slope_z = slope_at(terrain, sample, {0, 1}, terrain.header().spacing_m[1]);
     const double scale = 1 / std::sqrt(slope_x * slope_x + slope_z * slope_z + 1);
@@ -71,23 +71,23 @@ TileCollector::TileCollector(const Terrain& the_terrain)
     : terrain(the_terrain), side(static_cast<std::uint32_t>(side_of(the_terrain))),
       slots(std::size_t{side + 1} * (side + 1), no_slot) {}
 
-Coord TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
-    const Coord place = terrain.tile_place(tile);
-    return Coord{vertex.column, vertex.row} - Coord{place.x * side_of(terrain), place.y * side_of(terrain)};
+SampleIndex TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
+    const SampleIndex place = terrain.tile_place(tile);
+    return SampleIndex{vertex.column, vertex.row} - SampleIndex{place.x * side_of(terrain), place.y * side_of(terrain)};
 }
 
 bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {
-    const Coord c = in_tile_of(tile, vertex);
+    const SampleIndex c = in_tile_of(tile, vertex);
     return c.x >= 0 && c.y >= 0 && c.x <= side_of(terrain) && c.y <= side_of(terrain);
 }
 
 std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) const {
-    const Coord c = in_tile_of(tile, vertex);
+    const SampleIndex c = in_tile_of(tile, vertex);
     return static_cast<std::size_t>(c.y) * (side + 1) + static_cast<std::size_t>(c.x);
 }
 
 SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
-    const Coord in_tile = in_tile_of(tile, vertex);
+    const SampleIndex in_tile = in_tile_of(tile, vertex);
     SnapshotVertex made{};
     made.position_m[0] = static_cast<float>(in_tile.x * terrain.header().spacing_m[0]);
     made.position_m[1] = vertex.height_m;

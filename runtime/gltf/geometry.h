@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
@@ -50,7 +50,7 @@ public:
 private:
     void add(TileGeometry& geometry, const MeshView& mesh, const TileRange& range, std::span<const float> drawn_m);
     [[nodiscard]] std::uint32_t slot(TileGeometry& geometry, const MeshVertex& vertex);
-    [[nodiscard]] Coord in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const;
+    [[nodiscard]] SampleIndex in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const;
     [[nodiscard]] bool in_tile(std::uint32_t tile, const MeshVertex& vertex) const;
     [[nodiscard]] std::size_t place(std::uint32_t tile, const MeshVertex& vertex) const; // in slots
     [[nodiscard]] SnapshotVertex make_vertex(std::uint32_t tile, const MeshVertex& vertex) const;

@@ -157,7 +157,7 @@ SnapshotResult take_refined(const Terrain& terrain, const View& view, double err
         }
         RecursiveMethod method;
         Status status = create_recursive(terrain, budget, {memory.get(), bytes}, method);
-        if (status.code == Code::budget_too_small && !all) continue;
+        if (status.code == StatusCode::budget_too_small && !all) continue;
         FrameReport report;
         if (status.ok()) status = update_recursive(method, view, settings, report);
         if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));

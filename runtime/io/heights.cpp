@@ -61,7 +61,7 @@ public:
     // The samples that are this tile's: those on its south and east border are its neighbours', if it has any.
     void copy(std::uint32_t tile, FullHeights& grid) const {
         const std::int32_t a_side = std::int32_t{1} << (terrain_.header().tile_log2 - grid.step_log2);
-        const Coord at = terrain_.tile_place(tile);
+        const SampleIndex at = terrain_.tile_place(tile);
         const auto there = [&](std::int32_t dx, std::int32_t dy) {
             return terrain_.tile_at({at.x + dx, at.y + dy}) != no_tile;
         };

@@ -99,7 +99,7 @@ void PackFile::open_pack_file() {
     if (const int error = read(0, header); error != 0) fail(error);
     PackHeader h;
     require(read_header(header, file_bytes_, h), path_);
-    if (h.tiles_held != 0) require({Code::wrong_version, "version"}, path_); // of sets in memory
+    if (h.tiles_held != 0) require({StatusCode::wrong_version, "version"}, path_); // of sets in memory
     directory_.resize(directory_bytes(h)); // no more than the file has: read_header has seen to it
     if (const int error = read(h.directory_offset, directory_); error != 0) fail(error);
     require(open_index(header, directory_, file_bytes_, pack_), path_);
@@ -129,7 +129,7 @@ void PackFile::read_chunk(ChunkId id, std::vector<std::byte>& raw) const {
     raw.resize(entry.raw_bytes);
     if (decode_chunk(entry, stored(id), raw).ok()) return;
     if (changed()) fail(EIO);
-    throw Failure(1, path_ + ": " + chunk_name(id) + ": " + message(Code::corrupt));
+    throw Failure(1, path_ + ": " + chunk_name(id) + ": " + message(StatusCode::corrupt));
 }
 
 bool PackFile::changed() const noexcept {

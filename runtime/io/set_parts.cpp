@@ -88,13 +88,13 @@ SetParts::SetParts(const SetFile& set, const std::string& set_path) {
     const Status s = make_set_index(shape, parts, {memory_.get(), bytes}, index_, at_fault);
     if (s.ok()) return;
     const std::string where = at_fault < parts_.size() ? parts_[at_fault].path : set_path;
-    if (s.code == Code::wrong_pack && std::string_view(s.field).starts_with("corners"))
+    if (s.code == StatusCode::wrong_pack && std::string_view(s.field).starts_with("corners"))
         throw Failure(1, where + ": " + s.field + ": not those of the packs beside it; the packs of a set must be of " +
                              "one bake: fjell-bake join " + folder_path + " compares their borders");
-    if (s.code == Code::wrong_pack)
+    if (s.code == StatusCode::wrong_pack)
         throw Failure(1, where + ": " + s.field + ": not that of " + parts_.front().path +
                              "; the packs of a set must be of one bake");
-    if (s.code == Code::out_of_range)
+    if (s.code == StatusCode::out_of_range)
         throw Failure(1, where + ": " + s.field + ": does not fit " + set_path + "; write the set again");
     require(s, where);
 }

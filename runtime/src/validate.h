@@ -13,7 +13,7 @@
 
 #include "asserts.h"
 #include "compiler.h"
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 
 namespace fjell {
 
@@ -23,7 +23,7 @@ struct TerrainData;
 
 struct Violation {
     const char* what = nullptr; // nullptr: none
-    Coord at{-1, -1};           // sample, if it is a vertex'
+    SampleIndex at{-1, -1};           // sample, if it is a vertex'
     [[nodiscard]] explicit operator bool() const { return what != nullptr; }
 };
 

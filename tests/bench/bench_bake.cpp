@@ -71,10 +71,10 @@ void copy(benchmark::State& state) {
 // packed.
 class ErrorStage {
 public:
-    explicit ErrorStage(Estimate estimate) : estimate_(estimate) {
+    explicit ErrorStage(ErrorEstimate estimate) : estimate_(estimate) {
         baker::HeightStatistics heights;
         for_each_tile(
-            [&](Coord corner) { heights.add(baker::measure_tile(at(corner), side + 1, side + 1, dem().columns)); });
+            [&](SampleIndex corner) { heights.add(baker::measure_tile(at(corner), side + 1, side + 1, dem().columns)); });
         const HeightScale height_scale = baker::choose_height_scale(heights, {{60, 60}, 0.1, 0});
         scales_ = baker::choose_scales({tree_, {60, 60}, height_scale, heights, 0.05});
         leaf_ = LeafErrors(scales_.errors, height_scale.quantum_m);
@@ -84,20 +84,20 @@ public:
     }
 
     void run(bool pages) {
-        for_each_tile([&](Coord corner) { tile(corner, pages); });
+        for_each_tile([&](SampleIndex corner) { tile(corner, pages); });
     }
 
 private:
     static constexpr std::int32_t side = 512, squares = side / 2;
 
-    static const float* at(Coord c) { return dem().heights_m.data() + dem().index(c.x, c.y); }
+    static const float* at(SampleIndex c) { return dem().heights_m.data() + dem().index(c.x, c.y); }
     template <typename Visit>
     void for_each_tile(const Visit& visit) {
         for (std::int32_t y = 0; y + 1 < dem().rows; y += side)
-            for (std::int32_t x = 0; x + 1 < dem().columns; x += side) visit(Coord{x, y});
+            for (std::int32_t x = 0; x + 1 < dem().columns; x += side) visit(SampleIndex{x, y});
     }
 
-    void tile(Coord corner, bool pages) {
+    void tile(SampleIndex corner, bool pages) {
         constexpr std::int32_t around = 2, width = 2 * (squares + baker::reach + 2);
         baker::QuantisedHeights ground{tree_, {corner.x - around, corner.y - around, width, width}, {}};
         for (std::int32_t y = 0; y < width; ++y) {
@@ -129,13 +129,13 @@ private:
     }
 
     const Tree tree_ = Tree::covering(dem().columns, dem().rows, 9);
-    Estimate estimate_;
+    ErrorEstimate estimate_;
     baker::Scales scales_;
     LeafErrors leaf_;
     PackHeader header_{}; // what bounds of pages are counted on
 };
 
-void errors(benchmark::State& state, Estimate estimate, bool pages) {
+void errors(benchmark::State& state, ErrorEstimate estimate, bool pages) {
     ErrorStage stage(estimate);
     for (auto _ : state) stage.run(pages);
     rate(state);
@@ -181,7 +181,7 @@ void load(benchmark::State& state) {
 // kept.
 class DecodedPack {
 public:
-    explicit DecodedPack(Order order) {
+    explicit DecodedPack(PageOrder order) {
         baker::BakeOptions options;
         options.tile_log2 = 9;
         options.order = order;
@@ -256,7 +256,7 @@ private:
     std::byte raw_[max_page_raw_bytes(max_page_vertices)];
 };
 
-void decode(benchmark::State& state, Order order) {
+void decode(benchmark::State& state, PageOrder order) {
     const auto pack = std::make_unique<DecodedPack>(order);
     double decoded = 0, hash_s = 0, zstd_s = 0;
     std::uint32_t tile = 0;
@@ -362,9 +362,9 @@ int main(int argc, char** argv) {
         benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond)->UseRealTime();
     };
     declare("copy/mountains-2049/floats", copy);
-    declare("errors/mountains-2049/max", [](auto& s) { errors(s, fjell::Estimate::max, false); });
-    declare("errors/mountains-2049/midpoint", [](auto& s) { errors(s, fjell::Estimate::midpoint, false); });
-    declare("errors/mountains-2049/max-and-pages", [](auto& s) { errors(s, fjell::Estimate::max, true); });
+    declare("errors/mountains-2049/max", [](auto& s) { errors(s, fjell::ErrorEstimate::max, false); });
+    declare("errors/mountains-2049/midpoint", [](auto& s) { errors(s, fjell::ErrorEstimate::midpoint, false); });
+    declare("errors/mountains-2049/max-and-pages", [](auto& s) { errors(s, fjell::ErrorEstimate::max, true); });
     declare("bake/mountains-2049/1-thread", [](auto& s) { whole_bake(s, 1); });
     declare("bake/mountains-2049/2-threads", [](auto& s) { whole_bake(s, 2); });
     declare("program/mountains-4097-tiled/1-thread", [](auto& s) { program(s, "", 1); });
@@ -382,9 +382,9 @@ int main(int argc, char** argv) {
     declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1); });
     declare("program/plain-16385/256-MB", [](auto& s) { larger_than_memory(s, "256"); });
     declare("load/mountains-2049/whole", load);
-    declare("decode/mountains-2049/planar", [](auto& s) { decode(s, Order::planar); });
-    declare("decode/mountains-2049/hz", [](auto& s) { decode(s, Order::hierarchical_z); });
-    declare("decode/mountains-2049/linear", [](auto& s) { decode(s, Order::linear); });
+    declare("decode/mountains-2049/planar", [](auto& s) { decode(s, PageOrder::planar); });
+    declare("decode/mountains-2049/hz", [](auto& s) { decode(s, PageOrder::hierarchical_z); });
+    declare("decode/mountains-2049/linear", [](auto& s) { decode(s, PageOrder::linear); });
     declare("verify/mountains-2049/all-cores", verify);
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

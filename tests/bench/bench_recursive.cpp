@@ -27,7 +27,7 @@ const std::string recipe = FJELL_SOURCE_DIR "/content/terrain/mountains.json";
 constexpr const char* order_names[] = {"planar", "hz", "linear"};
 
 // Baked once a build folder: the pack's name says everything it depends on but the code; `./dev clean` forgets it.
-std::string pack_path(int tile_log2, Order order) {
+std::string pack_path(int tile_log2, PageOrder order) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
     const std::string path = folder + "/mountains-" + std::to_string(1 << tile_log2) + "-" +
@@ -50,8 +50,8 @@ struct Scene {
 };
 
 // A flight 400 m above ground, straight over the middle, 64 frames one cell apart; 1280 x 960 as in the thesis.
-const Scene& scene(int tile_log2, Order order) {
-    static std::map<std::pair<int, Order>, Scene> scenes;
+const Scene& scene(int tile_log2, PageOrder order) {
+    static std::map<std::pair<int, PageOrder>, Scene> scenes;
     Scene& s = scenes[{tile_log2, order}];
     if (!s.views.empty()) return s;
     s.pack = io::load_pack(pack_path(tile_log2, order), io::LoadTerrain::yes);
@@ -70,7 +70,7 @@ const Scene& scene(int tile_log2, Order order) {
 
 struct Case {
     int tile_log2 = 9;
-    Order order = Order::planar;
+    PageOrder order = PageOrder::planar;
     double error_px = 1;
     bool cull = true;
     Topology topology = Topology::triangles;
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
     // The thesis' question (6.4): does the order matter?
     for (const double px : {1.0, 4.0})
         for (const int log2 : {8, 10, 12})
-            for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear})
+            for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear})
                 declare({.tile_log2 = log2, .order = order, .error_px = px}, "list");
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -40,7 +40,7 @@ using namespace fjell;
 using namespace fjell::bench;
 
 void frame(benchmark::State& state, double cells, bool rests = false) {
-    Engine e(mountains(Order::planar), 610, {});
+    Engine e(mountains(PageOrder::planar), 610, {});
     CutSettings settings;
     settings.error_px = 4;
     StreamSettings stream_settings;
@@ -122,7 +122,7 @@ std::uint64_t map_total(const PackHeader& h) {
 }
 
 void soak(benchmark::State& state) {
-    const std::string path = mountains(Order::planar);
+    const std::string path = mountains(PageOrder::planar);
     StreamBudget budget;
     {
         const io::PackFile file(path);
@@ -172,7 +172,7 @@ void soak(benchmark::State& state) {
 }
 
 void first_picture(benchmark::State& state, const Disk& disk, std::uint32_t threads) {
-    const std::string path = mountains(Order::planar);
+    const std::string path = mountains(PageOrder::planar);
     for (auto _ : state) {
         drop(path);
         state.counters["cached"] = cached(path);
@@ -199,7 +199,7 @@ void first_picture(benchmark::State& state, const Disk& disk, std::uint32_t thre
 
 constexpr double here[] = {0.2, 0.7}, there[] = {0.75, 0.3};
 
-void teleport(benchmark::State& state, Order order, const Disk& disk) {
+void teleport(benchmark::State& state, PageOrder order, const Disk& disk) {
     const std::string path = mountains(order);
     for (auto _ : state) {
         FileEngine e(path, 8192, {});
@@ -260,7 +260,7 @@ std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double 
 // loader that knew in advance would have to: the pages of the target there that the target here does not hold, in the
 // file's order. A slow disk's time is added by its formula.
 void teleport_linear(benchmark::State& state) {
-    const std::string path = mountains(Order::linear);
+    const std::string path = mountains(PageOrder::linear);
     for (auto _ : state) {
         std::vector<std::uint32_t> wanted;
         std::uint32_t per_tile = 0;
@@ -358,7 +358,7 @@ void by_size(benchmark::State& state, const std::string& path, std::uint32_t slo
 }
 
 void memory(benchmark::State& state) {
-    const io::PackFile file(mountains(Order::planar));
+    const io::PackFile file(mountains(PageOrder::planar));
     const PackHeader& h = file.pack().header;
     const StreamBudget budget;
     StreamBudget one = budget;
@@ -413,27 +413,27 @@ BENCHMARK_CAPTURE(first_picture, hard_disk, disks[2], 1)
     ->Name("stream/mountains/first_picture/hard_disk")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz, Order::hierarchical_z, disks[0])
+BENCHMARK_CAPTURE(teleport, hz, PageOrder::hierarchical_z, disks[0])
     ->Name("stream/mountains/teleport/hz/as_is")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar, Order::planar, disks[0])
+BENCHMARK_CAPTURE(teleport, planar, PageOrder::planar, disks[0])
     ->Name("stream/mountains/teleport/planar/as_is")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz_ssd, Order::hierarchical_z, disks[1])
+BENCHMARK_CAPTURE(teleport, hz_ssd, PageOrder::hierarchical_z, disks[1])
     ->Name("stream/mountains/teleport/hz/ssd")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar_ssd, Order::planar, disks[1])
+BENCHMARK_CAPTURE(teleport, planar_ssd, PageOrder::planar, disks[1])
     ->Name("stream/mountains/teleport/planar/ssd")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, hz_hard_disk, Order::hierarchical_z, disks[2])
+BENCHMARK_CAPTURE(teleport, hz_hard_disk, PageOrder::hierarchical_z, disks[2])
     ->Name("stream/mountains/teleport/hz/hard_disk")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(teleport, planar_hard_disk, Order::planar, disks[2])
+BENCHMARK_CAPTURE(teleport, planar_hard_disk, PageOrder::planar, disks[2])
     ->Name("stream/mountains/teleport/planar/hard_disk")
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);

@@ -23,15 +23,15 @@ constexpr std::uint32_t second_half(std::uint32_t parent, std::uint32_t middle) 
     return 4 * parent + ((2 * parent + middle + 3) & 3) - 11;
 }
 
-constexpr Coord between(Coord a, Coord b) {
+constexpr SampleIndex between(SampleIndex a, SampleIndex b) {
     return {(a.x + b.x) / 2, (a.y + b.y) / 2};
 }
 
 // Calls set(index, coordinate) for every vertex, inner ones twice.
 template <typename Set>
-void walk(std::uint32_t parent, std::uint32_t middle, Coord from, Coord to, Coord apex, int levels, const Set& set) {
+void walk(std::uint32_t parent, std::uint32_t middle, SampleIndex from, SampleIndex to, SampleIndex apex, int levels, const Set& set) {
     if (levels == 0) return;
-    const Coord at = between(from, to);
+    const SampleIndex at = between(from, to);
     set(middle, at);
     walk(middle, first_half(parent, middle), from, apex, at, levels - 1, set);
     walk(middle, second_half(parent, middle), apex, to, at, levels - 1, set);
@@ -39,7 +39,7 @@ void walk(std::uint32_t parent, std::uint32_t middle, Coord from, Coord to, Coor
 
 template <typename Set>
 void walk_square(std::int32_t side, int levels, const Set& set) {
-    const Coord corners[] = {{0, side}, {side, side}, {side, 0}, {0, 0}}, middle = between(corners[0], corners[2]);
+    const SampleIndex corners[] = {{0, side}, {side, side}, {side, 0}, {0, 0}}, middle = between(corners[0], corners[2]);
     for (std::uint32_t i = 0; i < 4; ++i) set(i, corners[i]);
     set(centre, middle);
     for (std::uint32_t i = 0; i < 4; ++i)
@@ -139,9 +139,9 @@ LeanRecursion::LeanRecursion(const Terrain& terrain, std::size_t strip) : strip_
     const std::int32_t side = data.tree.grid_columns() - 1;
     levels_ = 2 * std::countr_zero(static_cast<std::uint32_t>(side));
     std::uint32_t last = 0;
-    walk_square(side, levels_, [&](std::uint32_t index, Coord) { last = std::max(last, index); });
+    walk_square(side, levels_, [&](std::uint32_t index, SampleIndex) { last = std::max(last, index); });
     vertices_.resize(last + 1);
-    walk_square(side, levels_, [&](std::uint32_t index, Coord c) {
+    walk_square(side, levels_, [&](std::uint32_t index, SampleIndex c) {
         const TerrainData::Vertex v = data.vertex(c);
         const bool always = data.tree.is_corner(c);
         constexpr float infinite = std::numeric_limits<float>::infinity();

@@ -38,7 +38,7 @@ inline void require(const Status& status) {
     std::abort();
 }
 
-inline std::string mountains(Order order) {
+inline std::string mountains(PageOrder order) {
     const std::string folder = FJELL_BENCH_DIR;
     std::filesystem::create_directories(folder);
     const std::string path = folder + "/stream-" + std::to_string(static_cast<int>(order)) + "-" +

@@ -134,11 +134,11 @@ void check_records(const Terrain& t, const Terrain& whole) {
 // Inside a tile, where no other one has a say, a vertex of the mesh is the terrain's.
 void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
     const std::int32_t side = data_of(t).tree.side();
-    const Coord place = t.tile_place(tile);
+    const SampleIndex place = t.tile_place(tile);
     const std::int32_t x = v.column - place.x * side, y = v.row - place.y * side;
     must(x >= 0 && y >= 0 && x <= side && y <= side, "a vertex lies in its tile");
     must(std::isfinite(v.height_m), "a height is finite");
-    const Coord at{v.column, v.row};
+    const SampleIndex at{v.column, v.row};
     if (x == 0 || y == 0 || x == side || y == side) return;
     if (at.x >= data_of(t).tree.columns() - 1 || at.y >= data_of(t).tree.rows() - 1) return; // others stand there, too
     const TerrainData::Vertex vertex = data_of(t).vertex(at);
@@ -164,7 +164,7 @@ void check_mesh(const Terrain& terrain, const MeshView& mesh) {
 void query(const Terrain& t) {
     const std::int32_t columns = data_of(t).tree.grid_columns(), rows = data_of(t).tree.grid_rows();
     for (std::int32_t i = 0; i < 64; ++i) {
-        const Coord at{i * 37 % columns, (i * 101 + i / 8) % rows};
+        const SampleIndex at{i * 37 % columns, (i * 101 + i / 8) % rows};
         const TerrainData::Vertex v = data_of(t).vertex(at);
         must(v.loaded || t.pages_missing() != 0, "a vertex is there when its page is");
         must(v.steps >= 0 && v.steps <= max_height_steps, "a height lies on the height scale");
@@ -239,16 +239,16 @@ void move_page(const Pack& pack, Terrain& terrain, std::uint32_t bits, bool unlo
     const std::uint64_t changes = data_of(terrain).changes;
     const Status s = load_page(pack, terrain, tile, item);
     switch (s.code) {
-    case Code::ok: must(data_of(terrain).page_table[page].slot != no_index, "a page that was loaded is there"); break;
-    case Code::out_of_slots: {
+    case StatusCode::ok: must(data_of(terrain).page_table[page].slot != no_index, "a page that was loaded is there"); break;
+    case StatusCode::out_of_slots: {
         const std::uint32_t leaves = data_of(terrain).slot_page[bits / 7 % data_of(terrain).slot_count];
         must(!there && leaves != no_index, "no slot is free");
         return (void)unload_page(terrain, leaves / terrain.pages_per_tile(), leaves % terrain.pages_per_tile());
     }
-    case Code::coarser_page_first:
+    case StatusCode::coarser_page_first:
         must(data_of(terrain).pages.page_step_log2(item) == 0, "only errors of the finest step are derived");
         break;
-    case Code::corrupt: must(!whole, "a page that could be loaded can be loaded again"); break;
+    case StatusCode::corrupt: must(!whole, "a page that could be loaded can be loaded again"); break;
     default: must(false, "a page is loaded, or refused for one of three reasons");
     }
     must(data_of(terrain).changes == changes + (s.ok() && !there ? 1 : 0), "what fails changes nothing");
@@ -265,8 +265,8 @@ void page_by_page(const Pack& pack, const PackScript& script, const Terrain* who
         must(!whole, "a terrain that could be created can be created with fewer slots");
         return;
     }
-    must(load_page(pack, terrain, terrain.tile_count(), 0).code == Code::out_of_range &&
-             load_page(pack, terrain, 0, terrain.pages_per_tile()).code == Code::out_of_range,
+    must(load_page(pack, terrain, terrain.tile_count(), 0).code == StatusCode::out_of_range &&
+             load_page(pack, terrain, 0, terrain.pages_per_tile()).code == StatusCode::out_of_range,
          "there are no other pages");
     Refiner refiner(terrain, script);
     refiner.frames();

@@ -100,7 +100,7 @@ extern "C" int fuzz_page(const std::uint8_t* data, std::size_t size) {
     PageScript script;
     if (size < sizeof script) return 0;
     std::memcpy(&script, data, sizeof script);
-    const PageLayout pages{1 + script.layout / 3 % 8, static_cast<Order>(script.layout % 3)};
+    const PageLayout pages{1 + script.layout / 3 % 8, static_cast<PageOrder>(script.layout % 3)};
     const std::uint32_t page = script.page % pages.pages_per_tile(), count = pages.page_vertices(page);
     const auto input = std::as_bytes(std::span(data, size)).subspan(sizeof script);
     const unsigned flags = input.size() < sizeof(PageHead) ? 0 : std::to_integer<unsigned>(input[4]);

@@ -164,7 +164,7 @@ void make_holes(baker::Dem& dem) {
 
 struct SeedPack {
     int log2;
-    Coord samples;
+    SampleIndex samples;
     bool holes, lossless;
 };
 
@@ -177,7 +177,7 @@ constexpr std::array seed_packs{
     SeedPack{7, {129, 129}, false, true}, SeedPack{8, {200, 257}, true, true},
 };
 
-io::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
+io::LoadedPack make_pack(Random& random, PageOrder order, const SeedPack& seed) {
     const Shape shape = seed.lossless ? Shape::fractal : static_cast<Shape>(pick(random, 0, 4));
     baker::Dem dem = random_dem(random, seed.samples.x, seed.samples.y, shape);
     if (seed.lossless) make_lossless(dem);
@@ -188,7 +188,7 @@ io::LoadedPack make_pack(Random& random, Order order, const SeedPack& seed) {
     if (seed.log2 == 6 && seed.holes) options.horizon_spacing = 4;
     if (seed.log2 == 5 || seed.log2 == 6)
         options.layers_path = FJELL_SOURCE_DIR "/content/materials/control/alpine.json";
-    if (seed.log2 == 4) options.estimate = Estimate::midpoint;
+    if (seed.log2 == 4) options.estimate = ErrorEstimate::midpoint;
     return bake_and_load(std::move(dem), options);
 }
 
@@ -359,7 +359,7 @@ void make_seeds(const std::filesystem::path& folder) {
     Random random(31);
     seeds.packs("sparse", make_sparse(random));
     for (const auto& [order, order_name] :
-         {std::pair{Order::planar, "planar"}, {Order::hierarchical_z, "hz"}, {Order::linear, "linear"}})
+         {std::pair{PageOrder::planar, "planar"}, {PageOrder::hierarchical_z, "hz"}, {PageOrder::linear, "linear"}})
         for (const SeedPack& seed : seed_packs) {
             const auto pack = make_pack(random, order, seed);
             std::ostringstream name;

@@ -103,8 +103,8 @@ std::string on_orders(const Results& results) {
     std::vector<Range> times[2], memory[2], pages[2], misses[2]; // hierarchical Z, linear; for each size of tile
     for (const int tile : results.recipe.tile_cells)
         for (const int i : {0, 1}) {
-            const auto of = [&](const Case& c) { return c.tile_cells == tile && c.order == Order::planar; };
-            const auto to = [&](Case& c) { c.order = i == 0 ? Order::hierarchical_z : Order::linear; };
+            const auto of = [&](const Case& c) { return c.tile_cells == tile && c.order == PageOrder::planar; };
+            const auto to = [&](Case& c) { c.order = i == 0 ? PageOrder::hierarchical_z : PageOrder::linear; };
             times[i].push_back(ratios(results, "median_us", of, to));
             memory[i].push_back(ratios(results, "memory_pages", of, to));
             pages[i].push_back(ratios(results, "pages_read", of, to));
@@ -123,8 +123,8 @@ std::string on_orders(const Results& results) {
 }
 
 std::string on_estimates(const Results& results) {
-    const auto of = [](const Case& c) { return c.estimate == Estimate::max; };
-    const auto other = [](Case& c) { c.estimate = Estimate::midpoint; };
+    const auto of = [](const Case& c) { return c.estimate == ErrorEstimate::max; };
+    const auto other = [](Case& c) { c.estimate = ErrorEstimate::midpoint; };
     const Range v = ratios(results, "vertices", of, other);
     if (!v.count) return {};
     std::string text = fmt::format("Estimate 2 (mid-point errors) selects {} times the vertices of estimate 1 (true "
@@ -133,7 +133,7 @@ std::string on_estimates(const Results& results) {
     if (const Range popping = ratios(results, "popping_px", of, other); popping.count)
         text += fmt::format("The largest change on screen from one frame to the next is {} times as large. ",
                             popping.text());
-    for (const Estimate e : {Estimate::max, Estimate::midpoint}) {
+    for (const ErrorEstimate e : {ErrorEstimate::max, ErrorEstimate::midpoint}) {
         Range error;
         std::size_t beyond = 0;
         for (const Result& r : results.all)
@@ -144,7 +144,7 @@ std::string on_estimates(const Results& results) {
         if (error.count)
             text += fmt::format("The true error measured with estimate {} is {} times the threshold, and beyond it in "
                                 "{} of {} cases. ",
-                                e == Estimate::max ? 1 : 2, error.text(), beyond, error.count);
+                                e == ErrorEstimate::max ? 1 : 2, error.text(), beyond, error.count);
     }
     if (results.published.size() == 2) {
         Range theirs;

@@ -422,17 +422,17 @@ TEST_CASE("the thesis' tables have twelve thresholds each, and vertices that gro
 
 TEST_CASE("places in a tile are told apart in every order, and level by level without gaps but in linear order") {
     constexpr std::uint32_t side = 16;
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         std::set<std::uint64_t> places, inner;
         for (std::uint32_t y = 0; y <= side; ++y)
             for (std::uint32_t x = 0; x <= side; ++x) {
                 const std::uint64_t place = lab::place_in_tile(order, side, x, y);
                 places.insert(place);
                 if (x < side && y < side) inner.insert(place);
-                if (order != Order::linear && x % 4 == 0 && y % 4 == 0 && x < side && y < side)
+                if (order != PageOrder::linear && x % 4 == 0 && y % 4 == 0 && x < side && y < side)
                     CHECK(place < 16); // of step 4 and coarser there are sixteen, and they come first
             }
         CHECK(places.size() == (side + 1) * (side + 1));
-        if (order != Order::linear) CHECK(*inner.rbegin() == side * side - 1);
+        if (order != PageOrder::linear) CHECK(*inner.rbegin() == side * side - 1);
     }
 }

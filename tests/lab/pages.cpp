@@ -24,8 +24,8 @@ std::uint32_t step_of(std::uint32_t side, std::uint32_t x, std::uint32_t y) {
     return 1u << std::countr_zero(x | y | side);
 }
 
-std::uint64_t page_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
-    if (order == Order::linear) return place_in_tile(order, side, x, y) / page_samples;
+std::uint64_t page_in_tile(PageOrder order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
+    if (order == PageOrder::linear) return place_in_tile(order, side, x, y) / page_samples;
     const std::uint64_t step = step_of(side, x, y);
     if (side / step <= root_cells) return 0;
     return step << 32 | (y / step / page_cells) << 16 | x / step / page_cells;
@@ -33,14 +33,14 @@ std::uint64_t page_in_tile(Order order, std::uint32_t side, std::uint32_t x, std
 
 } // namespace
 
-std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
-    if (order == Order::linear) return std::uint64_t{y} * (side + 1) + x;
+std::uint64_t place_in_tile(PageOrder order, std::uint32_t side, std::uint32_t x, std::uint32_t y) {
+    if (order == PageOrder::linear) return std::uint64_t{y} * (side + 1) + x;
     if (x >= side || y >= side) return std::uint64_t{side + y} * (side + 1) + x; // behind the others: the terrain's rim
     const std::uint32_t step = step_of(side, x, y);
     if (x == 0 && y == 0) return 0;
     const std::uint32_t i = x / step, j = y / step;
     const std::uint64_t n = side / step / 2, before = n * n; // coarser samples: as many as squares of this step
-    if (order == Order::hierarchical_z) {
+    if (order == PageOrder::hierarchical_z) {
         const std::uint64_t z = interleave(i, j);
         return before + z - z / 4 - 1; // every fourth is a coarser one
     }

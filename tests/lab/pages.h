@@ -41,6 +41,6 @@ struct PageCount {
 };
 
 // Where a sample stands in such an array. x, y: 0 to side; side: a power of two.
-[[nodiscard]] std::uint64_t place_in_tile(Order order, std::uint32_t side, std::uint32_t x, std::uint32_t y);
+[[nodiscard]] std::uint64_t place_in_tile(PageOrder order, std::uint32_t side, std::uint32_t x, std::uint32_t y);
 
 } // namespace fjell::lab

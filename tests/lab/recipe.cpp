@@ -167,11 +167,11 @@ void read_lists(Keys& keys, Recipe& r) {
     for (const int cells : r.texture_cells)
         if (cells != 0 && !std::has_single_bit(static_cast<unsigned>(cells)))
             keys.bad("texture_cells", "must be 0 or powers of two");
-    for (const std::size_t i : keys.words("orders", order_words, true)) r.orders.push_back(static_cast<Order>(i));
+    for (const std::size_t i : keys.words("orders", order_words, true)) r.orders.push_back(static_cast<PageOrder>(i));
     for (const std::size_t i : keys.words("estimates", estimate_words, true))
-        r.estimates.push_back(static_cast<Estimate>(i));
+        r.estimates.push_back(static_cast<ErrorEstimate>(i));
     for (const std::size_t i : keys.words("methods", way_words, true)) r.ways.push_back(static_cast<Way>(i));
-    const bool linear = std::find(r.orders.begin(), r.orders.end(), Order::linear) != r.orders.end();
+    const bool linear = std::find(r.orders.begin(), r.orders.end(), PageOrder::linear) != r.orders.end();
     if (linear && std::find(r.ways.begin(), r.ways.end(), Way::incremental) != r.ways.end())
         keys.bad("orders", "the incremental method does not take linear; leave one of them out");
     r.cache_mb = keys.number("cache_mb", r.cache_mb, 0.1, 1e6);
@@ -335,8 +335,8 @@ std::vector<Case> cases_of(const Recipe& r) {
         if (c.way != Way::incremental) cases.back().offscreen_factor = 1;
     };
     for (const int tile : r.tile_cells)
-        for (const Order order : r.orders)
-            for (const Estimate estimate : r.estimates)
+        for (const PageOrder order : r.orders)
+            for (const ErrorEstimate estimate : r.estimates)
                 for (const double cells : r.cells_a_frame)
                     for (const Way way : r.ways)
                         for (const double offscreen : r.offscreen_factors)

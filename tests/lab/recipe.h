@@ -45,8 +45,8 @@ struct Site {
 // One flight with one method.
 struct Case {
     int tile_cells = 0;
-    Order order = Order::planar;
-    Estimate estimate = Estimate::max;
+    PageOrder order = PageOrder::planar;
+    ErrorEstimate estimate = ErrorEstimate::max;
     Way way = Way::recursive;
     double offscreen_factor = 1; // of the incremental method
     double cells_a_frame = 0;    // straight on; 0: along the site's path
@@ -67,8 +67,8 @@ struct Recipe {
                             // "rivals", "drawing", "instructions"
     Site site;
     std::vector<int> tile_cells, texture_cells;
-    std::vector<Order> orders;
-    std::vector<Estimate> estimates;
+    std::vector<PageOrder> orders;
+    std::vector<ErrorEstimate> estimates;
     std::vector<Way> ways;
     std::vector<double> offscreen_factors, cells_a_frame, thresholds_px;
     int frames = 840, verify_frames = 0, drawn_frames = 0; // drawn: of pictures, so many of the frames

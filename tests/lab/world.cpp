@@ -179,7 +179,7 @@ const std::vector<LeanSquare>& World::lean(const Case& c) {
     lean_.clear();
     lean_name_ = name;
     Case planar = c;
-    planar.order = Order::planar;
+    planar.order = PageOrder::planar;
     for (std::int32_t row = 0; row + side < all.rows; row += side)
         for (std::int32_t column = 0; column + side < all.columns; column += side) {
             const std::string path =

@@ -17,7 +17,7 @@ using namespace fjell::test;
 
 namespace {
 
-VertexRecord& record_of(io::LoadedPack& pack, Coord c) {
+VertexRecord& record_of(io::LoadedPack& pack, SampleIndex c) {
     const Terrain& t = pack.terrain;
     const std::int32_t side = data_of(t).tree.side(), tx = std::min(c.x / side, data_of(t).tree.tiles_x - 1),
                        ty = std::min(c.y / side, data_of(t).tree.tiles_y - 1);
@@ -55,8 +55,8 @@ TEST_CASE(
         baker::Dem dem = random_dem(random, columns, rows, shape);
         if (pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2, std::pow(10.0, uniform(random, -3, 0)));
-        options.order = static_cast<Order>(pick(random, 0, 2));
-        options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+        options.order = static_cast<PageOrder>(pick(random, 0, 2));
+        options.estimate = pick(random, 0, 3) ? ErrorEstimate::max : ErrorEstimate::midpoint;
         const auto pack = bake_and_load(dem, options);
         const baker::VerifyReport report = baker::verify(pack.terrain, &dem, &pack.pack);
         CAPTURE(round, log2, columns, rows, static_cast<int>(shape), report.first);
@@ -64,7 +64,7 @@ TEST_CASE(
         coarse_heights += bound_shift(pack.pack.header) > 0;
         holed += pack.terrain.has_voids();
         cut_off += data_of(pack.terrain).tree.cut_x > 0 || data_of(pack.terrain).tree.cut_y > 0;
-        REQUIRE(report.true_error_checked == (options.estimate == Estimate::max));
+        REQUIRE(report.true_error_checked == (options.estimate == ErrorEstimate::max));
         REQUIRE(report.vertices >= dem.heights_m.size());
     }
     CHECK(coarse_heights > rounds(4, 20)); // bounds of heights that count on more than one height scale step
@@ -84,8 +84,8 @@ TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
         const RulesFile rules;
         if (round % 3 != 0) options.layers_path = rules.path();
         if (round % 3 == 1) options.max_texture_log2 = 6;
-        options.order = static_cast<Order>(pick(random, 0, 2));
-        options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+        options.order = static_cast<PageOrder>(pick(random, 0, 2));
+        options.estimate = pick(random, 0, 3) ? ErrorEstimate::max : ErrorEstimate::midpoint;
         options.region_cells = 512; // all at once
         const auto whole = bake_and_load(dem, options);
         options.region_cells = 1 << pick(random, 1, 8);
@@ -102,9 +102,9 @@ TEST_CASE("a pack does not depend on threads, memory or how the work is cut") {
 
 TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its documented bytes a sample") {
     Random random(19);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear})
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear})
         for (const bool holes : {false, true}) {
-            const bool horizons = holes && order == Order::planar;
+            const bool horizons = holes && order == PageOrder::planar;
             baker::Dem dem = random_dem(random, 513, 385, Shape::noise); // hardly to be compressed
             if (holes) add_random_holes(random, dem, 7);
             const TemporaryFolder folder;
@@ -133,11 +133,11 @@ TEST_CASE("a bake has at most as much on the disk as work_bytes says, and its do
         }
     // What docs/notes/baking.md says, of tiles of 512 cells.
     const Tree tree = Tree::covering(4097, 4097, 9);
-    const auto a_sample = [&](Order order) {
+    const auto a_sample = [&](PageOrder order) {
         return static_cast<double>(baker::work_bytes(tree, order, {8, 9, 0})) / (4097.0 * 4097.0);
     };
-    CHECK(a_sample(Order::planar) == Approx(13.6).margin(0.1));
-    CHECK(a_sample(Order::linear) == Approx(20.6).margin(0.1));
+    CHECK(a_sample(PageOrder::planar) == Approx(13.6).margin(0.1));
+    CHECK(a_sample(PageOrder::linear) == Approx(20.6).margin(0.1));
 }
 
 TEST_CASE("a pack verified tile by tile from its file is found to be what it is when it is loaded whole") {
@@ -148,8 +148,8 @@ TEST_CASE("a pack verified tile by tile from its file is found to be what it is 
                                     static_cast<Shape>(round % static_cast<int>(Shape::count)));
         if (round % 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
-        options.estimate = round % 4 ? Estimate::max : Estimate::midpoint;
+        options.order = static_cast<PageOrder>(round % 3);
+        options.estimate = round % 4 ? ErrorEstimate::max : ErrorEstimate::midpoint;
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
         const io::PackFile file(folder / "pack.fjell");
@@ -206,12 +206,12 @@ TEST_CASE("the mid-point estimate is never above the true one, and breaks the tr
     const baker::Dem dem = random_dem(random, 129, 129, Shape::fractal);
     baker::BakeOptions options = small_bake(6);
     const auto full = bake_and_load(dem, options);
-    options.estimate = Estimate::midpoint;
+    options.estimate = ErrorEstimate::midpoint;
     auto middle = bake_and_load(dem, options);
     for (std::int32_t y = 0; y < 129; ++y)
         for (std::int32_t x = 0; x < 129; ++x)
             REQUIRE(data_of(middle.terrain).vertex({x, y}).error_m <= data_of(full.terrain).vertex({x, y}).error_m);
-    data_of(middle.terrain).header.estimate = Estimate::max; // claim what does not hold
+    data_of(middle.terrain).header.estimate = ErrorEstimate::max; // claim what does not hold
     REQUIRE(baker::verify(middle.terrain, nullptr).true_error_violations > 0);
 }
 
@@ -265,14 +265,14 @@ TEST_CASE("the verifier notices every kind of fault") {
 namespace {
 
 // How far ground is from any triangle over it that could be drawn, by bisection.
-double worst_on_ground_m(const Terrain& terrain, Coord apex, Coord left, Coord right) {
+double worst_on_ground_m(const Terrain& terrain, SampleIndex apex, SampleIndex left, SampleIndex right) {
     if (((left.x + right.x) | (left.y + right.y)) & 1) return 0;
     const TerrainData& t = data_of(terrain);
-    const Coord a = t.tree.sample(apex), b = t.tree.sample(left), c = t.tree.sample(right);
+    const SampleIndex a = t.tree.sample(apex), b = t.tree.sample(left), c = t.tree.sample(right);
     double worst = 0;
     const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y, area = bx * cy - by * cx;
-    const auto hole = [&](Coord s) { return t.vertex(s).hole; };
-    const auto height = [&](Coord s) { return static_cast<double>(t.height_m(s)); };
+    const auto hole = [&](SampleIndex s) { return t.vertex(s).hole; };
+    const auto height = [&](SampleIndex s) { return static_cast<double>(t.height_m(s)); };
     const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
     const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
     for (std::int32_t y = y0; area != 0 && y <= y1; ++y)
@@ -282,7 +282,7 @@ double worst_on_ground_m(const Terrain& terrain, Coord apex, Coord left, Coord r
             const double plane = height(a) + v * (height(b) - height(a)) + w * (height(c) - height(a));
             worst = std::max(worst, std::abs(height({x, y}) - plane));
         }
-    const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
     return std::max(
         {worst, worst_on_ground_m(terrain, middle, apex, left), worst_on_ground_m(terrain, middle, right, apex)});
 }
@@ -303,7 +303,7 @@ TEST_CASE("the largest error that a bake tells of is one of ground, holes or not
         double worst = 0;
         for (std::int32_t y = 0; y < tree.grid_rows() - 1; y += tree.side())
             for (std::int32_t x = 0; x < tree.grid_columns() - 1; x += tree.side()) {
-                const Coord nw{x, y}, ne{x + tree.side(), y}, sw{x, y + tree.side()},
+                const SampleIndex nw{x, y}, ne{x + tree.side(), y}, sw{x, y + tree.side()},
                     se{x + tree.side(), y + tree.side()};
                 worst = std::max(
                     {worst, worst_on_ground_m(pack.terrain, ne, nw, se), worst_on_ground_m(pack.terrain, sw, se, nw)});
@@ -323,7 +323,7 @@ TEST_CASE("the verifier notices a bound that does not hold, and one that is wide
     Random random(18);
     int at_end = 0;
     baker::BakeOptions options = small_bake(7);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         options.order = order;
         auto pack = bake_and_load(random_dem(random, 200, 150, Shape::fractal), options);
         REQUIRE(baker::verify(pack.terrain, nullptr, &pack.pack).ok());

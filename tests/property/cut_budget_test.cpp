@@ -365,7 +365,7 @@ TEST_CASE("cut_bytes() is what create_cut() takes, and one byte less is refused"
         REQUIRE(bytes > 0);
         REQUIRE(create(pack.terrain, budget, bytes).ok());
         const Status less = create(pack.terrain, budget, bytes - 1);
-        REQUIRE(less.code == Code::memory_too_small);
+        REQUIRE(less.code == StatusCode::memory_too_small);
         REQUIRE(std::string(less.field) == "memory");
     }
 }
@@ -374,7 +374,7 @@ TEST_CASE("an absurd budget is refused by the field's name before anything is as
     Random random(146);
     const auto pack = rich_terrain(random, 65, 4);
     const Terrain& terrain = pack.terrain;
-    const auto refused = [&](const CutBudget& budget, Code code, const std::string& field) {
+    const auto refused = [&](const CutBudget& budget, StatusCode code, const std::string& field) {
         REQUIRE(cut_bytes(terrain, budget) == 0);
         const Status s = create(terrain, budget, 1 << 20);
         CHECK(s.code == code);
@@ -384,32 +384,32 @@ TEST_CASE("an absurd budget is refused by the field's name before anything is as
     REQUIRE(cut_bytes(terrain, good) != 0);
     CutBudget b = good;
     b.vertices = good.vertices - 1;
-    refused(b, Code::budget_too_small, "CutBudget::vertices");
+    refused(b, StatusCode::budget_too_small, "CutBudget::vertices");
     b.vertices = 0;
-    refused(b, Code::budget_too_small, "CutBudget::vertices");
+    refused(b, StatusCode::budget_too_small, "CutBudget::vertices");
     b.vertices = 0xffffffff;
-    refused(b, Code::out_of_range, "CutBudget::vertices");
+    refused(b, StatusCode::out_of_range, "CutBudget::vertices");
     b = good;
     b.triangles = good.triangles - 1;
-    refused(b, Code::budget_too_small, "CutBudget::triangles");
+    refused(b, StatusCode::budget_too_small, "CutBudget::triangles");
     b.triangles = 0;
-    refused(b, Code::budget_too_small, "CutBudget::triangles");
+    refused(b, StatusCode::budget_too_small, "CutBudget::triangles");
     b.triangles = 0xffffffff;
-    refused(b, Code::out_of_range, "CutBudget::triangles");
+    refused(b, StatusCode::out_of_range, "CutBudget::triangles");
     for (const std::uint32_t chunk : {0u, 1u, 4u, 7u, 9u, 1u << 17, 0xffffffffu}) {
         b = good;
         b.segment_triangles = chunk;
-        refused(b, Code::out_of_range, "CutBudget::segment_triangles");
+        refused(b, StatusCode::out_of_range, "CutBudget::segment_triangles");
     }
     for (const std::uint32_t views : {0u, max_cut_views + 1, 0xffffffffu}) {
         b = good;
         b.views = views;
-        refused(b, Code::out_of_range, "CutBudget::views");
+        refused(b, StatusCode::out_of_range, "CutBudget::views");
     }
     baker::BakeOptions options = small_bake(4);
-    options.order = Order::linear;
+    options.order = PageOrder::linear;
     const auto linear = bake_and_load(random_dem(random, 33, 33, Shape::fractal), options);
-    REQUIRE(create(linear.terrain, least_cut(linear.terrain), 1 << 20).code == Code::not_supported);
+    REQUIRE(create(linear.terrain, least_cut(linear.terrain), 1 << 20).code == StatusCode::not_supported);
     REQUIRE(cut_bytes(linear.terrain, least_cut(linear.terrain)) == 0);
 }
 
@@ -420,7 +420,7 @@ TEST_CASE("memory that is not aligned is refused") {
     const auto memory = io::allocate(bytes + 64);
     LiveCut cut;
     const Status s = create_cut(pack.terrain, {}, {memory.get() + 32, bytes}, cut);
-    REQUIRE(s.code == Code::out_of_range);
+    REQUIRE(s.code == StatusCode::out_of_range);
     REQUIRE(std::string(s.field) == "memory alignment");
 }
 
@@ -435,11 +435,11 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
     const auto refused = [&](const View& view, const CutSettings& settings, const std::string& field) {
         CutReport report;
         const Status s = update_cut(cut.cut, {&view, 1}, settings, report);
-        CHECK(s.code == Code::out_of_range);
+        CHECK(s.code == StatusCode::out_of_range);
         CHECK(std::string(s.field).rfind(field, 0) == 0);
         CHECK((triangles_of(cut.mesh()) == before));
         CHECK(check_cut(cut) == "");
-        CHECK(rebuild_cut(cut.cut, {&view, 1}, settings, report).code == Code::out_of_range);
+        CHECK(rebuild_cut(cut.cut, {&view, 1}, settings, report).code == StatusCode::out_of_range);
         CHECK((triangles_of(cut.mesh()) == before));
     };
     View bad = good;

@@ -266,8 +266,8 @@ TEST_CASE("a page that is not loaded is released at once, one that does not exis
     bool released = false;
     REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
     REQUIRE(released);
-    REQUIRE(cut_release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == Code::out_of_range);
-    REQUIRE(cut_release_page(cut.cut, 0, pack.terrain.pages_per_tile(), released).code == Code::out_of_range);
+    REQUIRE(cut_release_page(cut.cut, pack.terrain.tile_count(), 0, released).code == StatusCode::out_of_range);
+    REQUIRE(cut_release_page(cut.cut, 0, pack.terrain.pages_per_tile(), released).code == StatusCode::out_of_range);
 }
 
 TEST_CASE(

@@ -149,7 +149,7 @@ TEST_CASE("a frame that reports converged keeps the screen bound, with its corne
     for (int round = 0; round < rounds(15, 60); ++round) {
         const auto pack = random_terrain(random, 140, 6);
         const Terrain& terrain = pack.terrain;
-        if (terrain.header().estimate != Estimate::max) continue;
+        if (terrain.header().estimate != ErrorEstimate::max) continue;
         Cut cut(terrain, ample_cut(terrain));
         CutSettings settings;
         View view = random_view(random, terrain);

@@ -70,7 +70,7 @@ TEST_CASE("more views than the budget says are refused by name, and nothing chan
     CutReport report;
     for (const std::span<const View> wrong : {std::span<const View>(views), std::span<const View>()}) {
         const Status refused = update_cut(cut.cut, wrong, settings, report);
-        REQUIRE(refused.code == Code::out_of_range);
+        REQUIRE(refused.code == StatusCode::out_of_range);
         REQUIRE(std::string(refused.field) == "views (1 to CutBudget::views)");
         REQUIRE((triangles_of(cut.mesh()) == before));
         REQUIRE(check_cut(cut) == "");

@@ -19,10 +19,10 @@ VertexSet seen_of(const Terrain& terrain, const VertexSet& set, std::span<const 
     VertexSet out(set.size(), false);
     const std::int32_t columns = t.tree.grid_columns();
     for (std::size_t i = 0; i < set.size(); ++i) {
-        const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
+        const SampleIndex c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
         if (!set[i] || t.tree.is_corner(c)) continue;
         const TerrainData::Vertex v = t.vertex(c);
-        const Coord at = t.tree.sample(c);
+        const SampleIndex at = t.tree.sample(c);
         for (const View& view : views) {
             const Frustum f = make_frustum(view);
             const Vec3 p = Vec3{t.x_m(at.x), v.height_m, t.z_m(at.y)} - view.eye_m;

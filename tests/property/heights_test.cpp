@@ -19,7 +19,7 @@ std::size_t differences(const Terrain& whole, const io::FullHeights& grid) {
     std::size_t wrong = 0;
     for (std::int32_t y = 0; y < grid.rows; ++y)
         for (std::int32_t x = 0; x < grid.columns; ++x) {
-            const Coord at{x << grid.step_log2, y << grid.step_log2};
+            const SampleIndex at{x << grid.step_log2, y << grid.step_log2};
             const float is = grid.heights_m[static_cast<std::size_t>(y * grid.columns + x)];
             if (data_of(whole).is_hole(data_of(whole).tree.sample(at)))
                 wrong += !std::isnan(is);
@@ -41,7 +41,7 @@ TEST_CASE("the heights read from a pack are those of its terrain, whatever its o
             random_dem(random, pick(random, 2, large ? 500 : 150), pick(random, 2, large ? 400 : 120), Shape::fractal);
         if (round % 5 < 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
         const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);

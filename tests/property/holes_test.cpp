@@ -22,30 +22,30 @@ io::LoadedPack random_holed_terrain(Random& random, bool large) {
         random_dem(random, columns, rows, static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
     add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
-    options.order = static_cast<Order>(pick(random, 0, 2));
-    options.estimate = pick(random, 0, 3) ? Estimate::max : Estimate::midpoint;
+    options.order = static_cast<PageOrder>(pick(random, 0, 2));
+    options.estimate = pick(random, 0, 3) ? ErrorEstimate::max : ErrorEstimate::midpoint;
     return bake_and_load(std::move(dem), options);
 }
 
 // Every sample in the closed triangle.
-std::vector<Coord> samples_under(const Triangle& t) {
-    const auto turn = [](Coord a, Coord b, Coord p) {
+std::vector<SampleIndex> samples_under(const Triangle& t) {
+    const auto turn = [](SampleIndex a, SampleIndex b, SampleIndex p) {
         return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x);
     };
     const std::int64_t sign = turn(t[0], t[1], t[2]) < 0 ? -1 : 1;
     const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
     const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-    std::vector<Coord> samples;
+    std::vector<SampleIndex> samples;
     for (std::int32_t y = y0; y <= y1; ++y)
         for (std::int32_t x = x0; x <= x1; ++x) {
-            const Coord p{x, y};
+            const SampleIndex p{x, y};
             if (turn(t[0], t[1], p) * sign >= 0 && turn(t[1], t[2], p) * sign >= 0 && turn(t[2], t[0], p) * sign >= 0)
                 samples.push_back(p);
         }
     return samples;
 }
 
-Vec3 position(const Terrain& t, Coord c) {
+Vec3 position(const Terrain& t, SampleIndex c) {
     return {t.x_m(c.x), data_of(t).height_m(c), t.z_m(c.y)};
 }
 
@@ -54,15 +54,15 @@ Vec3 position(const Terrain& t, Coord c) {
 double rim_px(const Terrain& terrain, const std::vector<Triangle>& whole, const View& view) {
     double worst = 0;
     for (const Triangle& t : whole) {
-        const std::vector<Coord> samples = samples_under(t);
+        const std::vector<SampleIndex> samples = samples_under(t);
         if (samples.size() == 3) continue;
         std::size_t holes = 0;
-        for (const Coord c : samples) holes += data_of(terrain).is_hole(c);
+        for (const SampleIndex c : samples) holes += data_of(terrain).is_hole(c);
         if (holes == 0 || holes == samples.size()) continue;
         double size = 0;
         for (std::size_t i = 0; i < 3; ++i)
             size = std::max(size, length(position(terrain, t[i]) - position(terrain, t[(i + 1) % 3])));
-        for (const Coord c : samples)
+        for (const SampleIndex c : samples)
             worst = std::max(worst, size * lambda_px(view) / length(position(terrain, c) - view.eye_m));
     }
     return worst;
@@ -102,7 +102,7 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
             kept += expected.size();
             REQUIRE(triangles_of(method.mesh()) == expected);
             REQUIRE(report.triangles == expected.size());
-            if (terrain.header().estimate == Estimate::max) {
+            if (terrain.header().estimate == ErrorEstimate::max) {
                 const Frustum frustum = make_frustum(view);
                 const MeasuredError error =
                     measure_error(terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
@@ -147,7 +147,7 @@ TEST_CASE("ground without holes costs nothing: the flag of a hole changes no err
     // A leaf's diamond reaches two samples; everything above it must grow, nothing else may.
     for (std::int32_t y = 0; y < 129; ++y)
         for (std::int32_t x = 0; x < 129; ++x) {
-            const Coord v{x, y};
+            const SampleIndex v{x, y};
             const auto before = data_of(solid.terrain).vertex(v), after = data_of(holed.terrain).vertex(v);
             const std::int32_t reach = data_of(solid.terrain).tree.is_corner(v) ? 0 : 2 << Tree::step_log2(v);
             // The hole's own vertex stands on what continues the ground around it.

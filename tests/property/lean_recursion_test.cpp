@@ -22,7 +22,7 @@ std::vector<Triangle> triangles_of(const bench::LeanRecursion& lean, const Terra
     const auto strip = lean.strip();
     const auto coord = [&](std::size_t i) {
         const bench::LeanVertex& v = lean.vertex(strip[i]);
-        return Coord{static_cast<std::int32_t>(std::lround(v.x_m / terrain.header().spacing_m[0])),
+        return SampleIndex{static_cast<std::int32_t>(std::lround(v.x_m / terrain.header().spacing_m[0])),
                      static_cast<std::int32_t>(std::lround(v.z_m / terrain.header().spacing_m[1]))};
     };
     std::vector<Triangle> triangles;
@@ -32,7 +32,7 @@ std::vector<Triangle> triangles_of(const bench::LeanRecursion& lean, const Terra
         if (i % 2) std::swap(t[0], t[1]);
         std::rotate(t.begin(),
                     std::min_element(t.begin(), t.end(),
-                                     [](Coord a, Coord b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); }),
+                                     [](SampleIndex a, SampleIndex b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); }),
                     t.end());
         triangles.push_back(t);
     }

@@ -77,7 +77,7 @@ TEST_CASE("any grid of packs over any terrain is merged as it is split, and veri
     for (int round = 0; round < rounds(2, 12); ++round) {
         baker::BakeOptions options;
         options.tile_log2 = pick(random, 6, 8);
-        options.order = round % 2 ? Order::hierarchical_z : Order::planar;
+        options.order = round % 2 ? PageOrder::hierarchical_z : PageOrder::planar;
         const std::int32_t columns = pick(random, 300, 700), rows = pick(random, 300, 700);
         const Job job(terrain(random, columns, rows, round % 2 == 0), options);
         const baker::ShardPlan plan = job.plan(pick(random, 1, 9), "plan");

@@ -168,15 +168,15 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
         const auto pack = random_terrain(random, {4, 3, 3}, 0.001);
         const Terrain& terrain = pack.terrain;
         Recursive method(terrain, ample_budget(terrain));
-        const auto position = [&](Coord c) {
+        const auto position = [&](SampleIndex c) {
             return Vec3{terrain.x_m(c.x), data_of(terrain).height_m(c), terrain.z_m(c.y)};
         };
         for (int sample = 0; sample < 60; ++sample) {
-            const Coord v{pick(random, 0, data_of(terrain).tree.columns() - 1),
+            const SampleIndex v{pick(random, 0, data_of(terrain).tree.columns() - 1),
                           pick(random, 0, data_of(terrain).tree.rows() - 1)};
             if (data_of(terrain).tree.is_corner(v)) continue;
             const Diamond d = diamond(data_of(terrain).tree, v);
-            const Coord parent = d.apexes[pick(random, 0, 1)];
+            const SampleIndex parent = d.apexes[pick(random, 0, 1)];
             if (!data_of(terrain).tree.contains(parent) || data_of(terrain).tree.is_corner(parent)) continue;
             RefineSettings settings;
             settings.cull = false;
@@ -211,15 +211,15 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
         const Reach reach = make_reach(view, settings.error_px);
         std::vector<bool> used(static_cast<std::size_t>(data_of(terrain).tree.columns()) *
                                static_cast<std::size_t>(data_of(terrain).tree.rows()));
-        const auto at = [&](Coord c) {
+        const auto at = [&](SampleIndex c) {
             return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(terrain).tree.columns()) +
                    static_cast<std::size_t>(c.x);
         };
         for (const Triangle& t : triangles_of(method.mesh()))
-            for (const Coord c : t) used[at(c)] = true;
+            for (const SampleIndex c : t) used[at(c)] = true;
         for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
             for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
-                const Coord c{x, y};
+                const SampleIndex c{x, y};
                 const TerrainData::Vertex r = data_of(terrain).vertex(c);
                 const bool expected =
                     data_of(terrain).tree.is_corner(c) ||
@@ -234,7 +234,7 @@ TEST_CASE("with culling, too, what is selected is exactly what is wanted and mee
     for (int round = 0; round < rounds(40, 160); ++round) {
         const auto shape = static_cast<Shape>(round % static_cast<int>(Shape::count));
         baker::BakeOptions options = small_bake(pick(random, 1, 8));
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const auto pack = bake_and_load(random_dem(random, pick(random, 2, 260), pick(random, 2, 200), shape), options);
         const Terrain& terrain = pack.terrain;
         const TerrainData& data = data_of(terrain);
@@ -250,12 +250,12 @@ TEST_CASE("with culling, too, what is selected is exactly what is wanted and mee
             const Frustum frustum = make_frustum(view);
             // Of the grid, row by row, also beyond the rim.
             const std::int32_t columns = data.tree.grid_columns(), rows = data.tree.grid_rows();
-            const auto at = [&](Coord c) { return static_cast<std::size_t>(c.y) * columns + c.x; };
+            const auto at = [&](SampleIndex c) { return static_cast<std::size_t>(c.y) * columns + c.x; };
             std::vector<bool> expected(static_cast<std::size_t>(columns) * rows), used = expected, drawn = expected;
             for (std::int32_t y = 0; y < rows; ++y)
                 for (std::int32_t x = 0; x < columns; ++x) {
                     const TerrainData::Vertex v = data.vertex({x, y});
-                    const Coord s = data.tree.sample({x, y});
+                    const SampleIndex s = data.tree.sample({x, y});
                     const float px = terrain.x_m(s.x), pz = terrain.z_m(s.y);
                     const Vec3 p = Vec3{px, v.height_m, pz} - view.eye_m;
                     bool in = settings.metric == Metric::depth
@@ -273,12 +273,12 @@ TEST_CASE("with culling, too, what is selected is exactly what is wanted and mee
                 for (std::int32_t y = 0; y <= side; ++y)
                     for (std::int32_t x = 0; x <= side; ++x) {
                         const auto tile = static_cast<std::int32_t>(range.tile);
-                        const Coord c{tile % data.tree.tiles_x * side + x, tile / data.tree.tiles_x * side + y};
+                        const SampleIndex c{tile % data.tree.tiles_x * side + x, tile / data.tree.tiles_x * side + y};
                         drawn[at(c)] = true;
                         count += expected[at(c)];
                     }
             for (const Triangle& t : triangles_of(mesh))
-                for (const Coord c : t) used[at(c)] = true;
+                for (const SampleIndex c : t) used[at(c)] = true;
             std::size_t wrong = 0;
             for (std::int32_t y = 0; y < data.tree.rows() - 1; ++y) // at the rim several stand at one sample
                 for (std::int32_t x = 0; x < data.tree.columns() - 1; ++x)
@@ -451,7 +451,7 @@ TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it wa
     FrameReport report;
     const auto refused = [&](const View& view, const RefineSettings& settings, const std::string& field) {
         const Status s = update_recursive(method.method, view, settings, report);
-        CHECK(s.code == Code::out_of_range);
+        CHECK(s.code == StatusCode::out_of_range);
         CHECK(std::string(s.field).rfind(field, 0) == 0);
         CHECK(triangles_of(method.mesh()) == before);
     };

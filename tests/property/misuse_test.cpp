@@ -201,7 +201,7 @@ private:
         REQUIRE((t.valid() || !hit.hit));
         std::array<float, 100> heights{};
         std::array<bool, 100> holes{};
-        const Coord first{static_cast<std::int32_t>(odd_index(random_)), static_cast<std::int32_t>(odd_index(random_))};
+        const SampleIndex first{static_cast<std::int32_t>(odd_index(random_)), static_cast<std::int32_t>(odd_index(random_))};
         const auto given = static_cast<std::size_t>(pick(random_, 0, 100));
         const GroundPatch patch = ground_patch(t, first, static_cast<int>(odd_index(random_)), odd_index(random_),
                                                std::span(heights).first(given), std::span(holes).first(given));
@@ -308,7 +308,7 @@ private:
         LiveCut cut;
         count(create_cut(t, budget, std::span(little).subspan(1), cut));
         REQUIRE(cut == LiveCut{});
-        REQUIRE((needed == 0) == (create_cut(t, budget, {}, cut).code != Code::memory_too_small));
+        REQUIRE((needed == 0) == (create_cut(t, budget, {}, cut).code != StatusCode::memory_too_small));
         StreamBudget streaming = stream_budget;
         if (pick(random_, 0, 1)) streaming.page_requests = odd_index(random_);
         if (pick(random_, 0, 1)) streaming.tail_log2 = odd_index(random_);
@@ -397,15 +397,15 @@ TEST_CASE("a handle is refused once its object is destroyed, also when another o
     REQUIRE(update_cut(cut, {&view, 1}, {}, report).ok());
 
     REQUIRE(destroy_terrain(moved).ok());
-    CHECK(destroy_terrain(moved).code == Code::invalid_handle);
-    CHECK(update_cut(cut, {&view, 1}, {}, report).code == Code::invalid_handle);
+    CHECK(destroy_terrain(moved).code == StatusCode::invalid_handle);
+    CHECK(update_cut(cut, {&view, 1}, {}, report).code == StatusCode::invalid_handle);
     CHECK(cut_mesh(cut).mesh.vertices.empty());
     CHECK(cut_take_changes(cut).vertex_words.empty());
     Terrain second;
     REQUIRE(load_terrain(pack.pack, span_of(memory), second).ok());
     CHECK(!moved.valid());
-    CHECK(load_page(pack.pack, moved, 0, 0).code == Code::invalid_handle);
-    CHECK(update_cut(cut, {&view, 1}, {}, report).code == Code::invalid_handle);
+    CHECK(load_page(pack.pack, moved, 0, 0).code == StatusCode::invalid_handle);
+    CHECK(update_cut(cut, {&view, 1}, {}, report).code == StatusCode::invalid_handle);
     CHECK(second.valid());
     CHECK(load_page(pack.pack, second, 0, 0).ok());
 }
@@ -415,13 +415,13 @@ TEST_CASE("a pack or a cut of another terrain is refused") {
     const auto one = bake_and_load(random_dem(random, 65, 65, Shape::fractal), small_bake(5));
     const auto other = bake_and_load(random_dem(random, 65, 65, Shape::fractal), small_bake(5));
     PagedTerrain a(one.pack, {}), b(other.pack, {});
-    CHECK(load_page(other.pack, a.terrain, 0, 0).code == Code::wrong_pack);
+    CHECK(load_page(other.pack, a.terrain, 0, 0).code == StatusCode::wrong_pack);
     const Block memory = make_block(cut_bytes(b.terrain, {})),
                 streaming = make_block(stream_bytes(one.pack, a.terrain, {}));
     LiveCut cut;
     REQUIRE(create_cut(b.terrain, {}, span_of(memory), cut).ok());
     Stream stream;
-    CHECK(create_stream(one.pack, a.terrain, cut, {}, span_of(streaming), stream).code == Code::wrong_terrain);
-    CHECK(create_stream(other.pack, a.terrain, {}, {}, span_of(streaming), stream).code == Code::wrong_pack);
+    CHECK(create_stream(one.pack, a.terrain, cut, {}, span_of(streaming), stream).code == StatusCode::wrong_terrain);
+    CHECK(create_stream(other.pack, a.terrain, {}, {}, span_of(streaming), stream).code == StatusCode::wrong_pack);
     CHECK(create_stream(one.pack, a.terrain, {}, {}, span_of(streaming), stream).ok());
 }

@@ -185,16 +185,16 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const auto pack = rich_terrain(random, 33, pick(random, 2, 5));
         const Terrain& terrain = pack.terrain;
         const View view = view_from_above(terrain, uniform(random, 1, 30));
-        const auto distance_m = [&](Coord c) {
+        const auto distance_m = [&](SampleIndex c) {
             const double height_m = static_cast<double>(data_of(terrain).vertex(c).height_m);
             return length(Vec3{terrain.x_m(c.x), height_m, terrain.z_m(c.y)} - view.eye_m);
         };
-        const auto reach_m = [&](Coord c, double q) {
+        const auto reach_m = [&](SampleIndex c, double q) {
             const TerrainData::Vertex v = data_of(terrain).vertex(c);
             return static_cast<double>(v.radius_m) + static_cast<double>(v.error_m) * q;
         };
         // A threshold at which some vertex has just begun: there the edges' ends have the least to spare.
-        const Coord some{pick(random, 0, 32), pick(random, 0, 32)};
+        const SampleIndex some{pick(random, 0, 32), pick(random, 0, 32)};
         const double error_m = static_cast<double>(data_of(terrain).vertex(some).error_m);
         if (data_of(terrain).tree.is_corner(some) || error_m == 0) continue;
         const double nested = 1 + static_cast<double>(terrain.header().nesting);
@@ -212,9 +212,9 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
         for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
             for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
-                const Coord c{x, y};
+                const SampleIndex c{x, y};
                 if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
-                for (const Coord end : diamond(data_of(terrain).tree, c).ends)
+                for (const SampleIndex end : diamond(data_of(terrain).tree, c).ends)
                     early += !data_of(terrain).tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
             }
         CHECK(early == 0);
@@ -267,7 +267,7 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
             for (std::size_t n = 0; n < count * drawn.size(); ++n) {
                 const View& view = views[n / drawn.size()];
                 const std::size_t i = n % drawn.size();
-                const Coord c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
+                const SampleIndex c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
                 const double height = data_of(terrain).height_m(c);
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
                 const double error_px = std::abs(height - drawn[i]) * lambda_px(view) / length(p - view.eye_m);

@@ -187,7 +187,7 @@ TEST_CASE("packs of two bakes are not mixed, nor damaged ones taken") {
     CHECK(says(with_other(3, small_bake(6)), "1-0.fjell: height scale: not that of"));
     CHECK(says(with_other(1, small_bake(6, 0.1)), "1-0.fjell: nesting: not that of"));
     baker::BakeOptions ordered = small_bake(6);
-    ordered.order = Order::hierarchical_z;
+    ordered.order = PageOrder::hierarchical_z;
     CHECK(says(with_other(1, ordered), "1-0.fjell: order: not that of"));
     const auto with_link = [&](const std::string& target) {
         std::filesystem::remove(part);
@@ -346,13 +346,13 @@ TEST_CASE("parts that lie over each other or outside the set are refused, and wh
     CHECK(made({first, second}).ok());
     CHECK(made({second, first}).ok());
     const Status twice = made({first, second, second});
-    CHECK(twice.code == Code::out_of_range);
+    CHECK(twice.code == StatusCode::out_of_range);
     CHECK(at_fault == 2);
-    CHECK(made({}).code == Code::out_of_range);
-    CHECK(made({first, {nullptr, {}, 0, 0}}).code == Code::not_a_pack);
-    CHECK(made({first, {&b.pack(), {}, 2, 0}}).code == Code::corrupt);
+    CHECK(made({}).code == StatusCode::out_of_range);
+    CHECK(made({first, {nullptr, {}, 0, 0}}).code == StatusCode::not_a_pack);
+    CHECK(made({first, {&b.pack(), {}, 2, 0}}).code == StatusCode::corrupt);
     CHECK(at_fault == 1);
-    CHECK(make_set_index(shape, std::vector<SetPart>{first}, {}, index, at_fault).code == Code::memory_too_small);
+    CHECK(make_set_index(shape, std::vector<SetPart>{first}, {}, index, at_fault).code == StatusCode::memory_too_small);
     std::uint64_t in_part = 7;
     const std::vector<SetPart> parts{first, second};
     CHECK(set_part_at(parts, 511, in_part) == 2);

@@ -33,7 +33,7 @@ PackAndSet random_set(Random& random) {
     int log2 = 0;
     baker::Dem dem = random_field(random, log2);
     baker::BakeOptions options = small_bake(log2);
-    options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
+    options.order = pick(random, 0, 2) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
     return {random, std::move(dem), options};
 }
 
@@ -176,7 +176,7 @@ void load_or_unload(Random& random, const Pack& pack, const Terrain& terrain) {
         return;
     }
     const Status s = load_page(pack, terrain, tile, page);
-    REQUIRE((s.ok() || s.code == Code::coarser_page_first));
+    REQUIRE((s.ok() || s.code == StatusCode::coarser_page_first));
 }
 
 } // namespace
@@ -371,7 +371,7 @@ TEST_CASE("queries of a sparse set are those of the whole where it has tiles, an
                                row = pick(random, 0, static_cast<int>(whole.rows()) - 1);
             const double u = pick(random, 0, 1) ? uniform(random, 0, 1) : 0,
                          x = (column + u) * whole.header().spacing_m[0], z = row * whole.header().spacing_m[1];
-            const Coord tile{std::min(column / side, data_of(whole).tree.tiles_x - 1),
+            const SampleIndex tile{std::min(column / side, data_of(whole).tree.tiles_x - 1),
                              std::min(row / side, data_of(whole).tree.tiles_y - 1)};
             const GroundHeight of_whole = ground_height(whole, x, z), of_part = ground_height(part, x, z);
             CAPTURE(round, column, row, u);
@@ -397,8 +397,8 @@ TEST_CASE("queries of a sparse set are those of the whole where it has tiles, an
                 const std::size_t at = static_cast<std::size_t>(row) * patch_side + static_cast<std::size_t>(column);
                 const TerrainData::Vertex v = data_of(part).vertex({column, row});
                 bool held = false;
-                for (const Coord by : {Coord{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
-                    const Coord of{(column - by.x) / side, (row - by.y) / side};
+                for (const SampleIndex by : {SampleIndex{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+                    const SampleIndex of{(column - by.x) / side, (row - by.y) / side};
                     held = held || (column >= by.x && row >= by.y && part.tile_at(of) != no_tile);
                 }
                 CAPTURE(round, column, row);

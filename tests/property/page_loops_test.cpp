@@ -42,7 +42,7 @@ struct CoarserSteps {
     std::vector<VertexRecord> records[page_squares_log2];
     StepRows rows[page_squares_log2];
     explicit CoarserSteps(Random& random) {
-        const auto order = pick(random, 0, 1) ? Order::planar : Order::hierarchical_z;
+        const auto order = pick(random, 0, 1) ? PageOrder::planar : PageOrder::hierarchical_z;
         for (int k = 0; k < page_squares_log2; ++k) {
             const auto squares = static_cast<std::uint32_t>(pick(random, k, page_squares_log2));
             const std::uint32_t side = 1u << squares, room = side - (1u << k);
@@ -95,7 +95,7 @@ public:
     Reference(const io::LoadedPack& pack, std::uint32_t tile, std::uint32_t page)
         : terrain_(data_of(pack.terrain)),
           pages_(terrain_.pages), planar_{pages_.tile_log2,
-                                          pages_.order == Order::linear ? Order::linear : Order::planar},
+                                          pages_.order == PageOrder::linear ? PageOrder::linear : PageOrder::planar},
           page_(page), count_(pages_.page_vertices(page)), leaf_(terrain_.errors, terrain_.header.quantum_m) {
         const std::int32_t side = terrain_.tree.side();
         corner_ = {static_cast<std::int32_t>(tile % terrain_.header.tiles_x) * side,
@@ -137,14 +137,14 @@ public:
 
 private:
     // Of the vertex that is stored as number i: pages store planar order, whatever they are decoded to.
-    [[nodiscard]] Coord coord(std::uint32_t i) const {
+    [[nodiscard]] SampleIndex coord(std::uint32_t i) const {
         if (!is_step_page(pages_, page_)) return planar_.coord({page_, i});
-        const Coord p = pages_.page_position(page_);
+        const SampleIndex p = pages_.page_position(page_);
         return planar_.coord({planar_.page_at(pages_.page_step_log2(page_), static_cast<std::uint32_t>(p.x),
                                               static_cast<std::uint32_t>(p.y)),
                               i});
     }
-    [[nodiscard]] std::size_t at(Coord c) const {
+    [[nodiscard]] std::size_t at(SampleIndex c) const {
         return static_cast<std::size_t>(c.y * (terrain_.tree.side() + 1) + c.x);
     }
     void restore_rows(const StoredPage& stored) {
@@ -160,7 +160,7 @@ private:
         }
     }
     void derive() {
-        const Coord p = pages_.page_position(page_);
+        const SampleIndex p = pages_.page_position(page_);
         static CornerSteps corners;
         for (std::int32_t j = 0; j <= static_cast<std::int32_t>(page_squares); ++j)
             for (std::int32_t i = 0; i <= static_cast<std::int32_t>(page_squares); ++i)
@@ -176,7 +176,7 @@ private:
     PageLayout pages_, planar_;
     std::uint32_t page_, count_;
     LeafErrors leaf_;
-    Coord corner_;
+    SampleIndex corner_;
     PageEntry entry_;
     std::vector<std::byte> raw_;
     PageArrays expected_;
@@ -256,7 +256,7 @@ TEST_CASE("a page's records are what the pack's format says, whatever the order,
                                 : random_dem(random, pick(random, 2, most), pick(random, 2, most), shape);
         if (!rugged && round % 3 != round % 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const io::LoadedPack pack = bake_and_load(std::move(dem), options);
         CAPTURE(round, log2, static_cast<int>(options.order));
         for (std::uint32_t tile = 0; tile < pack.terrain.tile_count(); ++tile)

@@ -26,8 +26,8 @@ void load_some(Random& random, const Pack& pack, Terrain& terrain) {
         for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page) {
             if (uniform(random, 0, 1) > share) continue;
             const Status s = load_page(pack, terrain, tile, page);
-            if (s.code == Code::out_of_slots) return;
-            REQUIRE((s.ok() || s.code == Code::coarser_page_first));
+            if (s.code == StatusCode::out_of_slots) return;
+            REQUIRE((s.ok() || s.code == StatusCode::coarser_page_first));
         }
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < terrain.pages_per_tile(); ++page)
@@ -51,27 +51,27 @@ public:
                 for (std::int32_t x = 0; x < columns_; x += step) decide({x, y}, level, reach);
         }
     }
-    [[nodiscard]] bool in(Coord c) const { return in_[at(c)]; }
+    [[nodiscard]] bool in(SampleIndex c) const { return in_[at(c)]; }
 
 private:
     void absent(std::uint32_t tile, std::uint32_t page) {
-        const Coord corner{static_cast<std::int32_t>(tile % full_.header().tiles_x) * data_of(full_).tree.side(),
+        const SampleIndex corner{static_cast<std::int32_t>(tile % full_.header().tiles_x) * data_of(full_).tree.side(),
                            static_cast<std::int32_t>(tile / full_.header().tiles_x) * data_of(full_).tree.side()};
         for (std::uint32_t i = 0; i < data_of(full_).pages.page_vertices(page); ++i) {
-            const Coord c = corner + data_of(full_).pages.coord({page, i});
+            const SampleIndex c = corner + data_of(full_).pages.coord({page, i});
             if (!data_of(full_).tree.is_corner(c)) in_[at(c)] = false;
         }
     }
-    void decide(Coord c, int level, const Reach& reach) {
+    void decide(SampleIndex c, int level, const Reach& reach) {
         if (data_of(full_).tree.is_corner(c) || data_of(full_).tree.level(c) != level || !in_[at(c)]) return;
         const TerrainData::Vertex v = data_of(full_).vertex(c);
-        const Coord s = data_of(full_).tree.sample(c);
+        const SampleIndex s = data_of(full_).tree.sample(c);
         bool in = wanted(reach, full_.x_m(s.x), v.height_m, full_.z_m(s.y), v.error_m, v.radius_m);
-        for (const Coord parent : diamond(data_of(full_).tree, c).apexes)
+        for (const SampleIndex parent : diamond(data_of(full_).tree, c).apexes)
             in = in && (!data_of(full_).tree.contains(parent) || in_[at(parent)]);
         in_[at(c)] = in;
     }
-    [[nodiscard]] std::size_t at(Coord c) const {
+    [[nodiscard]] std::size_t at(SampleIndex c) const {
         return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c.x);
     }
     const Terrain& full_;
@@ -88,7 +88,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
         baker::Dem dem = random_dem(random, pick(random, 2, 300), pick(random, 2, 200), Shape::fractal);
         if (pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
         std::vector<io::LoadedPack> packs;
-        for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+        for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
             baker::BakeOptions options = small_bake(log2);
             options.order = order;
             packs.push_back(bake_and_load(dem, options));
@@ -131,7 +131,7 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
                                     pick(random, 0, 1) ? Shape::fractal : Shape::noise);
         if (pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const auto pack = bake_and_load(std::move(dem), options);
         TerrainBudget slots;
         if (pick(random, 0, 2) == 0)
@@ -152,12 +152,12 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             if (!pack.terrain.has_voids()) REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
             std::vector<bool> used(data_of(pack.terrain).tree.columns() *
                                    static_cast<std::size_t>(data_of(pack.terrain).tree.rows()));
-            const auto at = [&](Coord c) {
+            const auto at = [&](SampleIndex c) {
                 return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(pack.terrain).tree.columns()) +
                        static_cast<std::size_t>(c.x);
             };
             for (const Triangle& t : triangles)
-                for (const Coord c : t) used[at(c)] = true;
+                for (const SampleIndex c : t) used[at(c)] = true;
             if (pack.terrain.has_voids()) continue; // what is left out of a mesh is not looked for in it
             std::size_t wrong = 0;
             const Target target(pack.terrain, paged.terrain, view, settings.error_px);
@@ -179,7 +179,7 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
 
 TEST_CASE("whichever single page is missing, and whatever the order, there is no crack") {
     Random random(55);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         baker::BakeOptions options = small_bake(7);
         options.order = order;
         const auto pack = bake_and_load(random_dem(random, 257, 257, Shape::noise), options);
@@ -212,17 +212,17 @@ TEST_CASE("a page asks for the coarser pages over it, and slots run out by name"
     const std::uint32_t last = pack.terrain.pages_per_tile() - 1;
     REQUIRE(pack.terrain.pages_per_tile() == 1 + 1 + 4 + 16);
     PagedTerrain paged(pack.pack, {3});
-    CHECK(load_page(pack.pack, paged.terrain, 0, last).code == Code::coarser_page_first);
+    CHECK(load_page(pack.pack, paged.terrain, 0, last).code == StatusCode::coarser_page_first);
     CHECK(load_page(pack.pack, paged.terrain, 0, 0).ok());
     CHECK(load_page(pack.pack, paged.terrain, 0, 0).ok());
     CHECK(load_page(pack.pack, paged.terrain, 0, 1).ok());
-    CHECK(load_page(pack.pack, paged.terrain, 0, last).code == Code::coarser_page_first);
+    CHECK(load_page(pack.pack, paged.terrain, 0, last).code == StatusCode::coarser_page_first);
     CHECK(load_page(pack.pack, paged.terrain, 0, 5).ok());
     const Status full = load_page(pack.pack, paged.terrain, 0, last);
-    CHECK(full.code == Code::out_of_slots);
+    CHECK(full.code == StatusCode::out_of_slots);
     CHECK(std::string(full.field) == "TerrainBudget::page_slots");
-    CHECK(load_page(pack.pack, paged.terrain, 0, last + 1).code == Code::out_of_range);
-    CHECK(load_page(pack.pack, paged.terrain, 1, 0).code == Code::out_of_range);
+    CHECK(load_page(pack.pack, paged.terrain, 0, last + 1).code == StatusCode::out_of_range);
+    CHECK(load_page(pack.pack, paged.terrain, 1, 0).code == StatusCode::out_of_range);
     CHECK(paged.terrain.pages_missing() == pack.terrain.page_count() - 3);
     (void)unload_page(paged.terrain, 0, 0);
     (void)unload_page(paged.terrain, 0, 0);
@@ -231,7 +231,7 @@ TEST_CASE("a page asks for the coarser pages over it, and slots run out by name"
 
 TEST_CASE("pages that went and came back hold the same records") {
     Random random(54);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         baker::BakeOptions options = small_bake(7);
         options.order = order;
         const auto pack = bake_and_load(random_dem(random, 200, 150, Shape::noise), options);

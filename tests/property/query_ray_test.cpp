@@ -82,7 +82,7 @@ Hits brute_force(const Terrain& t, const Ray& ray, double slack_cells, double lo
                 bool inside = true, near = true;
                 double near_from = 0, near_to = ray.most;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    const Coord a = c[k], b = c[(k + 1) % 3];
+                    const SampleIndex a = c[k], b = c[(k + 1) % 3];
                     const double sign = area > 0 ? 1 : -1;
                     const double e0 = sign * ((b.x - a.x) * (oy - a.y) - (b.y - a.y) * (ox - a.x)),
                                  e1 = sign * ((b.x - a.x) * dy - (b.y - a.y) * dx);
@@ -236,7 +236,7 @@ TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at
     // From below it is met as well.
     REQUIRE(cast_ray(t, {x, t.header().min_m - 10.0, z}, {0, 1, 0}, infinity).position_m.y ==
             Approx(ground_height(t, x, z).height_m));
-    const Coord sample{20, 30};
+    const SampleIndex sample{20, 30};
     const Vec3 on{t.header().spacing_m[0] * sample.x, data_of(t).height_m(sample), t.header().spacing_m[1] * sample.y};
     REQUIRE(cast_ray(t, on, {0.3, -1, 0.2}, infinity).distance_m <= 0x1p-20 * std::abs(on.y));
 }

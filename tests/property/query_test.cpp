@@ -135,7 +135,7 @@ TEST_CASE("all orders give the same answers, bit for bit, also on the lines betw
         if (round % 2) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
         std::vector<io::LoadedPack> packs;
-        for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+        for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
             options.order = order;
             packs.push_back(bake_and_load(dem, options));
         }
@@ -199,7 +199,7 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
         const Terrain& t = all ? pack.terrain : paged.terrain;
         const int step = pick(random, 0, round % 5 == 4 ? 7 : 3); // with large ones the rim comes soon
         const auto side = static_cast<std::uint32_t>(pick(random, 2, 40));
-        Coord first{pick(random, -20, data_of(t).tree.columns()), pick(random, -20, data_of(t).tree.rows())};
+        SampleIndex first{pick(random, -20, data_of(t).tree.columns()), pick(random, -20, data_of(t).tree.rows())};
         if (pick(random, 0, 1)) first = {first.x >> step << step, first.y >> step << step};
         std::vector<float> heights(side * side);
         const auto holes = std::make_unique<bool[]>(side * side);
@@ -207,7 +207,7 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
         if (all) REQUIRE(patch.finest);
         for (std::uint32_t j = 0; j < side; ++j)
             for (std::uint32_t i = 0; i < side; ++i) {
-                const Coord c{std::clamp(first.x + (static_cast<int>(i) << step), 0, data_of(t).tree.columns() - 1),
+                const SampleIndex c{std::clamp(first.x + (static_cast<int>(i) << step), 0, data_of(t).tree.columns() - 1),
                               std::clamp(first.y + (static_cast<int>(j) << step), 0, data_of(t).tree.rows() - 1)};
                 const float got = heights[j * side + i];
                 const TerrainData::Vertex truth = data_of(pack.terrain).vertex(c);
@@ -235,7 +235,7 @@ TEST_CASE(
         const Terrain& t = pack.terrain;
         const int columns = data_of(t).tree.columns(), rows = data_of(t).tree.rows();
         const int side = pick(random, 2, std::min({columns, rows, 20}));
-        const Coord first{pick(random, 0, columns - side), pick(random, 0, rows - side)};
+        const SampleIndex first{pick(random, 0, columns - side), pick(random, 0, rows - side)};
         std::vector<float> heights(static_cast<std::size_t>(side * side));
         const auto is_hole = std::make_unique<bool[]>(heights.size());
         const auto count = static_cast<std::uint32_t>(side);

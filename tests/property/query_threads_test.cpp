@@ -60,10 +60,10 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     constexpr std::uint32_t side = 9;
     float heights[side * side];
     bool holes[side * side];
-    const Coord first{static_cast<std::int32_t>(column) - 4, static_cast<std::int32_t>(row) - 4};
+    const SampleIndex first{static_cast<std::int32_t>(column) - 4, static_cast<std::int32_t>(row) - 4};
     const GroundPatch patch = ground_patch(paged, first, 0, side, heights, holes);
     for (std::uint32_t i = 0; i < side * side; ++i) {
-        const Coord c{std::clamp(first.x + static_cast<int>(i % side), 0, data_of(full).tree.columns() - 1),
+        const SampleIndex c{std::clamp(first.x + static_cast<int>(i % side), 0, data_of(full).tree.columns() - 1),
                       std::clamp(first.y + static_cast<int>(i / side), 0, data_of(full).tree.rows() - 1)};
         const TerrainData::Vertex v = data_of(full).vertex(c);
         const double float_m = 0x1p-22 * (std::abs(h.min_m) + std::abs(h.max_m));
@@ -85,7 +85,7 @@ std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std
         const Status s = load_page(pack, terrain, tile_of(n), page_of(n));
         refused += !s.ok();
         // The slot that was given back last is the next to be filled: a reader's page is replaced at once.
-        if (s.code != Code::out_of_slots && pick(random, 0, 2) != 0) continue;
+        if (s.code != StatusCode::out_of_slots && pick(random, 0, 2) != 0) continue;
         const std::uint32_t held =
             data_of(terrain).slot_page[pick(random, 0, static_cast<int>(data_of(terrain).slot_count) - 1)];
         if (held != no_index) (void)unload_page(terrain, tile_of(held), page_of(held));
@@ -97,7 +97,7 @@ std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std
 
 TEST_CASE("while one thread loads and unloads pages, every answer of others keeps its bound") {
     Random random(621);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         baker::Dem dem = random_dem(random, 500, 400, Shape::noise); // no vertex is like its neighbours
         dem.spacing_m[0] = dem.spacing_m[1] = 10;
         // Levels far from each other, so that a height with another page's base is far off.

@@ -190,7 +190,7 @@ struct Pair {
 
 TEST_CASE("packs of one bake agree where they meet, and joined they are the set that a split made") {
     Random random(501);
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}) {
         baker::Dem dem = ground(random, 3, 2);
         dem.columns -= 30; // the last tiles end with the terrain
         dem.heights_m.resize(std::size_t(dem.columns) * std::size_t(dem.rows));
@@ -213,7 +213,7 @@ TEST_CASE("packs of one bake agree where they meet, and joined they are the set 
         CHECK(joined.borders.vertices == 7 * (apart_side + 1));
         CHECK(joined.borders.bytes_read > 0);
         // Rows by rows a western side is in every page of its tile.
-        if (order != Order::linear) CHECK(joined.borders.bytes_read < 2 * joined.set.file_bytes);
+        if (order != PageOrder::linear) CHECK(joined.borders.bytes_read < 2 * joined.set.file_bytes);
         const io::PackFile file(set);
         CHECK(baker::verify(file, nullptr).ok());
     }

@@ -41,7 +41,7 @@ TEST_CASE("shards make the pack of one bake, byte for byte, however many they ar
     Random random(21);
     baker::BakeOptions options;
     options.tile_log2 = 6;
-    options.order = Order::hierarchical_z;
+    options.order = PageOrder::hierarchical_z;
     const Job job(terrain(random, 900, 620, false), options);
     for (const int shards : {1, 2, 3, 7, 16}) {
         INFO(shards << " shards");
@@ -57,7 +57,7 @@ TEST_CASE("holes and filled voids, several rounds of steps and mips, are the sam
     for (int round = 0; round < rounds(1, 12); ++round) {
         baker::BakeOptions options;
         options.tile_log2 = round == 0 ? 7 : pick(random, 6, 9);
-        options.estimate = round % 2 ? Estimate::midpoint : Estimate::max;
+        options.estimate = round % 2 ? ErrorEstimate::midpoint : ErrorEstimate::max;
         options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 4, 10));
         const Job job(terrain(random, pick(random, 520, 800), pick(random, 300, 700), round % 4 != 3), options);
         const baker::ShardPlan plan = job.plan(pick(random, 2, 9), "plan");

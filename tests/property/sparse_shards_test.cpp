@@ -109,8 +109,8 @@ TEST_CASE("whatever has ground, any grid of packs is the same from a plan for it
     for (int round = 0; round < rounds(1, 15); ++round) {
         baker::BakeOptions options;
         options.tile_log2 = pick(random, 6, 8);
-        options.estimate = round % 2 ? Estimate::midpoint : Estimate::max;
-        options.order = round % 3 ? Order::planar : Order::hierarchical_z;
+        options.estimate = round % 2 ? ErrorEstimate::midpoint : ErrorEstimate::max;
+        options.order = round % 3 ? PageOrder::planar : PageOrder::hierarchical_z;
         options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 4, 10));
         if (round % 5 == 2) options.horizon_spacing = 2; // nothing is left out
         const std::int32_t columns = pick(random, 900, 1500), rows = pick(random, 600, 1300);

@@ -98,12 +98,12 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                                 [&](const auto& h) { return h.request.ticket == ticket; }))
                     continue;
                 REQUIRE_FALSE(stream_still_wanted(on.stream, ticket));
-                REQUIRE(stream_provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == Code::out_of_range);
+                REQUIRE(stream_provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == StatusCode::out_of_range);
                 (void)stream_fail(on.stream, ticket, n % 2 != 0);
                 ++refused;
             }
             for (const StreamRequest& r : old) { // answered before
-                REQUIRE(stream_provide(on.stream, r.ticket, bytes_of(r)).code == Code::out_of_range);
+                REQUIRE(stream_provide(on.stream, r.ticket, bytes_of(r)).code == StatusCode::out_of_range);
                 (void)stream_fail(on.stream, r.ticket);
                 ++refused;
             }
@@ -114,9 +114,9 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                     // As long as the right one, and another's.
                     std::vector<std::byte> wrong(a.bytes);
                     std::memcpy(wrong.data(), bytes_of(b).data(), std::min(a.bytes, b.bytes));
-                    REQUIRE(stream_provide(on.stream, a.ticket, wrong).code == Code::corrupt);
+                    REQUIRE(stream_provide(on.stream, a.ticket, wrong).code == StatusCode::corrupt);
                     ++crossed;
-                    REQUIRE(stream_provide(on.stream, a.ticket, bytes_of(a)).code == Code::out_of_range); // too late
+                    REQUIRE(stream_provide(on.stream, a.ticket, bytes_of(a)).code == StatusCode::out_of_range); // too late
                     REQUIRE(stream_provide(on.stream, b.ticket, bytes_of(b)).ok());
                     old.push_back(b);
                 } else {
@@ -266,22 +266,22 @@ TEST_CASE("settings that are no numbers, or beyond their ranges, are refused and
         s[0].texel_px = s[1].lookahead_s = s[2].fade_s = bad;
         s[3].now_s = bad == -1.0 ? nan : bad;
         for (const StreamSettings& settings : s)
-            CHECK(update_stream(on.stream, {&view, 1}, {}, settings, report).code == Code::out_of_range);
+            CHECK(update_stream(on.stream, {&view, 1}, {}, settings, report).code == StatusCode::out_of_range);
         CutSettings cuts[5]; // what update_cut() refuses, too
         cuts[0].error_px = cuts[1].hysteresis = cuts[2].morph_s = bad;
         cuts[3].budget_us = cuts[4].now_s = bad == -1.0 || bad == inf ? nan : bad;
         for (const CutSettings& cut : cuts)
-            CHECK(update_stream(on.stream, {&view, 1}, cut, {}, report).code == Code::out_of_range);
+            CHECK(update_stream(on.stream, {&view, 1}, cut, {}, report).code == StatusCode::out_of_range);
         View odd = view;
         odd.eye_m.y = bad == -1.0 ? nan : bad;
         CHECK_FALSE(update_stream(on.stream, {&odd, 1}, {}, {}, report).ok());
     }
     CutSettings odd_morph;
     odd_morph.morph = static_cast<Morph>(3);
-    CHECK(update_stream(on.stream, {&view, 1}, odd_morph, {}, report).code == Code::out_of_range);
+    CHECK(update_stream(on.stream, {&view, 1}, odd_morph, {}, report).code == StatusCode::out_of_range);
     const std::vector<View> many(max_cut_views + 1, view);
-    CHECK(update_stream(on.stream, many, {}, {}, report).code == Code::out_of_range);
-    CHECK(update_stream(on.stream, {}, {}, {}, report).code == Code::out_of_range);
+    CHECK(update_stream(on.stream, many, {}, {}, report).code == StatusCode::out_of_range);
+    CHECK(update_stream(on.stream, {}, {}, {}, report).code == StatusCode::out_of_range);
     CHECK(on.state().frame == frame);
     for (const std::uint32_t requests : {0u, 257u, 0xffffffffu}) {
         PagedTerrain paged(pack.pack, {});

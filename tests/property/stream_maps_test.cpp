@@ -282,12 +282,12 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
     Stream stream;
     REQUIRE(stream_bytes(pack.pack, paged.terrain, budget) == 0);
     const Status status = create_stream(pack.pack, paged.terrain, {}, budget, {}, stream);
-    REQUIRE(status.code == Code::budget_too_small);
+    REQUIRE(status.code == StatusCode::budget_too_small);
     REQUIRE(std::string(status.field).find("StreamBudget::map_bytes") == 0);
     for (const std::uint32_t decoders : {0u, 17u}) {
         const StreamBudget odd{.decoders = decoders};
         const Status refused = create_stream(pack.pack, paged.terrain, {}, odd, {}, stream);
-        REQUIRE(refused.code == Code::out_of_range);
+        REQUIRE(refused.code == StatusCode::out_of_range);
         REQUIRE(std::string(refused.field) == "StreamBudget::decoders (1 to 16)");
     }
 }

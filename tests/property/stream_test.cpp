@@ -16,7 +16,7 @@ io::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
                                 pick(random, 0, 3) ? Shape::fractal : Shape::noise);
     if (with_holes && pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
-    options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
+    options.order = pick(random, 0, 2) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
     return bake_and_load(std::move(dem), options);
 }
 

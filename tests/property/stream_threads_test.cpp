@@ -33,8 +33,8 @@ struct Ground {
     TemporaryFolder folder;
     io::LoadedPack pack;
     io::PackFile file;
-    Ground(Random& random, Order order) : pack(make(random, order)), file(pack.path) {}
-    io::LoadedPack make(Random& random, Order order) const {
+    Ground(Random& random, PageOrder order) : pack(make(random, order)), file(pack.path) {}
+    io::LoadedPack make(Random& random, PageOrder order) const {
         baker::Dem dem = random_dem(random, pick(random, 260, 400), pick(random, 260, 400), Shape::noise);
         baker::BakeOptions options = small_bake(pick(random, 6, 8));
         options.order = order;
@@ -243,7 +243,7 @@ TEST_CASE(
     Seen seen;
     // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.
     for (int round = 0; round < grounds || (!seen.enough() && round < 10 * grounds); ++round) {
-        const Ground ground(random, round % 3 == 0 ? Order::hierarchical_z : Order::planar);
+        const Ground ground(random, round % 3 == 0 ? PageOrder::hierarchical_z : PageOrder::planar);
         for (int life = 0; life < 3; ++life) {
             CAPTURE(round, life);
             live(random, ground, life == 2, seen);

@@ -35,11 +35,11 @@ TEST_CASE("errors by themselves are what every sample under every triangle says"
         const baker::Scales scales = baker::choose_scales({tree, {30, 20}, {0, 1}, heights, 0.05});
         const LeafErrors leaf(scales.errors, 1);
         const auto at = [&](std::int32_t tiles) { return pick(random, 0, tiles - 1); };
-        const Coord first{at(tree.tiles_x) * side, at(tree.tiles_y) * side};
+        const SampleIndex first{at(tree.tiles_x) * side, at(tree.tiles_y) * side};
         const baker::Region region{first,
                                    {first.x + side * pick(random, 1, tree.tiles_x - first.x / side),
                                     first.y + side * pick(random, 1, tree.tiles_y - first.y / side)}};
-        for (const Estimate estimate : {Estimate::max, Estimate::midpoint}) {
+        for (const ErrorEstimate estimate : {ErrorEstimate::max, ErrorEstimate::midpoint}) {
             const baker::UnsaturatedInput input{ground, region, scales, leaf, estimate, {30, 20}};
             baker::Patch<std::uint8_t> codes;
             baker::unsaturated_errors(input, codes);

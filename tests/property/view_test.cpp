@@ -82,7 +82,7 @@ TEST_CASE("however wide a view is, no tile that it sees is left out") {
         const Vec3 right = cross(view.forward, view.up);
         for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
             for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
-                const double height_m = static_cast<double>(data_of(terrain).height_m(Coord{x, y}));
+                const double height_m = static_cast<double>(data_of(terrain).height_m(SampleIndex{x, y}));
                 const Vec3 p = Vec3{terrain.x_m(x), height_m, terrain.z_m(y)} - view.eye_m;
                 const double ahead = dot(p, view.forward), u = dot(p, right), v = dot(p, view.up);
                 if (ahead < view.near_m || u < view.left * ahead || u > view.right * ahead) continue;

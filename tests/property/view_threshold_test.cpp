@@ -34,7 +34,7 @@ TEST_CASE("a converged frame holds every view's own threshold, and none is held 
     for (int round = 0; round < rounds(12, 60); ++round) {
         const auto pack = random_terrain(random, 120, 6);
         const Terrain& terrain = pack.terrain;
-        if (terrain.header().estimate != Estimate::max) continue;
+        if (terrain.header().estimate != ErrorEstimate::max) continue;
         Cut cut(terrain, ample_cut(terrain, max_cut_views));
         CutSettings settings;
         for (int frame = 0; frame < 6; ++frame) {
@@ -187,7 +187,7 @@ TEST_CASE("a view's threshold beyond its range is refused by name by both method
         FrameReport frame;
         for (const Status refused : {update_cut(cut.cut, views, {}, report), rebuild_cut(cut.cut, views, {}, report),
                                      update_recursive(method.method, views[1], {}, frame)}) {
-            CHECK(refused.code == Code::out_of_range);
+            CHECK(refused.code == StatusCode::out_of_range);
             CHECK(std::string(refused.field) == "View::error_px (0, or 0.001 to 1e6)");
         }
         CHECK((triangles_of(cut.mesh()) == before));

@@ -117,7 +117,7 @@ void BinaryTree::walk(const Visit& visit) {
                 continue;
             }
             const Triangle& t = path[known - 1];
-            const Coord middle{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2};
+            const SampleIndex middle{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2};
             path[known] = second ? Triangle{middle, t.right, t.apex} : Triangle{middle, t.apex, t.left};
         }
         known = depth;
@@ -144,7 +144,7 @@ void BinaryTree::split(std::uint32_t name) {
 Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
     const Reach reach = make_reach(view, error_px);
     const Frustum frustum = make_frustum(view);
-    const auto needed = [&](Coord v) {
+    const auto needed = [&](SampleIndex v) {
         const GroundVertex& at = vertices_[ground_.index(v)];
         const float x = ground_.x_m(v.x), y = at.height_m, z = ground_.z_m(v.y);
         if (!wanted(reach, x, y, z, at.error_m, at.radius_m)) return false;
@@ -155,7 +155,7 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
             if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - radius_m) return false;
         return true;
     };
-    const auto middle = [](const Triangle& t) { return Coord{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2}; };
+    const auto middle = [](const Triangle& t) { return SampleIndex{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2}; };
     changes_ = 0;
     walk([&](std::uint32_t name, int depth, const Triangle* t) {
         if (depth < depth_ && needed(middle(*t))) split(name);
@@ -180,7 +180,7 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
     indices_.resize(3 * std::size_t{leaves()});
     std::uint32_t* out = indices_.data();
     walk([&](std::uint32_t, int, const Triangle* t) {
-        for (const Coord c : {t->apex, t->left, t->right}) *out++ = ground_.index(c);
+        for (const SampleIndex c : {t->apex, t->left, t->right}) *out++ = ground_.index(c);
     });
     return {leaves(), false};
 }

@@ -35,7 +35,7 @@ public:
 
 private:
     struct Triangle {
-        Coord apex, left, right; // left, right: of the hypotenuse
+        SampleIndex apex, left, right; // left, right: of the hypotenuse
     };
     template <typename Visit>
     void walk(const Visit& visit);

@@ -42,9 +42,9 @@ BlocksAndVertices::BlocksAndVertices(const Ground& ground)
     : ground_(ground), tree_(Tree::covering(ground.side + 1, ground.side + 1,
                                             std::countr_zero(static_cast<std::uint32_t>(ground.side)))),
       layout_(ground.side), blocks_(layout_.blocks.size()), enabled_(ground.height_m.size()) {
-    const auto height = [&](Coord c) { return ground.height_m[ground.index(c)]; };
+    const auto height = [&](SampleIndex c) { return ground.height_m[ground.index(c)]; };
     for (const std::uint32_t place : layout_.places) {
-        const Coord v = StepBlocks::place(place);
+        const SampleIndex v = StepBlocks::place(place);
         const Diamond d = diamond(tree_, v);
         heights_m_.push_back(height(v));
         deltas_m_.push_back(std::abs(height(v) - (height(d.ends[0]) + height(d.ends[1])) / 2));
@@ -70,11 +70,11 @@ BlocksAndVertices::BlocksAndVertices(const Ground& ground)
 }
 
 // And those that it depends on.
-void BlocksAndVertices::enable(Coord v) {
+void BlocksAndVertices::enable(SampleIndex v) {
     std::uint16_t& stamp = enabled_[ground_.index(v)];
     if (stamp == frame_) return;
     stamp = frame_;
-    for (const Coord apex : diamond(tree_, v).apexes)
+    for (const SampleIndex apex : diamond(tree_, v).apexes)
         if (tree_.contains(apex) && !tree_.is_corner(apex)) enable(apex);
 }
 
@@ -101,7 +101,7 @@ void BlocksAndVertices::visit(const Pass& pass, std::size_t level, std::int32_t 
     for (std::uint32_t i = at.first; i < at.first + at.count; ++i) {
         const float delta = deltas_m_[i];
         if (delta <= never) continue;
-        const Coord c = StepBlocks::place(layout_.places[i]);
+        const SampleIndex c = StepBlocks::place(layout_.places[i]);
         if (delta <= always) {
             ++projected_;
             const float dx = ground_.x_m(c.x) - pass.x_m, dy = heights_m_[i] - pass.y_m,

@@ -36,7 +36,7 @@ private:
     };
     struct Pass;
     void visit(const Pass& pass, std::size_t level, std::int32_t bx, std::int32_t by);
-    void enable(Coord v);
+    void enable(SampleIndex v);
     void emit(std::uint32_t apex, std::uint32_t left, std::uint32_t right, int levels);
 
     const Ground& ground_;

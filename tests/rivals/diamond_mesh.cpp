@@ -8,10 +8,10 @@ namespace {
 
 // The ends of a hypotenuse in steps from the apex, in the order that faces up: of a centre, whose hypotenuses are the
 // sides of its square, and of a side's vertex, where they lean.
-constexpr Coord straight_ends[4][2] = {{{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
-constexpr Coord leaning_ends[4][2] = {{{0, 1}, {1, 0}}, {{-1, 0}, {0, 1}}, {{0, -1}, {-1, 0}}, {{1, 0}, {0, -1}}};
+constexpr SampleIndex straight_ends[4][2] = {{{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
+constexpr SampleIndex leaning_ends[4][2] = {{{0, 1}, {1, 0}}, {{-1, 0}, {0, 1}}, {{0, -1}, {-1, 0}}, {{1, 0}, {0, -1}}};
 
-constexpr unsigned direction_to(Coord way) {
+constexpr unsigned direction_to(SampleIndex way) {
     if (way.y == 0) return way.x > 0 ? 0 : 2;
     if (way.x == 0) return way.y > 0 ? 1 : 3;
     return way.y > 0 ? (way.x > 0 ? 0 : 1) : (way.x > 0 ? 3 : 2);
@@ -24,16 +24,16 @@ DiamondMesh::DiamondMesh(std::int32_t side)
     const auto samples = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(stride_);
     active_.resize(samples);
     slots_.resize(4 * samples);
-    for (const Coord c : {Coord{0, 0}, Coord{side, 0}, Coord{0, side}, Coord{side, side}}) active_[index(c)] = 1;
+    for (const SampleIndex c : {SampleIndex{0, 0}, SampleIndex{side, 0}, SampleIndex{0, side}, SampleIndex{side, side}}) active_[index(c)] = 1;
     add({side, 0}, 1);
     add({0, side}, 3);
 }
 
-bool DiamondMesh::ends_of(Coord apex, unsigned direction, Coord ends[2]) const {
+bool DiamondMesh::ends_of(SampleIndex apex, unsigned direction, SampleIndex ends[2]) const {
     const bool corner = tree_.is_corner(apex);
     const std::int32_t step = corner ? tree_.side() : std::int32_t{1} << Tree::step_log2(apex);
     const bool straight = !corner && Tree::kind(apex) == VertexKind::centre;
-    const Coord* const ways = straight ? straight_ends[direction] : leaning_ends[direction];
+    const SampleIndex* const ways = straight ? straight_ends[direction] : leaning_ends[direction];
     for (int i = 0; i < 2; ++i) {
         ends[i] = {apex.x + ways[i].x * step, apex.y + ways[i].y * step};
         if (!tree_.contains(ends[i])) return false;
@@ -41,18 +41,18 @@ bool DiamondMesh::ends_of(Coord apex, unsigned direction, Coord ends[2]) const {
     return true;
 }
 
-void DiamondMesh::add(Coord apex, unsigned direction) {
-    Coord ends[2];
+void DiamondMesh::add(SampleIndex apex, unsigned direction) {
+    SampleIndex ends[2];
     if (!ends_of(apex, direction, ends)) return;
     const std::uint32_t name = 4 * index(apex) + direction;
     slots_[name] = triangles();
     owners_.push_back(name);
-    for (const Coord c : {apex, ends[0], ends[1]}) indices_.push_back(index(c));
+    for (const SampleIndex c : {apex, ends[0], ends[1]}) indices_.push_back(index(c));
 }
 
 // The last triangle moves into its slot.
-void DiamondMesh::remove(Coord apex, unsigned direction) {
-    Coord ends[2];
+void DiamondMesh::remove(SampleIndex apex, unsigned direction) {
+    SampleIndex ends[2];
     if (!ends_of(apex, direction, ends)) return;
     const std::uint32_t slot = slots_[4 * index(apex) + direction], last = triangles() - 1;
     owners_[slot] = owners_[last];
@@ -62,30 +62,30 @@ void DiamondMesh::remove(Coord apex, unsigned direction) {
     indices_.resize(3 * owners_.size());
 }
 
-bool DiamondMesh::ready(Coord v) const {
-    for (const Coord apex : diamond(tree_, v).apexes)
+bool DiamondMesh::ready(SampleIndex v) const {
+    for (const SampleIndex apex : diamond(tree_, v).apexes)
         if (tree_.contains(apex) && !active(apex)) return false;
     return true;
 }
 
-bool DiamondMesh::has_active_child(Coord v) const {
+bool DiamondMesh::has_active_child(SampleIndex v) const {
     const Children c = children(v);
     for (int i = 0; i < c.count; ++i)
         if (tree_.contains(c.at[i]) && active(c.at[i])) return true;
     return false;
 }
 
-void DiamondMesh::activate(Coord v) {
-    for (const Coord apex : diamond(tree_, v).apexes)
+void DiamondMesh::activate(SampleIndex v) {
+    for (const SampleIndex apex : diamond(tree_, v).apexes)
         if (tree_.contains(apex)) remove(apex, direction_to(v - apex));
     active_[index(v)] = 1;
     for (unsigned i = 0; i < 4; ++i) add(v, i);
 }
 
-void DiamondMesh::deactivate(Coord v) {
+void DiamondMesh::deactivate(SampleIndex v) {
     for (unsigned i = 0; i < 4; ++i) remove(v, i);
     active_[index(v)] = 0;
-    for (const Coord apex : diamond(tree_, v).apexes)
+    for (const SampleIndex apex : diamond(tree_, v).apexes)
         if (tree_.contains(apex)) add(apex, direction_to(v - apex));
 }
 

@@ -21,24 +21,24 @@ public:
     explicit DiamondMesh(std::int32_t side); // two triangles
 
     [[nodiscard]] const Tree& tree() const { return tree_; }
-    [[nodiscard]] std::uint32_t index(Coord c) const { return static_cast<std::uint32_t>(c.y * stride_ + c.x); }
-    [[nodiscard]] bool active(Coord c) const { return active_[index(c)] != 0; }
+    [[nodiscard]] std::uint32_t index(SampleIndex c) const { return static_cast<std::uint32_t>(c.y * stride_ + c.x); }
+    [[nodiscard]] bool active(SampleIndex c) const { return active_[index(c)] != 0; }
     // Both parents are active, or one where there is no more.
-    [[nodiscard]] bool ready(Coord v) const;
-    [[nodiscard]] bool has_active_child(Coord v) const;
-    void prefetch(Coord v) const { __builtin_prefetch(&slots_[4 * std::size_t{index(v)}]); }
-    void activate(Coord v);
-    void deactivate(Coord v);
+    [[nodiscard]] bool ready(SampleIndex v) const;
+    [[nodiscard]] bool has_active_child(SampleIndex v) const;
+    void prefetch(SampleIndex v) const { __builtin_prefetch(&slots_[4 * std::size_t{index(v)}]); }
+    void activate(SampleIndex v);
+    void deactivate(SampleIndex v);
 
     [[nodiscard]] std::uint32_t triangles() const { return static_cast<std::uint32_t>(owners_.size()); }
     [[nodiscard]] std::span<const std::uint32_t> indices() const { return indices_; } // of samples, three a triangle
     [[nodiscard]] std::size_t bytes() const;
 
 private:
-    void add(Coord apex, unsigned direction);
-    void remove(Coord apex, unsigned direction);
+    void add(SampleIndex apex, unsigned direction);
+    void remove(SampleIndex apex, unsigned direction);
     // False: the triangle would lie outside.
-    bool ends_of(Coord apex, unsigned direction, Coord ends[2]) const;
+    bool ends_of(SampleIndex apex, unsigned direction, SampleIndex ends[2]) const;
 
     Tree tree_;
     std::int32_t stride_;

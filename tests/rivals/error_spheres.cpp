@@ -15,12 +15,12 @@ ErrorSpheres::ErrorSpheres(const Ground& ground)
         for (std::size_t i = l.first;
              i < l.first + static_cast<std::size_t>(l.per_side) * static_cast<std::size_t>(l.per_side); ++i) {
             const StepBlocks::Block& b = layout_.blocks[i];
-            const Coord middle{b.x + l.cells / 2, b.y + l.cells / 2};
+            const SampleIndex middle{b.x + l.cells / 2, b.y + l.cells / 2};
             clusters_.push_back(
                 {ground_.x_m(middle.x), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.y)});
         }
     for (const std::uint32_t place : layout_.places) {
-        const Coord v = StepBlocks::place(place);
+        const SampleIndex v = StepBlocks::place(place);
         x_m_.push_back(ground_.x_m(v.x));
         y_m_.push_back(ground_.height_m[ground_.index(v)]);
         z_m_.push_back(ground_.z_m(v.y));

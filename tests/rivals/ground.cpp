@@ -43,9 +43,9 @@ template <typename Visit>
 void leaves_first(std::int32_t side, const Visit& visit) {
     for (std::int32_t s = 1; s < side; s *= 2) {
         for (std::int32_t y = 0; y <= side; y += s) // sides: one coordinate is an odd multiple of the step
-            for (std::int32_t x = (y / s) % 2 == 0 ? s : 0; x <= side; x += 2 * s) visit(Coord{x, y});
+            for (std::int32_t x = (y / s) % 2 == 0 ? s : 0; x <= side; x += 2 * s) visit(SampleIndex{x, y});
         for (std::int32_t y = s; y < side; y += 2 * s)
-            for (std::int32_t x = s; x < side; x += 2 * s) visit(Coord{x, y});
+            for (std::int32_t x = s; x < side; x += 2 * s) visit(SampleIndex{x, y});
     }
 }
 
@@ -60,8 +60,8 @@ std::vector<GroundVertex> vertices_of(const Ground& ground) {
 Ground with_wedgies(const Ground& ground) {
     Ground g = ground;
     const Tree tree = Tree::covering(g.side + 1, g.side + 1, std::countr_zero(static_cast<std::uint32_t>(g.side)));
-    const auto height = [&](Coord c) { return static_cast<double>(g.height_m[g.index(c)]); };
-    leaves_first(g.side, [&](Coord v) {
+    const auto height = [&](SampleIndex c) { return static_cast<double>(g.height_m[g.index(c)]); };
+    leaves_first(g.side, [&](SampleIndex v) {
         const Diamond d = diamond(tree, v);
         double below = 0;
         const Children c = children(v);

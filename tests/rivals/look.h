@@ -15,7 +15,7 @@ namespace fjell::rivals {
 
 struct Look {
     double error_px = 0; // the largest at any sample in view, less what float heights lose
-    Coord where;
+    SampleIndex where;
     std::size_t uncovered = 0; // samples in view that no face covers
     std::size_t in_view = 0;   // faces with an area that no side of the frustum excludes
     std::size_t facing_down = 0;

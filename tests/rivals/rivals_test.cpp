@@ -49,7 +49,7 @@ std::vector<Triangle> triangles_of(const rivals::Rival& rival) {
         Triangle t;
         for (std::size_t k = 0; k < 3; ++k)
             t[k] = {static_cast<std::int32_t>(f[k].column), static_cast<std::int32_t>(f[k].row)};
-        const auto less = [](Coord a, Coord b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
+        const auto less = [](SampleIndex a, SampleIndex b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
         std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
         all.push_back(t);
     }
@@ -226,7 +226,7 @@ TEST_CASE("the explicit multi-triangulation of bisections is the vertex tree: it
         const Tree tree = Tree::covering(square.ground.side + 1, square.ground.side + 1, log2);
         const auto coord = [&](std::uint32_t i) {
             const auto stride = static_cast<std::uint32_t>(square.ground.side + 1);
-            return Coord{static_cast<std::int32_t>(i % stride), static_cast<std::int32_t>(i / stride)};
+            return SampleIndex{static_cast<std::int32_t>(i % stride), static_cast<std::int32_t>(i / stride)};
         };
         CHECK(graph.refinements().size() == square.ground.height_m.size() - 4); // a vertex each but the corners
         std::set<std::uint32_t> vertices;
@@ -239,7 +239,7 @@ TEST_CASE("the explicit multi-triangulation of bisections is the vertex tree: it
             std::vector<std::uint32_t> needed, parents, needed_by, child;
             for (const std::uint32_t i : r.needs)
                 if (i != graph.none) needed.push_back(graph.refinements()[i].vertex);
-            for (const Coord c : diamond(tree, coord(r.vertex)).apexes)
+            for (const SampleIndex c : diamond(tree, coord(r.vertex)).apexes)
                 if (tree.contains(c) && !tree.is_corner(c)) parents.push_back(square.ground.index(c));
             REQUIRE(sorted(needed) == sorted(parents));
             for (const std::uint32_t i : r.needed_by)
@@ -435,7 +435,7 @@ TEST_CASE("looking at a mesh agrees with the library's measure and with the grou
         CAPTURE(round, error_px, look.error_px, measured_px, allowed_px);
         CHECK(std::abs(look.error_px - measured_px) <= allowed_px + 1e-3 * measured_px);
         for (int i = 0; i < 50; ++i) {
-            const Coord c{pick(random, 0, square.ground.side), pick(random, 0, square.ground.side)};
+            const SampleIndex c{pick(random, 0, square.ground.side), pick(random, 0, square.ground.side)};
             const double truth_m = at(true_plane(square.terrain(), c.x, c.y), c.x, c.y);
             CHECK(std::abs(truth_m - double(square.ground.height_m[square.ground.index(c)])) <= 0x1p-20 * largest_m);
         }

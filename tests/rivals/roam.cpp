@@ -13,10 +13,10 @@ namespace {
 constexpr double ticks_a_cell = 4096, most_ticks = 2.0e9;
 constexpr std::uint32_t not_deferred = 0, queued = 0xffffffff; // of due_; distances lie between
 
-constexpr std::uint32_t packed(Coord c) {
+constexpr std::uint32_t packed(SampleIndex c) {
     return static_cast<std::uint32_t>(c.y) << 16 | static_cast<std::uint32_t>(c.x);
 }
-constexpr Coord unpacked(std::uint32_t place) {
+constexpr SampleIndex unpacked(std::uint32_t place) {
     return {static_cast<std::int32_t>(place & 0xffff), static_cast<std::int32_t>(place >> 16)};
 }
 
@@ -81,7 +81,7 @@ void Roam::restart() {
     const std::int32_t half = ground_.side / 2;
     now_due_.push_back({now_, packed({half, half})});
     for (std::size_t i = 0; i < now_due_.size(); ++i) { // top down, each once
-        const Coord v = unpacked(now_due_[i].place);
+        const SampleIndex v = unpacked(now_due_[i].place);
         vertices_[ground_.index(v)].due = now_;
         if (!mesh_.active(v)) continue;
         const Children c = children(v);
@@ -94,20 +94,20 @@ void Roam::restart() {
 }
 
 // A leaf triangle's vertex, or a diamond that can be merged.
-bool Roam::candidate(Coord v) const {
+bool Roam::candidate(SampleIndex v) const {
     if (mesh_.active(v)) return !mesh_.has_active_child(v);
-    for (const Coord apex : diamond(mesh_.tree(), v).apexes)
+    for (const SampleIndex apex : diamond(mesh_.tree(), v).apexes)
         if (mesh_.tree().contains(apex) && mesh_.active(apex)) return true;
     return false;
 }
 
-void Roam::put_off(Coord v, std::uint32_t due) {
+void Roam::put_off(SampleIndex v, std::uint32_t due) {
     vertices_[ground_.index(v)].due = due;
     deferred_.push({due, packed(v)});
 }
 
 // Queues a split or a merge, or puts the vertex off until it could need one.
-void Roam::consider(const Eye& eye, Coord v) {
+void Roam::consider(const Eye& eye, SampleIndex v) {
     Vertex& vertex = vertices_[ground_.index(v)];
     if (vertex.due == queued) return;
     vertex.due = not_deferred;
@@ -133,10 +133,10 @@ void Roam::consider(const Eye& eye, Coord v) {
 }
 
 // With those that it forces. Returns how many.
-std::uint32_t Roam::split(const Eye& eye, Coord v) {
+std::uint32_t Roam::split(const Eye& eye, SampleIndex v) {
     std::uint32_t done = 1;
     const Diamond d = diamond(mesh_.tree(), v);
-    for (const Coord apex : d.apexes)
+    for (const SampleIndex apex : d.apexes)
         if (mesh_.tree().contains(apex) && !mesh_.active(apex)) {
             if (vertices_[ground_.index(apex)].due == queued)
                 vertices_[ground_.index(apex)].due = not_deferred; // its entry is stale
@@ -151,9 +151,9 @@ std::uint32_t Roam::split(const Eye& eye, Coord v) {
     return done;
 }
 
-void Roam::merge(const Eye& eye, Coord v) {
+void Roam::merge(const Eye& eye, SampleIndex v) {
     mesh_.deactivate(v);
-    for (const Coord apex : diamond(mesh_.tree(), v).apexes)
+    for (const SampleIndex apex : diamond(mesh_.tree(), v).apexes)
         if (mesh_.tree().contains(apex) && !mesh_.tree().is_corner(apex)) consider(eye, apex);
     consider(eye, v);
 }
@@ -175,7 +175,7 @@ Refined Roam::refine(const View& view, double error_px, std::uint32_t operations
     for (std::size_t i = 0; i < due_now; ++i) {
         constexpr std::size_t ahead = 8;
         if (i + ahead < due_now) {
-            const Coord next = unpacked(now_due_[i + ahead].place);
+            const SampleIndex next = unpacked(now_due_[i + ahead].place);
             __builtin_prefetch(&vertices_[ground_.index(next)]);
             mesh_.prefetch(next);
         }
@@ -185,7 +185,7 @@ Refined Roam::refine(const View& view, double error_px, std::uint32_t operations
     std::uint32_t left = operations;
     for (auto* queue : {&splits_, &merges_}) {
         while (!queue->empty() && left > 0) {
-            const Coord v = unpacked(queue->front().place);
+            const SampleIndex v = unpacked(queue->front().place);
             std::pop_heap(queue->begin(), queue->end());
             queue->pop_back();
             std::uint32_t& due = vertices_[ground_.index(v)].due;

@@ -54,11 +54,11 @@ private:
     struct Eye; // of a frame
     void keep_vertices();
     void restart();
-    [[nodiscard]] bool candidate(Coord v) const;
-    void consider(const Eye& eye, Coord v);
-    void put_off(Coord v, std::uint32_t due);
-    std::uint32_t split(const Eye& eye, Coord v);
-    void merge(const Eye& eye, Coord v);
+    [[nodiscard]] bool candidate(SampleIndex v) const;
+    void consider(const Eye& eye, SampleIndex v);
+    void put_off(SampleIndex v, std::uint32_t due);
+    std::uint32_t split(const Eye& eye, SampleIndex v);
+    void merge(const Eye& eye, SampleIndex v);
 
     Ground own_; // perhaps
     const Ground& ground_;

@@ -39,15 +39,15 @@ public:
 
 private:
     void make_faces();
-    [[nodiscard]] Coord coord(std::uint32_t i) const {
+    [[nodiscard]] SampleIndex coord(std::uint32_t i) const {
         const auto stride = static_cast<std::uint32_t>(ground_.side + 1);
         return {static_cast<std::int32_t>(i % stride), static_cast<std::int32_t>(i / stride)};
     }
-    [[nodiscard]] bool may_go(Coord c, std::int32_t column, std::int32_t row, std::int32_t cells) const;
-    [[nodiscard]] bool same_side(Coord a, Coord b) const {
+    [[nodiscard]] bool may_go(SampleIndex c, std::int32_t column, std::int32_t row, std::int32_t cells) const;
+    [[nodiscard]] bool same_side(SampleIndex a, SampleIndex b) const {
         return (a.x == b.x && (a.x == 0 || a.x == ground_.side)) || (a.y == b.y && (a.y == 0 || a.y == ground_.side));
     }
-    static std::int64_t doubled_area(Coord a, Coord b, Coord c) {
+    static std::int64_t doubled_area(SampleIndex a, SampleIndex b, SampleIndex c) {
         return std::int64_t{b.y - a.y} * (c.x - a.x) - std::int64_t{b.x - a.x} * (c.y - a.y);
     }
     void star_of(std::uint32_t v, Star& star) const;
@@ -87,7 +87,7 @@ void Simplifier::make_faces() {
         }
 }
 
-bool Simplifier::may_go(Coord c, std::int32_t column, std::int32_t row, std::int32_t cells) const {
+bool Simplifier::may_go(SampleIndex c, std::int32_t column, std::int32_t row, std::int32_t cells) const {
     const auto inside = [&](std::int32_t v, std::int32_t from) {
         return (v > from && v < from + cells) || v == 0 || v == ground_.side;
     };
@@ -124,7 +124,7 @@ void Simplifier::star_of(std::uint32_t v, Star& star) const {
 }
 
 double Simplifier::deviation(std::uint32_t ia, std::uint32_t ib, std::uint32_t ic, double limit) const {
-    Coord p[3] = {coord(ia), coord(ib), coord(ic)};
+    SampleIndex p[3] = {coord(ia), coord(ib), coord(ic)};
     const std::int64_t area = doubled_area(p[0], p[1], p[2]);
     if (area <= 1) return 0; // no samples but its corners
     const double h0 = static_cast<double>(ground_.height_m[ia]), h1 = static_cast<double>(ground_.height_m[ib]) - h0,
@@ -132,9 +132,9 @@ double Simplifier::deviation(std::uint32_t ia, std::uint32_t ib, std::uint32_t i
     // doubled_area is turned: rows go down.
     const double across = -(h1 * (p[2].y - p[0].y) - h2 * (p[1].y - p[0].y)) * per_area,
                  down = (h1 * (p[2].x - p[0].x) - h2 * (p[1].x - p[0].x)) * per_area;
-    const Coord origin = p[0];
-    std::sort(std::begin(p), std::end(p), [](Coord a, Coord b) { return a.y < b.y; });
-    const auto at_row = [](Coord a, Coord b, std::int32_t y) {
+    const SampleIndex origin = p[0];
+    std::sort(std::begin(p), std::end(p), [](SampleIndex a, SampleIndex b) { return a.y < b.y; });
+    const auto at_row = [](SampleIndex a, SampleIndex b, std::int32_t y) {
         return a.x + static_cast<double>(b.x - a.x) * (y - a.y) / (b.y - a.y);
     };
     double most = 0;
@@ -157,7 +157,7 @@ double Simplifier::deviation(std::uint32_t ia, std::uint32_t ib, std::uint32_t i
 // Of collapsing to ring[target]; infinite where a triangle would flip.
 double Simplifier::error_of(const Star& star, std::size_t target, double limit) const {
     const std::uint32_t to = star.ring[target];
-    const Coord v = coord(to);
+    const SampleIndex v = coord(to);
     const std::size_t count = star.faces.size();
     const auto gone = [&](std::size_t i) { return i == target || (star.closed ? (i + 1) % count : i + 1) == target; };
     for (std::size_t i = 0; i < count; ++i)
@@ -172,12 +172,12 @@ double Simplifier::error_of(const Star& star, std::size_t target, double limit) 
 // One that cannot go as its star is now comes last: by then it may have changed.
 void Simplifier::propose(std::uint32_t v) {
     star_of(v, star_);
-    const Coord at = coord(v);
+    const SampleIndex at = coord(v);
     Candidate best{std::numeric_limits<double>::infinity(), v, no_index, stamps_[v], 0};
     const bool too_few = star_.faces.size() < (star_.closed ? 3u : 2u);
     const std::size_t targets = too_few ? 0 : star_.closed ? star_.ring.size() - 1 : star_.ring.size();
     for (std::size_t t = 0; t < targets; ++t) {
-        const Coord to = coord(star_.ring[t]);
+        const SampleIndex to = coord(star_.ring[t]);
         if (!star_.closed && !(same_side(at, to) && (t == 0 || t + 1 == targets))) continue;
         const double x = to.x - at.x, y = to.y - at.y, shape = shape_m * (x * x + y * y);
         if (shape >= best.key) continue;
@@ -223,7 +223,7 @@ void Simplifier::collapse(const Candidate& candidate) {
         done.faces[face].corner.fill(no_index);
     }
     const auto height = [&](std::uint32_t i) { return static_cast<double>(ground_.height_m[i]); };
-    const Coord at = coord(c.from);
+    const SampleIndex at = coord(c.from);
     for (const std::uint32_t w : star_.ring) {
         const double x = (coord(w).x - at.x) * static_cast<double>(ground_.spacing_x_m),
                      z = (coord(w).y - at.y) * static_cast<double>(ground_.spacing_z_m), y = height(w) - height(c.from);

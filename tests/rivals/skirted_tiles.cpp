@@ -38,22 +38,22 @@ SkirtedTiles::SkirtedTiles(const Ground& ground, std::int32_t tile_cells)
     }
 }
 
-Coord SkirtedTiles::coord(std::uint32_t sample) const {
+SampleIndex SkirtedTiles::coord(std::uint32_t sample) const {
     const auto stride = static_cast<std::uint32_t>(ground_.side + 1);
     return {static_cast<std::int32_t>(sample % stride), static_cast<std::int32_t>(sample / stride)};
 }
 
 // 0 to 3: the edge lies on the border of the tile at `corner` in the west, east, north, south; -1: inside.
-int SkirtedTiles::side_of(Coord corner, Coord a, Coord b) const {
+int SkirtedTiles::side_of(SampleIndex corner, SampleIndex a, SampleIndex b) const {
     if (a.x == b.x && (a.x == corner.x || a.x == corner.x + cells_)) return a.x == corner.x ? 0 : 1;
     if (a.y == b.y && (a.y == corner.y || a.y == corner.y + cells_)) return a.y == corner.y ? 2 : 3;
     return -1;
 }
 
 // Down to tiles, and in them as far as the level's tolerance asks for.
-void SkirtedTiles::bisect(std::size_t level, Coord apex, Coord left, Coord right) {
+void SkirtedTiles::bisect(std::size_t level, SampleIndex apex, SampleIndex left, SampleIndex right) {
     const std::int32_t wide = std::max(std::abs(left.x - right.x), std::abs(left.y - right.y));
-    const Coord middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
     if (wide > cells_ || (wide > 1 && ground_.error_m[ground_.index(middle)] > tolerances_m_[level])) {
         bisect(level, middle, apex, left);
         bisect(level, middle, right, apex);
@@ -62,33 +62,33 @@ void SkirtedTiles::bisect(std::size_t level, Coord apex, Coord left, Coord right
     const std::int32_t x = std::min({apex.x, left.x, right.x}) / cells_,
                        y = std::min({apex.y, left.y, right.y}) / cells_;
     Indices& indices = tiles_[static_cast<std::size_t>(y * per_side_ + x)].levels[level];
-    const Coord corner{x * cells_, y * cells_};
+    const SampleIndex corner{x * cells_, y * cells_};
     const bool borders =
         side_of(corner, apex, left) >= 0 || side_of(corner, left, right) >= 0 || side_of(corner, right, apex) >= 0;
     auto& list = borders ? indices.border : indices.inner;
-    for (const Coord c : {apex, left, right}) list.push_back(ground_.index(c));
+    for (const SampleIndex c : {apex, left, right}) list.push_back(ground_.index(c));
 }
 
 // A border triangle, cut at the vertices that a finer neighbour has on its edges.
-void SkirtedTiles::skirt(Tile& tile, Coord corner, const Triangle& t) {
-    const Coord at[3] = {t.a, t.b, t.c};
+void SkirtedTiles::skirt(Tile& tile, SampleIndex corner, const Triangle& t) {
+    const SampleIndex at[3] = {t.a, t.b, t.c};
     for (std::size_t k = 0; k < 3; ++k) {
-        const Coord a = at[k], b = at[(k + 1) % 3], opposite = at[(k + 2) % 3];
+        const SampleIndex a = at[k], b = at[(k + 1) % 3], opposite = at[(k + 2) % 3];
         const int side = side_of(corner, a, b);
         if (side < 0 || std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)) < 2) continue;
-        const Coord middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+        const SampleIndex middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
         const int finer = std::min(tile.around[side], tile.level);
         if (!(ground_.error_m[ground_.index(middle)] > tolerances_m_[static_cast<std::size_t>(finer)])) continue;
         skirt(tile, corner, {opposite, a, middle});
         skirt(tile, corner, {opposite, middle, b});
         return;
     }
-    for (const Coord c : at) tile.skirts.push_back(ground_.index(c));
+    for (const SampleIndex c : at) tile.skirts.push_back(ground_.index(c));
 }
 
 // Makes the tile's skirts anew if what they depend on has changed.
 void SkirtedTiles::join(Tile& tile, std::int32_t tx, std::int32_t ty) {
-    static constexpr Coord ways[4] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    static constexpr SampleIndex ways[4] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     int around[4];
     for (int i = 0; i < 4; ++i) {
         const std::int32_t x = tx + ways[i].x, y = ty + ways[i].y;
@@ -143,7 +143,7 @@ void SkirtedTiles::faces(std::vector<Face>& out) const {
             for (std::size_t i = 0; i < list->size(); i += 3) {
                 Face f;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    const Coord c = coord((*list)[i + k]);
+                    const SampleIndex c = coord((*list)[i + k]);
                     f[k] = {static_cast<float>(c.x), static_cast<float>(c.y), ground_.height_m[(*list)[i + k]]};
                 }
                 out.push_back(f);

@@ -38,13 +38,13 @@ private:
         bool drawn = false;
     };
     struct Triangle {
-        Coord a, b, c;
+        SampleIndex a, b, c;
     };
-    void bisect(std::size_t level, Coord apex, Coord left, Coord right);
-    void skirt(Tile& tile, Coord corner, const Triangle& t);
-    [[nodiscard]] int side_of(Coord corner, Coord a, Coord b) const;
+    void bisect(std::size_t level, SampleIndex apex, SampleIndex left, SampleIndex right);
+    void skirt(Tile& tile, SampleIndex corner, const Triangle& t);
+    [[nodiscard]] int side_of(SampleIndex corner, SampleIndex a, SampleIndex b) const;
     void join(Tile& tile, std::int32_t tx, std::int32_t ty);
-    [[nodiscard]] Coord coord(std::uint32_t sample) const;
+    [[nodiscard]] SampleIndex coord(std::uint32_t sample) const;
 
     const Ground& ground_;
     std::int32_t cells_, per_side_;

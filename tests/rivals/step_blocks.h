@@ -44,7 +44,7 @@ struct StepBlocks {
         for (std::int32_t y = n * by; y < n * by + n; ++y)
             for (std::int32_t x = n * bx; x < n * bx + n; ++x) visit(x, y);
     }
-    [[nodiscard]] static constexpr Coord place(std::uint32_t packed) {
+    [[nodiscard]] static constexpr SampleIndex place(std::uint32_t packed) {
         return {static_cast<std::int32_t>(packed & 0xffff), static_cast<std::int32_t>(packed >> 16)};
     }
 

@@ -112,16 +112,16 @@ std::string check_surface(Cut& cut, const Terrain& full) {
 
 namespace {
 
-std::size_t place(const Terrain& t, Coord c) {
+std::size_t place(const Terrain& t, SampleIndex c) {
     return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(t).tree.grid_columns()) +
            static_cast<std::size_t>(c.x);
 }
 // In a tile of the terrain, or on its border; a sparse one lacks some.
-bool is_there(const Terrain& t, Coord c) {
+bool is_there(const Terrain& t, SampleIndex c) {
     if (!data_of(t).tree.contains(c)) return false;
     const std::int32_t side = data_of(t).tree.side();
-    for (const Coord by : {Coord{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}) {
-        const Coord inside{c.x + by.x, c.y + by.y}; // where a tile that has c on its border begins
+    for (const SampleIndex by : {SampleIndex{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}) {
+        const SampleIndex inside{c.x + by.x, c.y + by.y}; // where a tile that has c on its border begins
         const bool holds = (by.x == 0 || c.x % side == 0) && (by.y == 0 || c.y % side == 0);
         if (holds && inside.x >= 0 && inside.y >= 0 && t.tile_at({inside.x / side, inside.y / side}) != no_tile)
             return true;
@@ -158,10 +158,10 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
     for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < paged.pages_per_tile(); ++page) {
             if (data_of(paged).page_table[tile * paged.pages_per_tile() + page].slot != no_index) continue;
-            const Coord corner{full.tile_place(tile).x * data_of(full).tree.side(),
+            const SampleIndex corner{full.tile_place(tile).x * data_of(full).tree.side(),
                                full.tile_place(tile).y * data_of(full).tree.side()};
             for (std::uint32_t i = 0; i < data_of(full).pages.page_vertices(page); ++i) {
-                const Coord c = corner + data_of(full).pages.coord({page, i});
+                const SampleIndex c = corner + data_of(full).pages.coord({page, i});
                 if (!data_of(full).tree.is_corner(c)) set[place(full, c)] = false;
             }
         }
@@ -178,18 +178,18 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
         for (std::int32_t y = sides ? 0 : step; y < data_of(full).tree.grid_rows(); y += sides ? step : 2 * step)
             for (std::int32_t x = sides && (y & step) ? 0 : step; x < data_of(full).tree.grid_columns();
                  x += 2 * step) {
-                const Coord c{x, y};
+                const SampleIndex c{x, y};
                 if (!set[place(full, c)]) continue;
                 if (!is_there(full, c)) {
                     set[place(full, c)] = false;
                     continue;
                 }
                 bool parents = true, in = false;
-                for (const Coord parent : diamond(data_of(full).tree, c).apexes)
+                for (const SampleIndex parent : diamond(data_of(full).tree, c).apexes)
                     parents = parents && (!is_there(full, parent) || set[place(full, parent)]);
                 if (parents) {
                     const TerrainData::Vertex v = data_of(full).vertex(c);
-                    const Coord at = data_of(full).tree.sample(c);
+                    const SampleIndex at = data_of(full).tree.sample(c);
                     for (const Reach& r : reaches)
                         in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
                 }

@@ -25,7 +25,7 @@ inline constexpr int patience_frames = 200'000;
     baker::Dem dem = random_dem(random, pick(random, 2, most), pick(random, 2, most), shape);
     if (pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2, pick(random, 0, 3) ? 0.05 : 0.001);
-    options.order = pick(random, 0, 3) == 0 ? Order::hierarchical_z : Order::planar;
+    options.order = pick(random, 0, 3) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
     return bake_and_load(std::move(dem), options);
 }
 

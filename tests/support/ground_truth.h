@@ -12,8 +12,8 @@ namespace fjell::test {
 
 // The halves of cell (i, j). Vertices of the last step sit where both coordinates are odd, and every diagonal runs
 // through one of them: from an odd place to an even one.
-inline std::array<std::array<Coord, 3>, 2> halves_of_cell(std::int32_t i, std::int32_t j) {
-    const Coord nw{i, j}, ne{i + 1, j}, sw{i, j + 1}, se{i + 1, j + 1};
+inline std::array<std::array<SampleIndex, 3>, 2> halves_of_cell(std::int32_t i, std::int32_t j) {
+    const SampleIndex nw{i, j}, ne{i + 1, j}, sw{i, j + 1}, se{i + 1, j + 1};
     if (((i + j) & 1) == 0) return {{{nw, sw, se}, {nw, se, ne}}};
     return {{{nw, sw, ne}, {ne, sw, se}}};
 }
@@ -22,7 +22,7 @@ struct TruePlane { // in metres over cells
     double height = 0, x = 0, y = 0;
     bool hole = false;
 };
-inline TruePlane plane_of(const Terrain& full, const std::array<Coord, 3>& c) {
+inline TruePlane plane_of(const Terrain& full, const std::array<SampleIndex, 3>& c) {
     TruePlane out;
     double h[3];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -72,15 +72,15 @@ inline void load_some_pages(Random& random, const Pack& pack, Terrain& terrain) 
 }
 
 // Any size, tiling, order, estimate; holes in one of three when they may be.
-inline io::LoadedPack random_ground(Random& random, bool holes, Estimate* estimate = nullptr) {
+inline io::LoadedPack random_ground(Random& random, bool holes, ErrorEstimate* estimate = nullptr) {
     const bool large = pick(random, 0, 7) == 0; // pages other than 0 need tiles of more than 32 cells
     const int log2 = large ? pick(random, 6, 8) : pick(random, 1, 7);
     baker::Dem dem = random_dem(random, pick(random, 2, large ? 400 : 120), pick(random, 2, large ? 300 : 90),
                                 static_cast<Shape>(pick(random, 0, static_cast<int>(Shape::count) - 1)));
     if (holes && pick(random, 0, 2) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
-    options.order = static_cast<Order>(pick(random, 0, 2));
-    options.estimate = estimate && pick(random, 0, 4) == 0 ? Estimate::midpoint : Estimate::max;
+    options.order = static_cast<PageOrder>(pick(random, 0, 2));
+    options.estimate = estimate && pick(random, 0, 4) == 0 ? ErrorEstimate::midpoint : ErrorEstimate::max;
     if (estimate) *estimate = options.estimate;
     return bake_and_load(std::move(dem), options);
 }

@@ -11,18 +11,18 @@ namespace {
 
 std::int64_t doubled_area_up(const Triangle& t) {
     // x east, y (rows) south: counter-clockwise from above turns the other way round in (x, y).
-    const Coord a = t[1] - t[0], b = t[2] - t[0];
+    const SampleIndex a = t[1] - t[0], b = t[2] - t[0];
     return std::int64_t{a.y} * b.x - std::int64_t{a.x} * b.y;
 }
 
 Triangle rotated(Triangle t) {
-    const auto less = [](Coord a, Coord b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    const auto less = [](SampleIndex a, SampleIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
     std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
     return t;
 }
 
-Coord tile_corner(const Terrain& terrain, std::uint32_t tile) {
-    const Coord place = terrain.tile_place(tile);
+SampleIndex tile_corner(const Terrain& terrain, std::uint32_t tile) {
+    const SampleIndex place = terrain.tile_place(tile);
     return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
 }
 
@@ -31,7 +31,7 @@ template <typename Visit>
 void for_each_triangle(const MeshView& mesh, const TileRange& range, const Visit& visit) {
     const auto at = [&](std::uint32_t i) {
         const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + i]];
-        return Coord{v.column, v.row};
+        return SampleIndex{v.column, v.row};
     };
     const bool strip = mesh.topology == Topology::strip;
     for (std::uint32_t i = 0; i + 3 <= range.index_count; i += strip ? 1 : 3) {
@@ -44,19 +44,19 @@ void for_each_triangle(const MeshView& mesh, const TileRange& range, const Visit
 std::string say(const char* what, const Triangle& t) {
     std::ostringstream text;
     text << what;
-    for (const Coord c : t) text << " (" << c.x << ", " << c.y << ")";
+    for (const SampleIndex c : t) text << " (" << c.x << ", " << c.y << ")";
     return text.str();
 }
 
-std::uint64_t key(Coord a, Coord b, std::int32_t columns) {
-    const auto index = [&](Coord c) {
+std::uint64_t key(SampleIndex a, SampleIndex b, std::int32_t columns) {
+    const auto index = [&](SampleIndex c) {
         return static_cast<std::uint64_t>(c.y) * static_cast<std::uint64_t>(columns) + static_cast<std::uint64_t>(c.x);
     };
     return index(a) << 32 | index(b);
 }
 
 // Is the edge on the rim of the terrain, or of the drawn part of it?
-bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, Coord a, Coord b) {
+bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, SampleIndex a, SampleIndex b) {
     const std::int32_t side = data_of(terrain).tree.side();
     if (a.x == b.x && (a.x == 0 || a.x == data_of(terrain).tree.columns() - 1)) return true;
     if (a.y == b.y && (a.y == 0 || a.y == data_of(terrain).tree.rows() - 1)) return true;
@@ -110,7 +110,7 @@ std::string check_edges(const Terrain& terrain, const std::vector<bool>& drawn,
                 return say("an edge is used twice in one direction by", t);
     for (const Triangle& t : triangles)
         for (std::size_t i = 0; i < 3; ++i) {
-            const Coord a = t[i], b = t[(i + 1) % 3];
+            const SampleIndex a = t[i], b = t[(i + 1) % 3];
             if (!edges.contains(key(b, a, columns)) && !may_be_open(terrain, drawn, a, b))
                 return say("an inner edge has no neighbour: a crack or T-junction beside", t);
         }
@@ -143,13 +143,13 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
     for (const TileRange& range : mesh.tiles) {
         if (range.tile >= terrain.tile_count()) return "a range names no tile";
         drawn[range.tile] = true;
-        const Coord corner = tile_corner(terrain, range.tile);
+        const SampleIndex corner = tile_corner(terrain, range.tile);
         std::string wrong;
         std::uint32_t count = 0;
         for (std::uint32_t i = 0; i < range.index_count; ++i) {
             const std::uint32_t index = mesh.indices[range.first_index + i];
             const MeshVertex& v = mesh.vertices[index];
-            const Coord at{v.column, v.row}, in_tile = at - corner;
+            const SampleIndex at{v.column, v.row}, in_tile = at - corner;
             if (in_tile.x < 0 || in_tile.y < 0 || in_tile.x > data_of(terrain).tree.side() ||
                 in_tile.y > data_of(terrain).tree.side())
                 return "a vertex lies outside its tile";
@@ -171,9 +171,9 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
         if (count != range.triangles) return "a range counts its triangles wrongly";
     }
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
-        const Coord corner = tile_corner(terrain, tile);
-        const Coord end =
-            data_of(terrain).tree.sample(corner + Coord{data_of(terrain).tree.side(), data_of(terrain).tree.side()});
+        const SampleIndex corner = tile_corner(terrain, tile);
+        const SampleIndex end =
+            data_of(terrain).tree.sample(corner + SampleIndex{data_of(terrain).tree.side(), data_of(terrain).tree.side()});
         if (drawn[tile] && areas[tile] != 2 * std::int64_t{end.x - corner.x} * (end.y - corner.y))
             return "a tile is not covered exactly";
     }

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/mesh.h"
 #include "fjell/terrain.h"
 
 namespace fjell::test {
 
 // Three samples of the whole terrain, counter-clockwise from above, smallest first.
-using Triangle = std::array<Coord, 3>;
+using Triangle = std::array<SampleIndex, 3>;
 
 // Every non-degenerate triangle with its winding, strips unrolled; sorted.
 [[nodiscard]] std::vector<Triangle> triangles_of(const MeshView& mesh);

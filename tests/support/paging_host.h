@@ -34,7 +34,7 @@ struct Host {
             if (std::find(pages.begin(), pages.end(), p) != pages.end()) return;
         const std::uint32_t missing = terrain.pages_missing();
         const Status s = load_page(pack, terrain, p.tile, p.page);
-        REQUIRE((s.ok() || s.code == Code::coarser_page_first || s.code == Code::out_of_slots));
+        REQUIRE((s.ok() || s.code == StatusCode::coarser_page_first || s.code == StatusCode::out_of_slots));
         loaded += missing - terrain.pages_missing();
     }
     void load_all() { // as far as the slots go, coarse ones first
@@ -86,7 +86,7 @@ struct Host {
                                 pick(random, 0, 1) ? Shape::fractal : Shape::noise);
     if (pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
     baker::BakeOptions options = small_bake(log2);
-    options.order = pick(random, 0, 2) == 0 ? Order::hierarchical_z : Order::planar;
+    options.order = pick(random, 0, 2) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
     return bake_and_load(std::move(dem), options);
 }
 

@@ -143,7 +143,7 @@ TEST_CASE("borders that would lie closer than six pixels are not drawn", "[pictu
 }
 
 TEST_CASE("a pack in linear order has borders of tiles and none of pages", "[picture]") {
-    Scene scene(ground(257, 257), 7, Order::linear);
+    Scene scene(ground(257, 257), 7, PageOrder::linear);
     const OwnMesh mesh = full_resolution(scene.loaded.terrain);
     const View view = from_above(scene, 6000, -90);
     const Picture plain = scene.draw(mesh.view(), view);

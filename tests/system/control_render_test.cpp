@@ -49,7 +49,7 @@ struct Controlled {
     const gl::LayerSettings on{.on = true, .distance_m = 100'000, .tint = 0, .relief = 0};
 
     explicit Controlled(const std::string& rules)
-        : scene(rising(), 6, Order::planar, 0, fjell::test::RulesFile(rules).path()),
+        : scene(rising(), 6, PageOrder::planar, 0, fjell::test::RulesFile(rules).path()),
           mesh(full_resolution(scene.loaded.terrain)) {
         std::string error;
         scene.target = gl::Target::create({control_wide, control_high, 1}, error);

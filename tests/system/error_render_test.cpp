@@ -43,8 +43,8 @@ double surface_m(const Tree& tree, const io::FullHeights& g, double column, doub
     const std::int32_t step = 1 << g.step_log2;
     const std::int32_t x = std::clamp(static_cast<std::int32_t>(std::floor(column)) >> g.step_log2, 0, g.columns - 2),
                        y = std::clamp(static_cast<std::int32_t>(std::floor(row)) >> g.step_log2, 0, g.rows - 2);
-    const Coord nw{x * step, y * step};
-    const bool falls = step == 1 ? (x + y) % 2 == 0 : diamond(tree, nw + Coord{step / 2, step / 2}).ends[0] == nw;
+    const SampleIndex nw{x * step, y * step};
+    const bool falls = step == 1 ? (x + y) % 2 == 0 : diamond(tree, nw + SampleIndex{step / 2, step / 2}).ends[0] == nw;
     const double u = (column - nw.x) / (std::min(nw.x + step, tree.columns() - 1) - nw.x),
                  v = (row - nw.y) / (std::min(nw.y + step, tree.rows() - 1) - nw.y);
     const auto h = [&](std::int32_t i, std::int32_t j) {
@@ -224,7 +224,7 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
     const View& view = views[1];
     const Vec3 right = cross(view.forward, view.up);
     const Picture plain = scene.draw(mesh.view(), view, bare(1));
-    const Coord planted{161, 60};
+    const SampleIndex planted{161, 60};
     float& height_m = heights.heights_m[static_cast<std::size_t>(planted.y * heights.columns + planted.x)];
     const float right_m = height_m;
     for (const bool hole : {false, true}) {

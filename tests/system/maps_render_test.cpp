@@ -32,7 +32,7 @@ struct Streamed {
     std::vector<TileMap> shown[map_kinds];
 
     Streamed(baker::Dem dem, int tile_log2, std::uint32_t ring_bytes = 0)
-        : scene(std::move(dem), tile_log2, Order::planar, 2, fjell::test::RulesFile().path()) {
+        : scene(std::move(dem), tile_log2, PageOrder::planar, 2, fjell::test::RulesFile().path()) {
         const PackHeader& header = scene.loaded.pack.header;
         const std::uint32_t tiles = scene.loaded.pack.tile_count();
         for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
@@ -357,7 +357,7 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
 
 TEST_CASE("the resident step over a place is the finest down to which all pages that cover it are loaded") {
     test::Random random(163);
-    for (const Order order : {Order::planar, Order::hierarchical_z}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z}) {
         baker::BakeOptions options = test::small_bake(8);
         options.order = order;
         const auto pack = test::bake_and_load(test::random_dem(random, 257, 257, test::Shape::fractal), options);

@@ -70,11 +70,11 @@ inline OwnMesh full_resolution(const Terrain& terrain) {
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         const auto first_index = static_cast<std::uint32_t>(mesh.indices.size());
-        const Coord corner{static_cast<std::int32_t>(tile % terrain.header().tiles_x * side),
+        const SampleIndex corner{static_cast<std::int32_t>(tile % terrain.header().tiles_x * side),
                            static_cast<std::int32_t>(tile / terrain.header().tiles_x * side)};
         for (std::uint32_t y = 0; y < n; ++y)
             for (std::uint32_t x = 0; x < n; ++x) {
-                const Coord at = corner + Coord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+                const SampleIndex at = corner + SampleIndex{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
                 mesh.vertices.push_back({at.x, at.y, data_of(terrain).height_m(at)});
             }
         for (std::uint32_t y = 0; y < side; ++y)
@@ -118,7 +118,7 @@ struct Scene {
     // The cheapest: most pictures are about geometry and maps. Tests of light set it.
     gl::LightSettings light{.air = gl::Air::simple, .dither = false, .detail = false};
 
-    Scene(baker::Dem dem, int tile_log2, Order order = Order::planar, int horizon_spacing = 0,
+    Scene(baker::Dem dem, int tile_log2, PageOrder order = PageOrder::planar, int horizon_spacing = 0,
           const std::string& layers = {}) {
         context();
         char path[] = "/tmp/fjell-picture-XXXXXX";

@@ -258,7 +258,7 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
     std::size_t looked_at = 0, wrong = 0;
     for (const TileRange& range : mesh.tiles)
         for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count; i += 3) {
-            Coord corner[3];
+            SampleIndex corner[3];
             Vec3 centre;
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const MeshVertex& v = mesh.vertices[mesh.indices[i + k]];
@@ -267,7 +267,7 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
                 centre = centre + (p - view.eye_m) * (1.0 / 3);
             }
             // How often a base triangle, of half a tile's area, was halved.
-            const Coord a = corner[1] - corner[0], b = corner[2] - corner[0];
+            const SampleIndex a = corner[1] - corner[0], b = corner[2] - corner[0];
             const int doubled_area = std::abs(a.x * b.y - a.y * b.x);
             const int level = 2 * static_cast<int>(terrain.header().tile_log2) -
                               static_cast<int>(std::lround(std::log2(doubled_area)));

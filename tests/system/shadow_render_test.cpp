@@ -44,7 +44,7 @@ baker::Dem peaks() {
 }
 
 struct Shadowed {
-    Scene scene{peaks(), 6, Order::planar, 2};
+    Scene scene{peaks(), 6, PageOrder::planar, 2};
     OwnMesh mesh = full_resolution(scene.loaded.terrain);
 
     gl::Image draw(const View& view, gl::LightSettings light, bool shadows) {

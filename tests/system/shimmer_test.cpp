@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t still_wide = 96, still_high = 72, across = 4; // samples a pixel: across x across
 
 struct Flight {
-    Scene scene{pictures::mountains(129), 6, Order::planar, 2};
+    Scene scene{pictures::mountains(129), 6, PageOrder::planar, 2};
     OwnMesh mesh = full_resolution(scene.loaded.terrain);
 
     // Linear light of a frame's pixels; 3 a pixel. finer: averaged over so many pixels each way.

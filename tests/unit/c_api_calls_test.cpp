@@ -111,7 +111,7 @@ TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in 
     CHECK(!page_loaded(t, 0, last));
     CHECK(page_changes(t) == changes + 1);
     REQUIRE(load_page(pack.pack, t, 0, last).ok());
-    for (const Coord sample : {Coord{0, 0}, {17, 33}, {160, 89}, {-1, 0}, {1 << 30, 1 << 30}}) {
+    for (const SampleIndex sample : {SampleIndex{0, 0}, {17, 33}, {160, 89}, {-1, 0}, {1 << 30, 1 << 30}}) {
         const FjellTerrainVertex v = fjell_terrain_vertex(terrain, {sample.x, sample.y});
         const TerrainVertex expected = terrain_vertex(t, sample);
         CHECK((v.loaded == expected.loaded && v.hole == expected.hole && v.in_tile == expected.in_tile));

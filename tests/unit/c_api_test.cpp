@@ -103,7 +103,7 @@ TEST_CASE("a host in C gets what one in C++ gets: meshes, changes, reports, boun
     damaged[100] ^= std::byte{1};
     REQUIRE(c_host_fly(damaged.data(), damaged.size(), &memory, &flown) == 1);
     CHECK(std::string_view(flown.failure.field) == "header");
-    CHECK(std::string_view(fjell_message(flown.failure.code)) == message(Code::corrupt));
+    CHECK(std::string_view(fjell_message(flown.failure.code)) == message(StatusCode::corrupt));
 }
 
 TEST_CASE("a host in C streams a pack as a client of its own, and ends where one that has loaded it is") {
@@ -149,7 +149,7 @@ TEST_CASE("the defaults of C are those of C++, and so are all messages and names
     CHECK(fjell_version() == FJELL_VERSION);
     for (int code = 0; code < 256; ++code) {
         const auto text = static_cast<FjellCode>(code);
-        CHECK(std::string_view(fjell_message(text)) == message(static_cast<Code>(code)));
+        CHECK(std::string_view(fjell_message(text)) == message(static_cast<StatusCode>(code)));
         CHECK((std::string_view(fjell_message(text)) == "unknown status") == (code > FJELL_WRONG_TERRAIN));
     }
     for (std::uint32_t bit = 1; bit < 64; bit <<= 1) {

@@ -10,8 +10,8 @@ using namespace fjell;
 
 namespace {
 
-constexpr Coord offset_of(Bearing b) {
-    constexpr Coord offsets[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+constexpr SampleIndex offset_of(Bearing b) {
+    constexpr SampleIndex offsets[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
     return offsets[static_cast<int>(b)];
 }
 
@@ -22,7 +22,7 @@ TEST_CASE("sites, parents and children are those of the tree") {
     const auto side = tree.side();
     for (std::int32_t y = 0; y < tree.grid_rows(); ++y)
         for (std::int32_t x = 0; x < tree.grid_columns(); ++x) {
-            const Coord c{x, y};
+            const SampleIndex c{x, y};
             if (tree.is_corner(c)) continue;
             const Site site = site_at(c);
             REQUIRE(site_coord(site) == c);
@@ -40,11 +40,11 @@ TEST_CASE("sites, parents and children are those of the tree") {
             const Diamond split = diamond(tree, c);
             const bool root = site.kind == VertexKind::centre && 2 << site.z == side;
             for (int n = 0; n < 2; ++n) {
-                const Coord apex = root ? split.apexes[n] : site_coord(parent_site(site, n));
+                const SampleIndex apex = root ? split.apexes[n] : site_coord(parent_site(site, n));
                 REQUIRE(std::count(std::begin(split.apexes), std::end(split.apexes), apex) == 1);
                 if (root) continue;
-                const Coord offset = offset_of(parent_bearing(site, n));
-                REQUIRE(apex == c + Coord{offset.x << site.z, offset.y << site.z});
+                const SampleIndex offset = offset_of(parent_bearing(site, n));
+                REQUIRE(apex == c + SampleIndex{offset.x << site.z, offset.y << site.z});
             }
         }
 }
@@ -53,14 +53,14 @@ TEST_CASE("the two halves of a split lie on either side of it, counter-clockwise
     for (int b = 0; b < 8; ++b) {
         const auto bearing = static_cast<Bearing>(b);
         const bool of_side = b < 4; // its parents lie along the axes; its own children at quadrants
-        const Coord p = offset_of(bearing);
+        const SampleIndex p = offset_of(bearing);
         const auto direction = [&](int d) {
-            return of_side ? Coord{d & 1 ? 1 : -1, d & 2 ? 1 : -1}
+            return of_side ? SampleIndex{d & 1 ? 1 : -1, d & 2 ? 1 : -1}
                            : offset_of(static_cast<Bearing>(d)); // west, east, north, south
         };
         const Halves h = halves(bearing);
         // y points south: counter-clockwise from above is a negative turn.
-        const auto turn = [&](Coord d) { return p.x * d.y - p.y * d.x; };
+        const auto turn = [&](SampleIndex d) { return p.x * d.y - p.y * d.x; };
         CHECK(turn(direction(h.first)) < 0);
         CHECK(turn(direction(h.second)) > 0);
         for (const int d : {int{h.first}, int{h.second}})
@@ -70,7 +70,7 @@ TEST_CASE("the two halves of a split lie on either side of it, counter-clockwise
 
 TEST_CASE("every place of a page belongs to one lane of one group") {
     for (int log2 = 1; log2 <= 9; ++log2) {
-        const PageLayout pages{log2, Order::planar};
+        const PageLayout pages{log2, PageOrder::planar};
         for (std::uint32_t shape = 0; shape < (pages.pages_per_tile() > 1 ? 2u : 1u); ++shape) {
             const PageShape groups = make_page_shape(pages, shape == 0);
             REQUIRE(groups.count <= max_page_groups);
@@ -81,7 +81,7 @@ TEST_CASE("every place of a page belongs to one lane of one group") {
                     const std::uint32_t place = b.first + b.stride * lane;
                     REQUIRE(place < seen.size());
                     ++seen[place];
-                    const Coord c = pages.coord({shape, place});
+                    const SampleIndex c = pages.coord({shape, place});
                     const Site site = site_at(c);
                     REQUIRE(site.kind == b.kind);
                     REQUIRE(site.i == b.i0 + (b.along_y ? 0 : static_cast<int>(lane)));

@@ -16,7 +16,7 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
         baker::Dem dem = random_dem(random, pick(random, 2, 400), pick(random, 2, 400), Shape::fractal);
         if (round % 3 == 0) add_random_holes(random, dem, log2);
         baker::BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const TemporaryFolder folder;
         (void)baker::bake(dem, options, folder / "pack.fjell");
         const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
@@ -28,8 +28,8 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
             const double x = uniform(random, -0.1, 1.1) * width, z = uniform(random, -0.1, 1.1) * depth;
             wrong += ground.ground_m(x, z) != data_of(whole.terrain).ground_m(x, z);
         }
-        for (const Coord corner :
-             {Coord{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
+        for (const SampleIndex corner :
+             {SampleIndex{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
             wrong += ground.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y)) !=
                      data_of(whole.terrain).ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y));
         CAPTURE(round, log2, dem.columns, dem.rows);

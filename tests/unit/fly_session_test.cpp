@@ -20,7 +20,7 @@ namespace {
 
 // A pack in its file, of 9 tiles at most, and the options to open it.
 struct Place {
-    explicit Place(unsigned seed, Order order = Order::planar) {
+    explicit Place(unsigned seed, PageOrder order = PageOrder::planar) {
         Random random(seed);
         baker::BakeOptions bake = small_bake(6);
         bake.order = order;
@@ -112,7 +112,7 @@ TEST_CASE("what a changed key takes is what its table says: nothing, or the meth
 }
 
 TEST_CASE("a session that cannot have what is asked goes on as it was") {
-    const Place place(302), linear(303, Order::linear);
+    const Place place(302), linear(303, PageOrder::linear);
     Session session;
     open_session(place.options, session);
     const std::uint64_t before = updated_hash(session, place, place.options.profile);

@@ -21,7 +21,7 @@ using namespace fjell;
 namespace {
 
 constexpr const char* order_names[] = {"planar", "hierarchical Z", "linear"};
-constexpr Order level_orders[] = {Order::planar, Order::hierarchical_z};
+constexpr PageOrder level_orders[] = {PageOrder::planar, PageOrder::hierarchical_z};
 
 std::string title(const PageLayout& layout) {
     return std::string(order_names[static_cast<int>(layout.order)]) + ", l = " + std::to_string(layout.tile_log2);
@@ -30,7 +30,7 @@ std::string title(const PageLayout& layout) {
 // Tiles of all sizes up to 2^11, in the given orders.
 template <typename Orders, typename Visit>
 void for_each_layout(const Orders& orders, const Visit& visit) {
-    for (const Order order : orders)
+    for (const PageOrder order : orders)
         for (int log2 = 1; log2 <= 11; ++log2) {
             const PageLayout layout{log2, order};
             INFO(title(layout));
@@ -39,7 +39,7 @@ void for_each_layout(const Orders& orders, const Visit& visit) {
 }
 template <typename Visit>
 void for_each_layout(const Visit& visit) {
-    for_each_layout(std::array{Order::planar, Order::hierarchical_z, Order::linear}, visit);
+    for_each_layout(std::array{PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear}, visit);
 }
 
 // All vertices of a tile, or those of every stride-th row and the last.
@@ -58,13 +58,13 @@ void for_each_record(const PageLayout& layout, const Visit& visit) {
         for (std::uint32_t index = 0; index < layout.page_vertices(page); ++index) visit(PagePlace{page, index});
 }
 
-bool is_corner(const PageLayout& layout, Coord c) {
+bool is_corner(const PageLayout& layout, SampleIndex c) {
     return Tree{layout.tile_log2, 1, 1}.is_corner(c);
 }
-Coord to_coord(std::uint32_t x, std::uint32_t y) {
+SampleIndex to_coord(std::uint32_t x, std::uint32_t y) {
     return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
 }
-PagePlace place_of(const PageLayout& layout, Coord c) {
+PagePlace place_of(const PageLayout& layout, SampleIndex c) {
     return layout.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
 }
 // Places in the order of page, then index.
@@ -94,13 +94,13 @@ struct Square {
 };
 Square square_of(const PageLayout& layout, std::uint32_t page) {
     const std::int32_t cells = std::int32_t{32} << (layout.page_step_log2(page) + 1);
-    const Coord at = layout.page_position(page);
+    const SampleIndex at = layout.page_position(page);
     return {at.x * cells, at.y * cells, (at.x + 1) * cells, (at.y + 1) * cells};
 }
 
 // Vertices for which the recursion's arithmetic gives another place than the layout's, or another unit of radii than
 // its level's.
-template <Order O>
+template <PageOrder O>
 std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     TerrainData terrain;
     terrain.tree = {log2, 1, 1};
@@ -121,7 +121,7 @@ std::uint32_t count_wrong_locations(int log2, std::uint32_t stride) {
     for (auto& step : planes)
         for (LevelPlane& plane : step) plane.pages = entries.data() + plane.first;
     for_each_vertex(terrain.pages, stride, [&](std::uint32_t x, std::uint32_t y) {
-        const Coord c = to_coord(x, y);
+        const SampleIndex c = to_coord(x, y);
         if (terrain.tree.is_corner(c)) return;
         const LevelPlane& plane =
             planes[static_cast<std::size_t>(Tree::step_log2(c))][static_cast<std::size_t>(Tree::kind(c))];
@@ -146,7 +146,7 @@ std::uint32_t z_index(std::uint32_t x, std::uint32_t y) {
 TEST_CASE("every vertex has a place of its own in a page of its tile, and the place leads back to it") {
     for_each_layout([](const PageLayout& layout) { REQUIRE(count_wrong_places(layout, 1) == 0); });
     // The largest tiles: every seventh row.
-    for (const Order order : {Order::planar, Order::hierarchical_z, Order::linear})
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z, PageOrder::linear})
         REQUIRE(count_wrong_places({max_tile_log2, order}, 7) == 0);
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("what a page holds of others lies on its south or east border, and the
         std::uint32_t records = 0, copies = 0, wrong = 0;
         for_each_record(layout, [&](PagePlace at) {
             ++records;
-            const Coord c = layout.coord(at);
+            const SampleIndex c = layout.coord(at);
             const PagePlace owner = place_of(layout, c);
             wrong += layout.coord(owner) != c;
             if (owner == at) return;
@@ -181,7 +181,7 @@ TEST_CASE("what a page holds of others lies on its south or east border, and the
             const Square square = square_of(layout, at.page);
             const bool east = c.x == square.east, south = c.y == square.south;
             wrong += east == south;
-            wrong += layout.page_position(owner.page) != layout.page_position(at.page) + Coord{east, south};
+            wrong += layout.page_position(owner.page) != layout.page_position(at.page) + SampleIndex{east, south};
         });
         REQUIRE(wrong == 0);
         REQUIRE(records == layout.tile_vertices() + copies);
@@ -196,7 +196,7 @@ TEST_CASE("what a page holds of others lies on its south or east border, and the
 }
 
 TEST_CASE("linear order is the tile's rows one after the other, and holds nothing twice") {
-    for_each_layout(std::array{Order::linear}, [](const PageLayout& layout) {
+    for_each_layout(std::array{PageOrder::linear}, [](const PageLayout& layout) {
         std::uint32_t records = 0, wrong = 0;
         for_each_record(layout, [&](PagePlace at) {
             ++records;
@@ -243,7 +243,7 @@ TEST_CASE("a page is the closed square of 64 x 64 cells of its step: all vertice
             std::vector<bool> seen(65 * 65);
             std::uint32_t found = 0;
             for (std::uint32_t index = 0; index < layout.page_vertices(page); ++index) {
-                const Coord c = layout.coord({page, index});
+                const SampleIndex c = layout.coord({page, index});
                 if (c.x < square.west || c.x > square.east || c.y < square.north || c.y > square.south ||
                     is_corner(layout, c) || Tree::step_log2(c) != z) {
                     ++wrong;
@@ -270,13 +270,13 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
                     const std::uint32_t page = layout.page_at(z, bx, by);
                     wrong += page < first || page >= first + n * n;
                     wrong += layout.page_step_log2(page) != z || layout.page_position(page) != to_coord(bx, by);
-                    wrong += page != first + (layout.order == Order::planar ? by * n + bx : z_index(bx, by));
+                    wrong += page != first + (layout.order == PageOrder::planar ? by * n + bx : z_index(bx, by));
                 }
         }
         REQUIRE(wrong == 0);
         REQUIRE(pages == layout.pages_per_tile());
         for (std::uint32_t page = 1; page < pages; ++page) {
-            const Coord at = layout.page_position(page);
+            const SampleIndex at = layout.page_position(page);
             wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(at.x),
                                     static_cast<std::uint32_t>(at.y)) != page;
         }
@@ -306,11 +306,11 @@ TEST_CASE("a host finds the page that a vertex is read from, and the page of a s
 }
 
 TEST_CASE("in planar order a page's centres come first, then both kinds of sides, each row by row") {
-    for_each_layout(std::array{Order::planar}, [](const PageLayout& layout) {
+    for_each_layout(std::array{PageOrder::planar}, [](const PageLayout& layout) {
         std::uint32_t wrong = 0;
         std::array<std::int32_t, 4> before{};
         for_each_record(layout, [&](PagePlace at) {
-            const Coord c = layout.coord(at);
+            const SampleIndex c = layout.coord(at);
             if (is_corner(layout, c)) return;
             const std::array<std::int32_t, 4> now{-Tree::step_log2(c), static_cast<std::int32_t>(Tree::kind(c)), c.y,
                                                   c.x};
@@ -322,7 +322,7 @@ TEST_CASE("in planar order a page's centres come first, then both kinds of sides
 }
 
 TEST_CASE("hierarchical Z-order is the thesis': inside a level, i - (i >> 2) - 1 of the Z-index without its zeros") {
-    for_each_layout(std::array{Order::hierarchical_z}, [](const PageLayout& layout) {
+    for_each_layout(std::array{PageOrder::hierarchical_z}, [](const PageLayout& layout) {
         struct Numbered {
             std::int32_t zeros = -1;
             std::uint32_t number = 0;
@@ -356,11 +356,11 @@ TEST_CASE("hierarchical Z-order is the thesis': inside a level, i - (i >> 2) - 1
 }
 
 TEST_CASE("a tile's last row and column in hierarchical Z-order are the thesis' binary trees") {
-    for_each_layout(std::array{Order::hierarchical_z}, [](const PageLayout& layout) {
+    for_each_layout(std::array{PageOrder::hierarchical_z}, [](const PageLayout& layout) {
         for (const bool row : {true, false}) {
             std::vector<std::pair<std::uint32_t, std::uint32_t>> tree; // place, coordinate
             for (std::int32_t c = 1, n = 1 << layout.tile_log2; c < n; ++c)
-                tree.emplace_back(number(place_of(layout, row ? Coord{c, n} : Coord{n, c})), c);
+                tree.emplace_back(number(place_of(layout, row ? SampleIndex{c, n} : SampleIndex{n, c})), c);
             std::sort(tree.begin(), tree.end());
             std::uint32_t wrong = 0, next = 0;
             int zeros = layout.tile_log2 - 1;
@@ -377,8 +377,8 @@ TEST_CASE("on its way down the recursion finds every vertex where the layout pla
     for (int log2 = 1; log2 <= max_tile_log2; ++log2) {
         INFO("l = " << log2);
         const std::uint32_t stride = log2 <= 9 ? 1 : 7;
-        REQUIRE(count_wrong_locations<Order::planar>(log2, stride) == 0);
-        REQUIRE(count_wrong_locations<Order::hierarchical_z>(log2, stride) == 0);
-        REQUIRE(count_wrong_locations<Order::linear>(log2, stride) == 0);
+        REQUIRE(count_wrong_locations<PageOrder::planar>(log2, stride) == 0);
+        REQUIRE(count_wrong_locations<PageOrder::hierarchical_z>(log2, stride) == 0);
+        REQUIRE(count_wrong_locations<PageOrder::linear>(log2, stride) == 0);
     }
 }

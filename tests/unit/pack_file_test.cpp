@@ -109,7 +109,7 @@ TEST_CASE("a damaged header, directory or CRS is refused when the pack is opened
     const io::PackFile file(changed);
     std::vector<std::byte> stored(page.stored_bytes), raw(page.raw_bytes);
     REQUIRE(file.read(page.offset, stored) == 0);
-    CHECK(decode_chunk(page, stored, raw).code == Code::corrupt);
+    CHECK(decode_chunk(page, stored, raw).code == StatusCode::corrupt);
 }
 
 TEST_CASE("a file that is gone is read on, one that has shrunk answers with an error") {

@@ -20,7 +20,7 @@ TEST_CASE("a pack read back in any windows has the heights and holes that the ru
                              static_cast<Shape>(round % static_cast<int>(Shape::count)));
         if (round % 2) add_random_holes(random, dem, log2);
         BakeOptions options = small_bake(log2);
-        options.order = static_cast<Order>(round % 3);
+        options.order = static_cast<PageOrder>(round % 3);
         const TemporaryFolder folder;
         (void)bake(dem, options, folder / "pack.fjell");
         const auto pack = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);

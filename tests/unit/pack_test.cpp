@@ -100,7 +100,7 @@ TEST_CASE("errors of the finest step are left out of the pack, but at the rim an
     dem.native_quantum_m = 1;
     dem.voids.assign(dem.heights_m.size(), 0);
     dem.voids[dem.index(21, 231)] = 1;
-    for (const Order order : {Order::planar, Order::hierarchical_z}) {
+    for (const PageOrder order : {PageOrder::planar, PageOrder::hierarchical_z}) {
         baker::BakeOptions options = small_bake(8);
         options.order = order;
         const auto pack = bake_and_load(dem, options);
@@ -113,7 +113,7 @@ TEST_CASE("errors of the finest step are left out of the pack, but at the rim an
             PageHead head;
             std::memcpy(&head, raw.data(), sizeof head);
             const bool finest = pages.page_step_log2(page) == 0,
-                       holed = finest && pages.page_position(page) == Coord{0, 3};
+                       holed = finest && pages.page_position(page) == SampleIndex{0, 3};
             CHECK(((head.flags & page_errors) == 0) == (finest && !holed));
             CHECK(((head.flags & page_voids) != 0) == holed);
             derived += (head.flags & page_errors) == 0;
@@ -166,11 +166,11 @@ TEST_CASE("every truncation of a pack is refused") {
     for (std::size_t size = 0; size < whole.size(); ++size) {
         const Status s = read_all(std::span(whole).first(size));
         CAPTURE(size, s.field);
-        REQUIRE((s.code == Code::truncated || (size < 8 && s.code == Code::not_a_pack)));
+        REQUIRE((s.code == StatusCode::truncated || (size < 8 && s.code == StatusCode::not_a_pack)));
     }
     auto longer = whole;
     longer.push_back(std::byte{0});
-    REQUIRE(read_all(longer).code == Code::corrupt);
+    REQUIRE(read_all(longer).code == StatusCode::corrupt);
 }
 
 TEST_CASE("every single flipped bit is refused") {
@@ -189,51 +189,51 @@ TEST_CASE("a header whose hash is right is still not believed") {
     const auto whole = small_pack();
     REQUIRE(with_header(whole, [](PackHeader&) {}).ok());
     const auto code = [&](auto change) { return with_header(whole, change).code; };
-    CHECK(code([](PackHeader& h) { h.version = 99; }) == Code::wrong_version);
-    CHECK(code([](PackHeader& h) { h.version = pack_version - 1; }) == Code::wrong_version);
-    CHECK(code([](PackHeader& h) { h.layout_hash ^= 1; }) == Code::wrong_layout);
-    CHECK(code([](PackHeader& h) { h.tile_log2 = 31; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.tile_log2 = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.tiles_x = 0xffffffff; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.columns = 7; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.columns = 1; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.rows = 0xffffffff; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.tiles_x = 2, h.columns = 17; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.spacing_m[0] = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.quantum_m = -1; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.nesting = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.colour_log2 = 32; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.normal_log2 = 3; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.features = pack_has_horizons; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.control_log2 = 3; }) == Code::out_of_range); // without names
-    CHECK(code([](PackHeader& h) { h.layer_bytes = 5; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.control_log2 = 3, h.layer_bytes = 5; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.features = 8; }) == Code::wrong_version);
-    CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == Code::truncated);
-    CHECK(code([](PackHeader& h) { h.crs_bytes = 0xffffffff; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.order = static_cast<Order>(3); }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.error_floor_m = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.error_ratio = 1; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.error_nesting_steps = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.level_radius_m[5] = 0; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.height_steps = 1u << 25; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.notes_bytes = ~0ull; }) == Code::out_of_range);
-    CHECK(code([](PackHeader& h) { h.notes_offset = ~0ull; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.notes_offset = 511; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.notes_bytes += 1; }) == Code::corrupt); // into the directory
-    CHECK(code([](PackHeader& h) { h.notes_hash ^= 1; }) == Code::corrupt);
-    CHECK(code([](PackHeader& h) { h.notes_offset = h.notes_bytes = h.notes_hash = 0; }) == Code::ok); // it needs none
+    CHECK(code([](PackHeader& h) { h.version = 99; }) == StatusCode::wrong_version);
+    CHECK(code([](PackHeader& h) { h.version = pack_version - 1; }) == StatusCode::wrong_version);
+    CHECK(code([](PackHeader& h) { h.layout_hash ^= 1; }) == StatusCode::wrong_layout);
+    CHECK(code([](PackHeader& h) { h.tile_log2 = 31; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tile_log2 = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tiles_x = 0xffffffff; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.columns = 7; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.columns = 1; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.rows = 0xffffffff; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.tiles_x = 2, h.columns = 17; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.spacing_m[0] = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.quantum_m = -1; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.nesting = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.colour_log2 = 32; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.normal_log2 = 3; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.features = pack_has_horizons; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.control_log2 = 3; }) == StatusCode::out_of_range); // without names
+    CHECK(code([](PackHeader& h) { h.layer_bytes = 5; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.control_log2 = 3, h.layer_bytes = 5; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.features = 8; }) == StatusCode::wrong_version);
+    CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.file_bytes = ~0ull; }) == StatusCode::truncated);
+    CHECK(code([](PackHeader& h) { h.crs_bytes = 0xffffffff; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.order = static_cast<PageOrder>(3); }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_floor_m = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_ratio = 1; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.error_nesting_steps = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.level_radius_m[5] = 0; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.height_steps = 1u << 25; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.notes_bytes = ~0ull; }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.notes_offset = ~0ull; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_offset = 511; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_bytes += 1; }) == StatusCode::corrupt); // into the directory
+    CHECK(code([](PackHeader& h) { h.notes_hash ^= 1; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.notes_offset = h.notes_bytes = h.notes_hash = 0; }) == StatusCode::ok); // it needs none
 }
 
 TEST_CASE("every error has a message with a remedy and names its field") {
-    for (const Code c :
-         {Code::truncated, Code::not_a_pack, Code::wrong_version, Code::wrong_layout, Code::corrupt, Code::out_of_range,
-          Code::memory_too_small, Code::budget_too_small, Code::out_of_slots, Code::coarser_page_first}) {
+    for (const StatusCode c :
+         {StatusCode::truncated, StatusCode::not_a_pack, StatusCode::wrong_version, StatusCode::wrong_layout, StatusCode::corrupt, StatusCode::out_of_range,
+          StatusCode::memory_too_small, StatusCode::budget_too_small, StatusCode::out_of_slots, StatusCode::coarser_page_first}) {
         const std::string text = message(c);
         CHECK(text.find(';') != std::string::npos);
         CHECK(text.find('\n') == std::string::npos);
@@ -248,16 +248,16 @@ TEST_CASE("memory that is too small or a budget below the coarsest mesh is refus
     Terrain terrain;
     const std::size_t size = terrain_bytes(pack.pack.header);
     const io::AlignedMemory memory = io::allocate(size);
-    CHECK(load_terrain(pack.pack, {memory.get(), size - 1}, terrain).code == Code::memory_too_small);
+    CHECK(load_terrain(pack.pack, {memory.get(), size - 1}, terrain).code == StatusCode::memory_too_small);
     RecursiveMethod method;
     const RecursiveBudget least{16 * 4, 16 * 9};
     const std::size_t bytes = recursive_bytes(pack.terrain, least);
     const io::AlignedMemory room = io::allocate(bytes);
     CHECK(create_recursive(pack.terrain, {16 * 4 - 1, 1000}, {room.get(), bytes}, method).code ==
-          Code::budget_too_small);
+          StatusCode::budget_too_small);
     CHECK(create_recursive(pack.terrain, {1000, 16 * 9 - 1}, {room.get(), bytes}, method).code ==
-          Code::budget_too_small);
-    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == Code::memory_too_small);
+          StatusCode::budget_too_small);
+    CHECK(create_recursive(pack.terrain, least, {room.get(), bytes - 1}, method).code == StatusCode::memory_too_small);
     CHECK(create_recursive(pack.terrain, least, {room.get(), bytes}, method).ok());
 }
 

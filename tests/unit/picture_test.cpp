@@ -87,7 +87,7 @@ TEST_CASE("a pixel shows a hole when any of its samples is one, however small th
         dig(dem, pick(random, 0, dem.columns - 1), dem.rows - 1);
         const Dem original = dem;
         BakeOptions options = small_bake(pick(random, 1, 9));
-        options.estimate = pick(random, 0, 1) ? Estimate::max : Estimate::midpoint;
+        options.estimate = pick(random, 0, 1) ? ErrorEstimate::max : ErrorEstimate::midpoint;
         const Picture picture =
             picture_of(bake_and_load(std::move(dem), options), static_cast<std::uint32_t>(pick(random, 64, 300)));
         const auto first = [](std::uint32_t pixel, std::uint32_t pixels, std::int32_t samples) {

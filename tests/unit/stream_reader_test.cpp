@@ -129,7 +129,7 @@ TEST_CASE("a read that fails is told once, the rest comes, and asked again, all 
     CHECK(c.errors > 3);
     CHECK(c.last_error == ENXIO);
     CHECK(scene.failures.size() == c.errors);
-    for (const StreamFailure& f : scene.failures) CHECK(f.code == Code::unreadable);
+    for (const StreamFailure& f : scene.failures) CHECK(f.code == StatusCode::unreadable);
     CHECK(scene.on.paged.terrain.pages_missing() > 0);
     CHECK(scene.wrong_pages() == 0);
     failing = false;
@@ -153,7 +153,7 @@ TEST_CASE("bytes that are not the pack's are found out and do no harm") {
     const io::StreamReaderCounters c = reader.counters();
     CHECK(c.damaged > 3);
     CHECK(scene.failures.size() == c.damaged);
-    for (const StreamFailure& f : scene.failures) CHECK(f.code == Code::corrupt);
+    for (const StreamFailure& f : scene.failures) CHECK(f.code == StatusCode::corrupt);
     CHECK(scene.wrong_pages() == 0);
 }
 

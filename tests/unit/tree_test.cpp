@@ -12,19 +12,19 @@ using namespace fjell;
 namespace {
 
 struct Less {
-    bool operator()(Coord a, Coord b) const { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+    bool operator()(SampleIndex a, SampleIndex b) const { return a.y != b.y ? a.y < b.y : a.x < b.x; }
 };
 
 // What bisection knows of a vertex: who was at the right angles of the triangles it split.
 struct Seen {
-    std::set<Coord, Less> apexes, ends;
+    std::set<SampleIndex, Less> apexes, ends;
     int level = 0;
 };
-using Book = std::map<Coord, Seen, Less>;
+using Book = std::map<SampleIndex, Seen, Less>;
 
-void bisect(Book& book, Coord apex, Coord left, Coord right, int level) {
+void bisect(Book& book, SampleIndex apex, SampleIndex left, SampleIndex right, int level) {
     if (((left.x + right.x) | (left.y + right.y)) & 1) return;
-    const Coord m{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    const SampleIndex m{(left.x + right.x) / 2, (left.y + right.y) / 2};
     Seen& seen = book[m];
     seen.apexes.insert(apex);
     seen.ends.insert(left);
@@ -39,7 +39,7 @@ Book bisect_all(const Tree& tree) {
     const std::int32_t n = tree.side();
     for (std::int32_t ty = 0; ty < tree.tiles_y; ++ty)
         for (std::int32_t tx = 0; tx < tree.tiles_x; ++tx) {
-            const Coord nw{tx * n, ty * n}, ne{nw.x + n, nw.y}, sw{nw.x, nw.y + n}, se{nw.x + n, nw.y + n};
+            const SampleIndex nw{tx * n, ty * n}, ne{nw.x + n, nw.y}, sw{nw.x, nw.y + n}, se{nw.x + n, nw.y + n};
             bisect(book, ne, nw, se, 0);
             bisect(book, sw, se, nw, 0);
         }
@@ -55,10 +55,10 @@ TEST_CASE("levels, diamonds and children are those of explicit bisection, across
             const Tree tree{log2, tiles_x, tiles_y};
             const Book book = bisect_all(tree);
             std::size_t corners = 0;
-            std::map<Coord, std::set<Coord, Less>, Less> parents_of;
+            std::map<SampleIndex, std::set<SampleIndex, Less>, Less> parents_of;
             for (std::int32_t y = 0; y < tree.rows(); ++y)
                 for (std::int32_t x = 0; x < tree.columns(); ++x) {
-                    const Coord v{x, y};
+                    const SampleIndex v{x, y};
                     if (tree.is_corner(v)) {
                         ++corners;
                         REQUIRE_FALSE(book.contains(v));
@@ -67,11 +67,11 @@ TEST_CASE("levels, diamonds and children are those of explicit bisection, across
                     const Seen& seen = book.at(v);
                     REQUIRE(tree.level(v) == seen.level);
                     const Diamond d = diamond(tree, v);
-                    std::set<Coord, Less> apexes;
-                    for (const Coord a : d.apexes)
+                    std::set<SampleIndex, Less> apexes;
+                    for (const SampleIndex a : d.apexes)
                         if (tree.contains(a)) apexes.insert(a);
                     REQUIRE(apexes == seen.apexes);
-                    REQUIRE(std::set<Coord, Less>{d.ends[0], d.ends[1]} == seen.ends);
+                    REQUIRE(std::set<SampleIndex, Less>{d.ends[0], d.ends[1]} == seen.ends);
                     const Children kids = children(v);
                     REQUIRE(kids.count == (seen.level == 2 * log2 - 1 ? 0 : 4));
                     for (int k = 0; k < kids.count; ++k)
@@ -80,8 +80,8 @@ TEST_CASE("levels, diamonds and children are those of explicit bisection, across
             REQUIRE(corners == static_cast<std::size_t>((tiles_x + 1) * (tiles_y + 1)));
             // Children are the reverse of parents; only roots have corners instead.
             for (const auto& [v, seen] : book) {
-                std::set<Coord, Less> expected;
-                for (const Coord a : seen.apexes)
+                std::set<SampleIndex, Less> expected;
+                for (const SampleIndex a : seen.apexes)
                     if (!tree.is_corner(a)) expected.insert(a);
                 REQUIRE(parents_of[v] == expected);
             }

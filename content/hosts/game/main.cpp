@@ -126,7 +126,7 @@ fjell::Status load(World& world, Drawer& drawer, Frame& frame) {
     while (!frame.streamed.complete) {
         if (fjell::Status s = update(world, frame, 0); !s.ok()) return s;
         drawer.upload(fjell::stream_map_commands(world.stream));
-        if (frame.streamed.failed != 0) return {fjell::Code::unreadable, "pack"};
+        if (frame.streamed.failed != 0) return {fjell::StatusCode::unreadable, "pack"};
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return fjell::rebuild_cut(world.cut, frame.views(), frame.settings, frame.report);

@@ -30,14 +30,14 @@ double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double 
     return hit.hit ? hit.distance_m : most_m;
 }
 
-fjell::Coord sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m) {
+fjell::SampleIndex sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m) {
     return {static_cast<std::int32_t>(std::floor(place_m.x / terrain.header().spacing_m[0])),
             static_cast<std::int32_t>(std::floor(place_m.z / terrain.header().spacing_m[1]))};
 }
 
-std::vector<float> collider(const fjell::Terrain& terrain, fjell::Coord middle, float& error_m) {
+std::vector<float> collider(const fjell::Terrain& terrain, fjell::SampleIndex middle, float& error_m) {
     std::vector<float> heights_m(33 * 33);
-    error_m = fjell::ground_patch(terrain, middle - fjell::Coord{16, 16}, 0, 33, heights_m).error_m;
+    error_m = fjell::ground_patch(terrain, middle - fjell::SampleIndex{16, 16}, 0, 33, heights_m).error_m;
     return heights_m;
 }
 

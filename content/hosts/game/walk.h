@@ -17,8 +17,8 @@ namespace game {
 // How far the walker sees, in metres; most_m: nothing in the way.
 [[nodiscard]] double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double most_m);
 // The sample to the north-west of a place.
-[[nodiscard]] fjell::Coord sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m);
+[[nodiscard]] fjell::SampleIndex sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m);
 // Heights around a sample, 33 a side, for a collider of the physics engine. error_m: how wrong they may still be.
-[[nodiscard]] std::vector<float> collider(const fjell::Terrain& terrain, fjell::Coord middle, float& error_m);
+[[nodiscard]] std::vector<float> collider(const fjell::Terrain& terrain, fjell::SampleIndex middle, float& error_m);
 
 } // namespace game

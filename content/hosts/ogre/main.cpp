@@ -179,7 +179,7 @@ int measure(World& world, host::Scene& scene, Measured& times) {
         times.start(i);
         fjell::Status s = decide(world, view, frame, i / 60.0);
         times.done(times_update);
-        if (s.ok() && frame.streamed.failed != 0) s = {fjell::Code::unreadable, "pack"};
+        if (s.ok() && frame.streamed.failed != 0) s = {fjell::StatusCode::unreadable, "pack"};
         if (!s.ok()) return fail("frame", s);
         hand_over(world, scene, ground, view);
         times.done(times_upload);

@@ -6,7 +6,7 @@
 
 namespace physics {
 
-float GroundShape::make(const fjell::Terrain& terrain, fjell::Coord first) {
+float GroundShape::make(const fjell::Terrain& terrain, fjell::SampleIndex first) {
     constexpr std::size_t count = std::size_t{patch_side} * patch_side;
     m_shapeType = FAST_CONCAVE_MESH_PROXYTYPE;
     setMargin(ground_margin_m);

@@ -21,7 +21,7 @@ class GroundShape : public btConcaveShape {
 public:
     // Reads the patch: on the thread that calls, from what is loaded now. Returns the microseconds that ground_patch()
     // took.
-    float make(const fjell::Terrain& terrain, fjell::Coord first);
+    float make(const fjell::Terrain& terrain, fjell::SampleIndex first);
 
     [[nodiscard]] float error_m() const { return error_m_; } // of every sample, and so of every triangle
     [[nodiscard]] bool finest() const { return finest_; }
@@ -39,7 +39,7 @@ private:
     [[nodiscard]] btVector3 sample(int x, int y) const;
     void process(btTriangleCallback* callback, int id, const int (&corners)[3][2]) const;
 
-    fjell::Coord first_;
+    fjell::SampleIndex first_;
     float spacing_x_m_ = 1, spacing_z_m_ = 1, error_m_ = 0, high_m_ = 0;
     double base_m_ = 0, steepest_ = 0;
     bool finest_ = false;

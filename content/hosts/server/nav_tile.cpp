@@ -31,10 +31,10 @@ struct Triangles {
     std::vector<int> indices;
     fjell::GroundPatch patch;
 };
-fjell::Coord first_sample(int x, int z) {
+fjell::SampleIndex first_sample(int x, int z) {
     return {x * tile_cells - border_cells, z * tile_cells - border_cells};
 }
-Triangles triangles_of(const fjell::Terrain& terrain, fjell::Coord first) {
+Triangles triangles_of(const fjell::Terrain& terrain, fjell::SampleIndex first) {
     float heights_m[side * side];
     bool holes[side * side];
     Triangles out;
@@ -159,7 +159,7 @@ void look(const Meshes& meshes, int x, int z, const fjell::Terrain& whole, NavTi
     }
     float heights_m[tile_cells * tile_cells];
     bool holes[tile_cells * tile_cells];
-    const fjell::Coord first{x * tile_cells, z * tile_cells};
+    const fjell::SampleIndex first{x * tile_cells, z * tile_cells};
     (void)fjell::ground_patch(whole, first, 0, tile_cells, heights_m, holes);
     for (int i = 0; i < tile_cells * tile_cells; ++i)
         if (holes[i])

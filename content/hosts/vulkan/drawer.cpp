@@ -280,7 +280,7 @@ void Drawer::write_block(const fjell::CutMesh& cut, const fjell::View& view, con
 }
 
 std::uint32_t Drawer::place_of(std::uint32_t tile) const {
-    const fjell::Coord place = terrain_.tile_place(tile);
+    const fjell::SampleIndex place = terrain_.tile_place(tile);
     return std::uint32_t(place.y) * terrain_.header().tiles_x + std::uint32_t(place.x);
 }
 

@@ -137,7 +137,7 @@ private:
 
 std::unique_ptr<RunningMethod> make_incremental(const FlightOptions& options, const Terrain& terrain,
                                                 const CutBudget* recorded) {
-    if (terrain.header().order == Order::linear)
+    if (terrain.header().order == PageOrder::linear)
         throw Failure(1,
                       fmt::format("{}: the pack is in linear order, which the incremental method does not read; bake "
                                   "it with --order planar, or fly it with --method recursive",

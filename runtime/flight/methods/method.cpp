@@ -57,10 +57,10 @@ void require(const Status& status) {
 }
 
 void require_budget(const Status& status, const FlightOptions& options, const PackHeader& header) {
-    if (status.code == Code::budget_too_small || status.code == Code::out_of_range)
+    if (status.code == StatusCode::budget_too_small || status.code == StatusCode::out_of_range)
         throw io::Failure(
             1, fmt::format("{}: {} ([budget] of a --profile){}", status.field, message(status.code),
-                           status.code == Code::budget_too_small ? fewer_tiles(header, options.profile) : ""));
+                           status.code == StatusCode::budget_too_small ? fewer_tiles(header, options.profile) : ""));
     require(status);
 }
 

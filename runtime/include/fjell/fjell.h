@@ -6,7 +6,7 @@
 
 #include "fjell/asserts.h"
 #include "fjell/compact.h"
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"

@@ -41,7 +41,7 @@ typedef struct FjellStatus {
 
 typedef void (*FjellAssertHandler)(const char* condition, const char* file, int line);
 
-// --- fjell/coord.h ---
+// --- fjell/sample_index.h ---
 
 typedef struct FjellCoord {
     int32_t x, y;

@@ -2,7 +2,7 @@
 // keeps to, without looking at every sample.
 #pragma once
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/mesh.h"
@@ -18,7 +18,7 @@ struct MeasuredError {
     // Less what rounding both heights to float may have added: some 1e-7 of the largest height.
     double max_px = 0;         // largest |height - surface| * lambda / distance(eye, sample)
     double max_m = 0;          // largest |height - surface|
-    Coord sample_px, sample_m; // where
+    SampleIndex sample_px, sample_m; // where
     std::uint64_t samples = 0; // visited, shared edges counted once a triangle
 };
 

@@ -37,9 +37,9 @@ inline constexpr std::uint64_t max_sparse_tiles = 1u << 26; // places for tiles 
 inline constexpr double max_extent_m = 1e8; // squares of distances must stay far from float's largest value
 
 // How vertices lie in pages: by levels, in planes or along a Z-curve, or row by row.
-enum class Order : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
+enum class PageOrder : std::uint32_t { planar = 0, hierarchical_z = 1, linear = 2 };
 // What a vertex' error is: the true largest one, or that at the vertex alone (no bound).
-enum class Estimate : std::uint32_t { max = 0, midpoint = 1 };
+enum class ErrorEstimate : std::uint32_t { max = 0, midpoint = 1 };
 // What a chunk holds.
 enum class ChunkKind : std::uint32_t {
     corners = 0,  // of all tiles: the mesh that is there when no page is
@@ -65,8 +65,8 @@ struct PackHeader {
     std::uint32_t columns, rows;    // samples, at least 2
     std::uint32_t tiles_x, tiles_y; // the fewest that cover them
     std::uint32_t tile_log2;
-    Order order;
-    Estimate estimate;
+    PageOrder order;
+    ErrorEstimate estimate;
     float nesting;             // mu
     double spacing_m[2];       // along columns (x) and rows (y)
     double origin_m[2];        // of sample (0, 0), in CRS axes

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/export.h"
 #include "fjell/pack.h"
 #include "fjell/terrain.h"
@@ -48,7 +48,7 @@ struct TerrainVertex {
     float height_m = 0, error_m = 0, radius_m = 0;
 };
 // Any sample, also beyond the terrain's rim to the end of the last tiles. Slow and convenient.
-[[nodiscard]] TerrainVertex terrain_vertex(const Terrain& terrain, Coord sample);
+[[nodiscard]] TerrainVertex terrain_vertex(const Terrain& terrain, SampleIndex sample);
 // Between the four samples around a place, bilinear: smooth, and not the surface that is drawn (fjell/query.h). Places
 // outside count as the nearest of the rim. Needs the pages of those samples.
 [[nodiscard]] double terrain_height_m(const Terrain& terrain, double x_m, double z_m);

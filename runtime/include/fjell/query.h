@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <span>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/export.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
@@ -63,7 +63,7 @@ struct GroundPatch {
 // There is no ground in a triangle with a corner that is a hole.
 // step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
 // then.
-GroundPatch ground_patch(const Terrain& terrain, Coord first, int step_log2, std::uint32_t side,
+GroundPatch ground_patch(const Terrain& terrain, SampleIndex first, int step_log2, std::uint32_t side,
                          std::span<float> heights_m, std::span<bool> holes = {});
 
 } // namespace fjell

@@ -11,7 +11,7 @@ FJELL_API_BEGIN
 namespace fjell {
 
 // What went wrong.
-enum class Code : std::uint8_t {
+enum class StatusCode : std::uint8_t {
     ok,
     truncated,          // the bytes end before the pack does
     not_a_pack,         // the magic number is missing
@@ -32,14 +32,14 @@ enum class Code : std::uint8_t {
 
 // What a call returns.
 struct [[nodiscard]] Status {
-    Code code = Code::ok;
+    StatusCode code = StatusCode::ok;
     const char* field = ""; // the field, argument or section at fault; static storage
 
-    [[nodiscard]] constexpr bool ok() const { return code == Code::ok; }
+    [[nodiscard]] constexpr bool ok() const { return code == StatusCode::ok; }
 };
 
 // One line: what happened and what to do about it. Static storage.
-[[nodiscard]] const char* message(Code code);
+[[nodiscard]] const char* message(StatusCode code);
 
 } // namespace fjell
 FJELL_API_END

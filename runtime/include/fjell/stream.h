@@ -86,7 +86,7 @@ enum StreamBudgetBit : std::uint32_t {
 // A chunk that could not be loaded.
 struct StreamFailure {
     ChunkId id;
-    Code code = Code::ok; // corrupt, or unreadable when the client said so
+    StatusCode code = StatusCode::ok; // corrupt, or unreadable when the client said so
 };
 
 // What happened to a page, for recordings: replayed in this order, the events give the same terrain.

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <span>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"
 #include "fjell/pack.h"
@@ -44,8 +44,8 @@ public:
     [[nodiscard]] std::uint32_t tile_count() const; // that there are: all, but of a sparse pack set (tiles_of())
     // The number of the tile at a place, counted in tiles from sample (0, 0), and the place of a numbered one. no_tile
     // and {-1, -1}: there is none, so that nothing is drawn there and queries find no ground. O(1).
-    [[nodiscard]] std::uint32_t tile_at(Coord place) const;
-    [[nodiscard]] Coord tile_place(std::uint32_t tile) const;
+    [[nodiscard]] std::uint32_t tile_at(SampleIndex place) const;
+    [[nodiscard]] SampleIndex tile_place(std::uint32_t tile) const;
     [[nodiscard]] std::uint32_t pages_per_tile() const;
     [[nodiscard]] std::uint32_t page_count() const; // of all tiles
     [[nodiscard]] std::uint32_t page_slots() const; // that there is memory for

@@ -8,7 +8,7 @@ int fjell_version(void) {
     return FJELL_VERSION;
 }
 const char* fjell_message(FjellCode code) {
-    return message(static_cast<Code>(code));
+    return message(static_cast<StatusCode>(code));
 }
 bool fjell_set_assert_handler(FjellAssertHandler handler) {
     return set_assert_handler(handler);

@@ -97,7 +97,7 @@ private:
     }
 
     bool begin_tile() {
-        const Coord tile = pages_.grid.terrain->tile_xy(down_.tile);
+        const SampleIndex tile = pages_.grid.terrain->tile_xy(down_.tile);
         const int z = pages_.grid.terrain->tree.tile_log2 - 1;
         SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
@@ -370,7 +370,7 @@ private:
         }
     }
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
-        const Coord at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
+        const SampleIndex at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
         mesh_.morph[v].flat_m = flat_height(pages_.grid, mesh_, v, at, at_.z, kind == VertexKind::centre, a, c);
         if (b.beside) mesh_.dirty_vertices.mark(v); // it may have been placed in an earlier frame
     }
@@ -404,7 +404,7 @@ namespace {
 // May some of its triangles be hidden? Those are not counted before.
 bool may_hide(const Grid& grid, std::uint32_t tile) {
     const TerrainData& t = *grid.terrain;
-    const Coord place = t.tile_xy(tile);
+    const SampleIndex place = t.tile_xy(tile);
     return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == grid.tiles_x) ||
            (t.tree.cut_y != 0 && place.y + 1 == grid.tiles_y);
 }

@@ -159,7 +159,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const Evaluation v = evaluate_vertex(s.pages, s.views, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s.mesh);
-    const Coord at = s.pages.grid.terrain->tree.sample(site_coord(site));
+    const SampleIndex at = s.pages.grid.terrain->tree.sample(site_coord(site));
     s.mesh.vertices[slot] = {at.x, at.y, v.y};
     s.mesh.hole[slot] = is_void(record_of(s.pages, vertex));
     s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};

@@ -103,7 +103,7 @@ struct Evaluation {
                                                 const Site& site, bool active) {
     const Criterion& c = criterion_of(pages, views, vertex / group_lanes);
     const VertexRecord record = record_of(pages, vertex);
-    const Coord at = site_coord(site);
+    const SampleIndex at = site_coord(site);
     const std::int32_t base = pages.state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
     v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;

@@ -70,11 +70,11 @@ struct Site {
     std::int32_t i, j; // square
 };
 
-[[nodiscard]] constexpr Coord site_coord(const Site& v) {
+[[nodiscard]] constexpr SampleIndex site_coord(const Site& v) {
     const int x = 2 * v.i + (v.kind != VertexKind::side_y), y = 2 * v.j + (v.kind != VertexKind::side_x);
     return {x << v.z, y << v.z};
 }
-[[nodiscard]] constexpr Site site_at(Coord c) {
+[[nodiscard]] constexpr Site site_at(SampleIndex c) {
     const int z = Tree::step_log2(c);
     return {z, Tree::kind(c), c.x >> (z + 1), c.y >> (z + 1)};
 }
@@ -154,7 +154,7 @@ struct Halves {
 // Appends the groups of a step with n x n squares whose vertices begin at place `offset` of the page.
 inline void add_step(PageShape& page, std::uint32_t n, std::uint32_t offset, int z) {
     const auto add = [&](VertexKind kind, std::uint32_t i0, std::uint32_t j0, std::uint32_t lanes, bool along_y) {
-        const std::uint32_t first = offset + page_index<Order::planar>(n, kind, i0, j0);
+        const std::uint32_t first = offset + page_index<PageOrder::planar>(n, kind, i0, j0);
         page.groups[page.count++] = {
             static_cast<std::uint16_t>(first),
             static_cast<std::uint8_t>(along_y ? n + 1 : 1),

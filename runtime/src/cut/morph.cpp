@@ -135,7 +135,7 @@ void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot) {
 
 namespace {
 
-std::uint32_t slot_at(const Pages& pages, Coord c) {
+std::uint32_t slot_at(const Pages& pages, SampleIndex c) {
     if (!pages.grid.terrain->tree.is_corner(c)) return pages.vertex_slot[find_vertex(pages, site_at(c))];
     return pages.grid.terrain->corner_at(c.x >> pages.grid.terrain->tree.tile_log2,
                                          c.y >> pages.grid.terrain->tree.tile_log2);
@@ -148,7 +148,7 @@ void flatten_all(const Pages& pages, Mesh& mesh) {
         for (std::uint32_t lanes = pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
             const Site site = site_of(pages, vertex);
-            const Coord at = site_coord(site);
+            const SampleIndex at = site_coord(site);
             const Diamond split = diamond(pages.grid.terrain->tree, at);
             const std::uint32_t slot = pages.vertex_slot[vertex];
             mesh.morph[slot].flat_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,

@@ -43,14 +43,14 @@ struct Morphing {
 // height. Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs,
 // sides of step 2s. So reaching out by 2s and 3s from sides and centres, whatever holds for a vertex holds for its
 // parents.
-[[nodiscard]] inline bool stands_near_cut_rim(const Grid& grid, Coord at, int z, bool centre) {
+[[nodiscard]] inline bool stands_near_cut_rim(const Grid& grid, SampleIndex at, int z, bool centre) {
     const Tree& tree = grid.terrain->tree;
     const std::int32_t out = (centre ? 3 : 2) << z;
     return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
 }
 
 // Where a vertex starts: in the middle of the edge that it splits.
-[[nodiscard]] inline float flat_height(const Grid& grid, const Mesh& mesh, std::uint32_t vertex, Coord at, int z,
+[[nodiscard]] inline float flat_height(const Grid& grid, const Mesh& mesh, std::uint32_t vertex, SampleIndex at, int z,
                                        bool centre, std::uint32_t end_a, std::uint32_t end_b) {
     if (stands_near_cut_rim(grid, at, z, centre)) return mesh.vertices[vertex].height_m;
     return (mesh.vertices[end_a].height_m + mesh.vertices[end_b].height_m) * 0.5f;

@@ -18,7 +18,7 @@ void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded
     tile.bounded = loaded;
     if (!loaded) return;
     const std::int32_t half = grid.terrain->tree.side() / 2, side = grid.terrain->tree.side();
-    const Coord root{info.tile_x * side + half, info.tile_y * side + half}, at = grid.terrain->tree.sample(root);
+    const SampleIndex root{info.tile_x * side + half, info.tile_y * side + half}, at = grid.terrain->tree.sample(root);
     const TerrainData::Vertex v = grid.terrain->vertex(root);
     tile.centre_m = {grid.terrain->x_m(at.x), v.height_m, grid.terrain->z_m(at.y)};
     tile.radius_m = v.radius_m;
@@ -70,14 +70,14 @@ std::uint32_t attach(Pages& pages, Work& work, Mesh& mesh, Visibility& visibilit
     info.page = loaded.page;
     info.terrain_slot = terrain_slot;
     info.tile = info.page / pages.grid.pages_per_tile;
-    const Coord tile = t.tile_xy(info.tile);
+    const SampleIndex tile = t.tile_xy(info.tile);
     info.tile_x = tile.x;
     info.tile_y = tile.y;
     info.base = t.page_table[info.page].base;
     info.status = loaded.evicting ? PageStatus::evicting : PageStatus::live;
     if (loaded.evicting) pages.evicting[pages.evicting_count++] = slot;
     if (in_tile != 0) {
-        const Coord position = t.pages.page_position(in_tile);
+        const SampleIndex position = t.pages.page_position(in_tile);
         info.shape = 1;
         info.z = static_cast<std::uint8_t>(t.pages.page_step_log2(in_tile));
         info.i0 = position.x << page_squares_log2;

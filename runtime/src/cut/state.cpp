@@ -81,7 +81,7 @@ std::size_t lay_out(const TerrainData& t, const CutBudget& b, std::byte* at, Cut
         part(dirty->words, triangles / 64 + 1);
     }
     part(s.mesh.ranges, segments);
-    if (t.pages.order == Order::hierarchical_z) part(s.pages.grid.hz_places, 2 * max_page_vertices);
+    if (t.pages.order == PageOrder::hierarchical_z) part(s.pages.grid.hz_places, 2 * max_page_vertices);
     part(s.bulk.descents, b.workers);
     SlotGrid* grids = nullptr;
     const auto steps = static_cast<std::uint32_t>(t.tree.tile_log2);
@@ -105,38 +105,38 @@ std::size_t bytes_of(const TerrainData& t, const CutBudget& b) {
 }
 
 Status check_budget(const TerrainData& t, const CutBudget& b) {
-    if (t.pages.order == Order::linear)
-        return {Code::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
-    if (b.vertices > 1u << 28) return {Code::out_of_range, "CutBudget::vertices (at most 2^28)"};
-    if (b.triangles > 1u << 29) return {Code::out_of_range, "CutBudget::triangles (at most 2^29)"};
+    if (t.pages.order == PageOrder::linear)
+        return {StatusCode::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
+    if (b.vertices > 1u << 28) return {StatusCode::out_of_range, "CutBudget::vertices (at most 2^28)"};
+    if (b.triangles > 1u << 29) return {StatusCode::out_of_range, "CutBudget::triangles (at most 2^29)"};
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
-        return {Code::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
-    if (b.views < 1 || b.views > max_cut_views) return {Code::out_of_range, "CutBudget::views (1 to 8)"};
-    if (b.workers < 1 || b.workers > max_cut_workers) return {Code::out_of_range, "CutBudget::workers (1 to 64)"};
+        return {StatusCode::out_of_range, "CutBudget::segment_triangles (8 to 65,536, a power of two)"};
+    if (b.views < 1 || b.views > max_cut_views) return {StatusCode::out_of_range, "CutBudget::views (1 to 8)"};
+    if (b.workers < 1 || b.workers > max_cut_workers) return {StatusCode::out_of_range, "CutBudget::workers (1 to 64)"};
     if (std::uint64_t{pages_of(t, b)} * max_page_vertices > 0xfffffff0u)
-        return {Code::out_of_range, "CutBudget::vertices (states for 1,369,568 pages at most)"};
-    if (b.vertices < corner_count(t)) return {Code::budget_too_small, "CutBudget::vertices (4 a tile)"};
+        return {StatusCode::out_of_range, "CutBudget::vertices (states for 1,369,568 pages at most)"};
+    if (b.vertices < corner_count(t)) return {StatusCode::budget_too_small, "CutBudget::vertices (4 a tile)"};
     if (segments_of(b) < least_segments(t))
-        return {Code::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
+        return {StatusCode::budget_too_small, "CutBudget::triangles (a segment a tile, and 3)"};
     return {};
 }
 
 // Place of each group's lanes in hierarchical Z-order, for a page of each shape.
 void make_hz_places(const Grid& grid) {
     const PageLayout& hz = grid.terrain->pages;
-    const PageLayout planar{hz.tile_log2, Order::planar};
+    const PageLayout planar{hz.tile_log2, PageOrder::planar};
     for (std::uint32_t shape = 0; shape < (hz.pages_per_tile() > 1 ? 2u : 1u); ++shape)
         for (std::uint32_t n = 0; n < grid.shapes[shape].count; ++n) {
             const GroupShape& group = grid.shapes[shape].groups[n];
             for (std::uint32_t lane = 0; lane < group.lanes; ++lane) {
                 // The first page of either kind has the same place in its tile in both orders.
-                const Coord c = planar.coord({shape, group.first + group.stride * lane});
+                const SampleIndex c = planar.coord({shape, group.first + group.stride * lane});
                 std::uint32_t place = 0;
                 if (shape == 0) {
                     place = hz.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index;
                 } else {
                     const Site at = site_at(c);
-                    place = page_index<Order::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
+                    place = page_index<PageOrder::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
                                                               static_cast<std::uint32_t>(at.j));
                 }
                 grid.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
@@ -179,7 +179,7 @@ void make_corners(const Grid& grid, Mesh& mesh) {
     const TerrainData& t = *grid.terrain;
     const auto make = [&](std::int32_t x, std::int32_t y) {
         const std::uint32_t slot = t.corner_at(x, y);
-        const Coord at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
+        const SampleIndex at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         mesh.vertices[slot] = {at.x, at.y, height_m};
@@ -220,7 +220,7 @@ void reset(CutState& s) {
 
 void begin_at_roots(const Pages& pages, Work& work, Mesh& mesh) {
     for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) {
-        const Coord at = pages.grid.terrain->tile_xy(tile);
+        const SampleIndex at = pages.grid.terrain->tile_xy(tile);
         const auto slot = [&](std::int32_t x, std::int32_t y) {
             return pages.grid.terrain->corner_at(at.x + x, at.y + y);
         };
@@ -243,13 +243,13 @@ std::size_t cut_bytes(const Terrain& terrain, const CutBudget& budget) {
 
 Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut) {
     const TerrainData* const found = find(handle);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     const TerrainData& terrain = *found;
     if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
     const std::size_t bytes = bytes_of(terrain, budget);
-    if (memory.size() < bytes) return {Code::memory_too_small, "memory"};
+    if (memory.size() < bytes) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, bytes); // touches every page now rather than in a frame
 
     auto& s = *new (at) CutState{};

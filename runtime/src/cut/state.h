@@ -31,7 +31,7 @@ struct CutState {
     CutState* const s = find(cut);
     return s != nullptr && find(s->pages.grid.handle) != nullptr ? s : nullptr;
 }
-inline constexpr Status no_cut{Code::invalid_handle, "cut, or its terrain"};
+inline constexpr Status no_cut{StatusCode::invalid_handle, "cut, or its terrain"};
 
 // No vertex active, every page that is loaded entered, all slots free; and no triangle yet.
 void reset(CutState& s);

@@ -265,7 +265,7 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {StatusCode::out_of_range, "tile or page"};
     LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     released = loaded == nullptr;
     if (released) return {};
@@ -287,7 +287,7 @@ Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {Code::out_of_range, "tile or page"};
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {StatusCode::out_of_range, "tile or page"};
     LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     if (loaded == nullptr) return {};
     loaded->evicting = false;

@@ -216,7 +216,7 @@ bool is_loaded(const CutState& s, std::uint32_t page) {
 Violation check_slot(const CutState& s, std::uint32_t vertex, const Site& site) {
     const std::uint32_t slot = s.pages.vertex_slot[vertex];
     if (slot < s.mesh.corner_count || slot >= s.mesh.fresh_vertex) return at("no vertex slot for", s, vertex);
-    const Coord sample = s.pages.grid.terrain->tree.sample(site_coord(site));
+    const SampleIndex sample = s.pages.grid.terrain->tree.sample(site_coord(site));
     if (s.mesh.vertices[slot].column != sample.x || s.mesh.vertices[slot].row != sample.y)
         return at("a vertex slot is another vertex':", s, vertex);
     return {};
@@ -269,7 +269,7 @@ Changeable changeable(const CutState& s, std::uint32_t group) {
 // Does a vertex agree with the decision, and will it be looked at before it could cease to? left_m: how far an eye may
 // go until its group is due.
 Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, double left_m) {
-    const Coord c = site_coord(site_of(s.pages, vertex)), sample = s.pages.grid.terrain->tree.sample(c);
+    const SampleIndex c = site_coord(site_of(s.pages, vertex)), sample = s.pages.grid.terrain->tree.sample(c);
     const TerrainData::Vertex v = s.pages.grid.terrain->vertex(c);
     const float x = s.pages.grid.terrain->x_m(sample.x), z = s.pages.grid.terrain->z_m(sample.y);
     const Criterion& decision = criterion_of(s.pages, s.views, vertex / group_lanes);

@@ -10,19 +10,19 @@
 namespace fjell {
 
 Status validate(const CutSettings& c) {
-    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {Code::out_of_range, "CutSettings::error_px"};
-    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {Code::out_of_range, "CutSettings::hysteresis (0 to 10)"};
+    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {StatusCode::out_of_range, "CutSettings::error_px"};
+    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {StatusCode::out_of_range, "CutSettings::hysteresis (0 to 10)"};
     if (!(c.offscreen_factor >= 1 && c.offscreen_factor <= max_offscreen_factor))
-        return {Code::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
-    if (!(c.budget_us >= 0)) return {Code::out_of_range, "CutSettings::budget_us"};
-    if (c.morph > Morph::time) return {Code::out_of_range, "CutSettings::morph"};
-    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {Code::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
-    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "CutSettings::now_s"};
+        return {StatusCode::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
+    if (!(c.budget_us >= 0)) return {StatusCode::out_of_range, "CutSettings::budget_us"};
+    if (c.morph > Morph::time) return {StatusCode::out_of_range, "CutSettings::morph"};
+    if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {StatusCode::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
+    if (!std::isfinite(c.now_s)) return {StatusCode::out_of_range, "CutSettings::now_s"};
     return {};
 }
 
 Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views) {
-    if (views.empty() || views.size() > most_views) return {Code::out_of_range, "views (1 to CutBudget::views)"};
+    if (views.empty() || views.size() > most_views) return {StatusCode::out_of_range, "views (1 to CutBudget::views)"};
     for (const View& view : views)
         if (Status v = validate(view); !v.ok()) return v;
     return validate(settings);

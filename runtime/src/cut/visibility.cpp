@@ -34,7 +34,7 @@ Box box_of(const Pages& pages, const PageState& page, std::uint32_t i0, std::uin
         return from + (static_cast<std::int32_t>(2 * square) << page.z);
     };
     // What lies beyond the terrain's rim stands on it.
-    const Coord first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
+    const SampleIndex first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
                 last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
     const PageExtent& extent = pages.loaded[page.terrain_slot].extent;
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);

@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace {
 
-Status failed(Code code, const char* field) {
+Status failed(StatusCode code, const char* field) {
     return {code, field};
 }
 
@@ -37,34 +37,34 @@ Status check_directory(const Pack& pack) {
         const ChunkId id = chunk_id(h, chunk);
         const std::size_t most = chunk_raw_bytes(h, id),
                           least = id.kind == ChunkKind::geometry ? sizeof(PageHead) : most;
-        if (e.raw_bytes < least || e.raw_bytes > most) return failed(Code::corrupt, "directory sizes");
+        if (e.raw_bytes < least || e.raw_bytes > most) return failed(StatusCode::corrupt, "directory sizes");
         if (e.offset < h.header_bytes || e.offset > h.directory_offset ||
             e.stored_bytes > h.directory_offset - e.offset)
-            return failed(Code::corrupt, "directory offsets");
+            return failed(StatusCode::corrupt, "directory offsets");
         if (e.bound.low > e.bound.high || e.bound.radius >= radius_codes || e.bound.reserved != 0)
-            return failed(Code::corrupt, "directory bounds");
+            return failed(StatusCode::corrupt, "directory bounds");
     }
     return {};
 }
 
 // The scales that codes of errors and radii count on.
 Status check_scales(const PackHeader& h) {
-    if (!in_range(h.error_floor_m, 1e-9, 1e9)) return failed(Code::out_of_range, "error_floor_m");
-    if (!in_range(h.error_ratio, 1.0001, 1.2)) return failed(Code::out_of_range, "error_ratio");
+    if (!in_range(h.error_floor_m, 1e-9, 1e9)) return failed(StatusCode::out_of_range, "error_floor_m");
+    if (!in_range(h.error_ratio, 1.0001, 1.2)) return failed(StatusCode::out_of_range, "error_ratio");
     if (h.error_nesting_steps < 1 || h.error_nesting_steps > 255)
-        return failed(Code::out_of_range, "error_nesting_steps");
+        return failed(StatusCode::out_of_range, "error_nesting_steps");
     for (std::uint32_t level = 0; level < 2 * max_tile_log2; ++level)
         if (!in_range(h.level_radius_m[level], level < 2 * h.tile_log2 ? 1e-9 : 0, 1e9))
-            return failed(Code::out_of_range, "level_radius_m");
+            return failed(StatusCode::out_of_range, "level_radius_m");
     if (h.height_steps > static_cast<std::uint32_t>(max_height_steps))
-        return failed(Code::out_of_range, "height_steps");
+        return failed(StatusCode::out_of_range, "height_steps");
     return {};
 }
 
 } // namespace
 
 Status check_ranges(const PackHeader& h) {
-    const auto bad = [](const char* field) { return failed(Code::out_of_range, field); };
+    const auto bad = [](const char* field) { return failed(StatusCode::out_of_range, field); };
     if (h.tile_log2 < min_tile_log2 || h.tile_log2 > max_tile_log2) return bad("tile_log2");
     if (h.columns < 2 || h.columns > max_columns) return bad("columns");
     if (h.rows < 2 || h.rows > max_columns) return bad("rows");
@@ -72,8 +72,8 @@ Status check_ranges(const PackHeader& h) {
                                          static_cast<int>(h.tile_log2));
     if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
     if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
-    if (h.order != Order::planar && h.order != Order::hierarchical_z && h.order != Order::linear) return bad("order");
-    if (h.estimate != Estimate::max && h.estimate != Estimate::midpoint) return bad("estimate");
+    if (h.order != PageOrder::planar && h.order != PageOrder::hierarchical_z && h.order != PageOrder::linear) return bad("order");
+    if (h.estimate != ErrorEstimate::max && h.estimate != ErrorEstimate::midpoint) return bad("estimate");
     if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
     for (const double spacing : h.spacing_m)
         if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
@@ -142,7 +142,7 @@ DirectoryPlan plan_directory(const PackHeader& h) {
 // What the directory's plan follows from can be that of a pack. check_ranges() looks at the rest too, and takes longer.
 bool has_layout(const PackHeader& h) {
     return h.tile_log2 >= min_tile_log2 && h.tile_log2 <= max_tile_log2 && h.tiles_x != 0 && h.tiles_y != 0 &&
-           h.tiles_x <= max_columns && h.tiles_y <= max_columns && h.order <= Order::linear &&
+           h.tiles_x <= max_columns && h.tiles_y <= max_columns && h.order <= PageOrder::linear &&
            h.colour_log2 <= max_texture_log2 && h.normal_log2 <= max_texture_log2 &&
            h.horizon_log2 <= max_texture_log2 && h.control_log2 <= max_texture_log2;
 }
@@ -213,29 +213,29 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
 
 Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, PackHeader& out) {
     if (header.size() < sizeof pack_magic || std::memcmp(header.data(), pack_magic, sizeof pack_magic) != 0)
-        return failed(Code::not_a_pack, "magic");
-    if (header.size() < sizeof(PackHeader)) return failed(Code::truncated, "header");
+        return failed(StatusCode::not_a_pack, "magic");
+    if (header.size() < sizeof(PackHeader)) return failed(StatusCode::truncated, "header");
     PackHeader h;
     std::memcpy(&h, header.data(), sizeof h);
-    if (h.version != pack_version) return failed(Code::wrong_version, "version");
+    if (h.version != pack_version) return failed(StatusCode::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
-        return failed(Code::wrong_layout, "layout_hash");
+        return failed(StatusCode::wrong_layout, "layout_hash");
     if (h.header_hash != XXH3_64bits(header.data(), offsetof(PackHeader, header_hash)))
-        return failed(Code::corrupt, "header");
-    if (file_bytes < h.file_bytes) return failed(Code::truncated, "file_bytes");
-    if (file_bytes > h.file_bytes) return failed(Code::corrupt, "file_bytes");
+        return failed(StatusCode::corrupt, "header");
+    if (file_bytes < h.file_bytes) return failed(StatusCode::truncated, "file_bytes");
+    if (file_bytes > h.file_bytes) return failed(StatusCode::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
     if (h.features > (pack_has_horizons | pack_has_control | pack_is_sparse))
-        return failed(Code::wrong_version, "features");
-    if (h.features != features_of(h)) return failed(Code::corrupt, "features");
+        return failed(StatusCode::wrong_version, "features");
+    if (h.features != features_of(h)) return failed(StatusCode::corrupt, "features");
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||
         h.directory_count != chunk_count(h) ||
         h.directory_count > (h.file_bytes - h.directory_offset) / sizeof(ChunkEntry) ||
         directory_bytes(h) != h.file_bytes - h.directory_offset)
-        return failed(Code::corrupt, "directory");
+        return failed(StatusCode::corrupt, "directory");
     if (h.notes_bytes != 0 && (h.notes_offset < h.header_bytes || h.notes_offset > h.directory_offset ||
                                h.notes_bytes > h.directory_offset - h.notes_offset))
-        return failed(Code::corrupt, "notes_offset");
+        return failed(StatusCode::corrupt, "notes_offset");
     out = h;
     return {};
 }
@@ -246,14 +246,14 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
     if (Status s = read_header(header, file_bytes, opened.header); !s.ok()) return s;
     const PackHeader& h = opened.header;
     const std::uint64_t bytes = directory_bytes(h);
-    if (directory.size() < bytes) return failed(Code::truncated, "directory");
+    if (directory.size() < bytes) return failed(StatusCode::truncated, "directory");
     opened.directory = directory.data();
     if (h.directory_hash != XXH3_64bits(opened.directory, static_cast<std::size_t>(bytes)))
-        return failed(Code::corrupt, "directory");
+        return failed(StatusCode::corrupt, "directory");
     if (Status s = check_directory(opened); !s.ok()) return s;
     for (std::uint64_t tile = 0, least = 0; tile < h.tiles_held; ++tile) {
         const std::uint32_t place = opened.tile_place(static_cast<std::uint32_t>(tile));
-        if (place < least || place >= std::uint64_t{h.tiles_x} * h.tiles_y) return failed(Code::corrupt, "tiles");
+        if (place < least || place >= std::uint64_t{h.tiles_x} * h.tiles_y) return failed(StatusCode::corrupt, "tiles");
         least = std::uint64_t{place} + 1;
     }
     pack = opened;
@@ -265,7 +265,7 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
     if (Status s = read_header(file, file.size(), h); !s.ok()) return s;
     if (h.notes_bytes != 0 &&
         h.notes_hash != XXH3_64bits(file.data() + h.notes_offset, static_cast<std::size_t>(h.notes_bytes)))
-        return failed(Code::corrupt, "notes");
+        return failed(StatusCode::corrupt, "notes");
     const std::span<const std::byte> directory = file.subspan(static_cast<std::size_t>(h.directory_offset));
     if (Status s = open_index(file, directory, file.size(), pack); !s.ok()) return s;
     pack.bytes = file;
@@ -273,21 +273,21 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
 }
 
 Status decode_chunk(const ChunkEntry& e, std::span<const std::byte> stored, std::span<std::byte> out) {
-    if (out.size() != e.raw_bytes) return failed(Code::memory_too_small, "out");
+    if (out.size() != e.raw_bytes) return failed(StatusCode::memory_too_small, "out");
     if (stored.size() != e.stored_bytes || XXH3_64bits(stored.data(), stored.size()) != e.hash)
-        return failed(Code::corrupt, "chunk");
+        return failed(StatusCode::corrupt, "chunk");
     const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored.data(), stored.size());
-    if (ZSTD_isError(written) || written != e.raw_bytes) return failed(Code::corrupt, "chunk");
+    if (ZSTD_isError(written) || written != e.raw_bytes) return failed(StatusCode::corrupt, "chunk");
     return {};
 }
 
 Status read_chunk(const Pack& pack, ChunkId id, std::span<std::byte> out) {
     const std::uint64_t chunk = chunk_index(pack.header, id);
-    if (pack.directory == nullptr || chunk == no_chunk) return failed(Code::out_of_range, "chunk");
-    if (pack.bytes.empty()) return failed(Code::not_supported, "chunk of a streamed pack");
+    if (pack.directory == nullptr || chunk == no_chunk) return failed(StatusCode::out_of_range, "chunk");
+    if (pack.bytes.empty()) return failed(StatusCode::not_supported, "chunk of a streamed pack");
     const ChunkEntry e = pack.entry(chunk);
     if (e.offset > pack.bytes.size() || e.stored_bytes > pack.bytes.size() - e.offset)
-        return failed(Code::truncated, "pack");
+        return failed(StatusCode::truncated, "pack");
     return decode_chunk(e, pack.bytes.subspan(static_cast<std::size_t>(e.offset), e.stored_bytes), out);
 }
 

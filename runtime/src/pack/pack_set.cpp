@@ -52,23 +52,23 @@ double origin_of(const SetPart& part, int axis) {
 constexpr double most_apart = 1e-3;
 
 Status check_part(const SetShape& shape, const SetPart& first, const SetPart& part) {
-    if (part.pack == nullptr || part.pack->directory == nullptr) return {Code::not_a_pack, "pack"};
+    if (part.pack == nullptr || part.pack->directory == nullptr) return {StatusCode::not_a_pack, "pack"};
     const PackHeader &h = part.pack->header, &a = first.pack->header;
-    if (h.tiles_held != 0) return {Code::not_supported, "a set in a set"};
-    if (const char* const differs = difference(h, a)) return {Code::wrong_pack, differs};
+    if (h.tiles_held != 0) return {StatusCode::not_supported, "a set in a set"};
+    if (const char* const differs = difference(h, a)) return {StatusCode::wrong_pack, differs};
     if (h.crs_bytes != 0) {
         const ChunkId crs{ChunkKind::crs, 0, 0};
         if (part.pack->entry(chunk_index(h, crs)).hash != first.pack->entry(chunk_index(a, crs)).hash)
-            return {Code::wrong_pack, "CRS"};
+            return {StatusCode::wrong_pack, "CRS"};
     }
     // What control maps mean by a number.
     if (const ChunkId names{ChunkKind::layers, 0, 0};
         h.layer_bytes != 0 &&
         part.pack->entry(chunk_index(h, names)).hash != first.pack->entry(chunk_index(a, names)).hash)
-        return {Code::wrong_pack, "names of layers"};
+        return {StatusCode::wrong_pack, "names of layers"};
     for (const int axis : {0, 1})
         if (!(std::abs(origin_of(part, axis) - origin_of(first, axis)) < most_apart * step_of(h, axis)))
-            return {Code::wrong_pack, "place (origin and tile_x, tile_y)"};
+            return {StatusCode::wrong_pack, "place (origin and tile_x, tile_y)"};
     const Tree whole = Tree::covering(static_cast<std::int32_t>(shape.columns), static_cast<std::int32_t>(shape.rows),
                                       static_cast<int>(h.tile_log2));
     const auto fits = [&](std::uint32_t tile, std::uint32_t tiles, std::int32_t all, std::uint32_t samples,
@@ -78,9 +78,9 @@ Status check_part(const SetShape& shape, const SetPart& first, const SetPart& pa
         return samples == std::min(of_whole - tile * side, tiles * side + 1);
     };
     if (!fits(part.tile_x, h.tiles_x, whole.tiles_x, h.columns, shape.columns))
-        return {Code::out_of_range, "tile_x, or columns of the pack or the set"};
+        return {StatusCode::out_of_range, "tile_x, or columns of the pack or the set"};
     if (!fits(part.tile_y, h.tiles_y, whole.tiles_y, h.rows, shape.rows))
-        return {Code::out_of_range, "tile_y, or rows of the pack or the set"};
+        return {StatusCode::out_of_range, "tile_y, or rows of the pack or the set"};
     return {};
 }
 
@@ -88,8 +88,8 @@ Status check_part(const SetShape& shape, const SetPart& first, const SetPart& pa
 Status plan(const SetShape& shape, std::span<const SetPart> parts, PackHeader& h, std::uint32_t& at_fault) {
     at_fault = static_cast<std::uint32_t>(parts.size());
     if (shape.columns < 2 || shape.columns > max_columns || shape.rows < 2 || shape.rows > max_columns)
-        return {Code::out_of_range, "columns or rows of the set"};
-    if (parts.empty()) return {Code::out_of_range, "packs (at least one)"};
+        return {StatusCode::out_of_range, "columns or rows of the set"};
+    if (parts.empty()) return {StatusCode::out_of_range, "packs (at least one)"};
     std::uint64_t tiles = 0, end = sizeof(PackHeader);
     bool same_notes = true;
     for (at_fault = 0; at_fault < parts.size(); ++at_fault) {
@@ -116,7 +116,7 @@ Status plan(const SetShape& shape, std::span<const SetPart> parts, PackHeader& h
     h.tiles_x = static_cast<std::uint32_t>(whole.tiles_x);
     h.tiles_y = static_cast<std::uint32_t>(whole.tiles_y);
     const std::uint64_t all = std::uint64_t{h.tiles_x} * h.tiles_y;
-    if (tiles > all) return {Code::out_of_range, "packs (some lie over others)"};
+    if (tiles > all) return {StatusCode::out_of_range, "packs (some lie over others)"};
     h.tiles_held = tiles == all ? 0 : static_cast<std::uint32_t>(tiles);
     h.features = features_of(h);
     for (const int axis : {0, 1}) h.origin_m[axis] = origin_of(parts[0], axis);
@@ -273,12 +273,12 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     if (Status s = plan(shape, parts, h, at_fault); !s.ok()) return s;
     const Layout l = layout_of(parts, h);
     at_fault = static_cast<std::uint32_t>(parts.size());
-    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
     auto* const numbers = reinterpret_cast<std::uint32_t*>(at + l.numbers);
     if (!number_tiles(parts, h, numbers, at_fault))
-        return {Code::out_of_range, "tiles (an earlier pack of the set has some of them)"};
+        return {StatusCode::out_of_range, "tiles (an earlier pack of the set has some of them)"};
     std::uint64_t end = sizeof(PackHeader);
     auto* const corners_of_whole = reinterpret_cast<std::uint32_t*>(at + l.raw);
     std::fill_n(corners_of_whole, l.raw_bytes / sizeof(std::uint32_t), no_index);
@@ -287,9 +287,9 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
         const ChunkId id{ChunkKind::corners, 0, 0};
         const std::span raw{at + l.part_corners, chunk_raw_bytes(part.pack->header, id)};
         if (!decode_chunk(part.pack->entry(chunk_index(part.pack->header, id)), part.corners, raw).ok())
-            return {Code::corrupt, "corners"};
+            return {StatusCode::corrupt, "corners"};
         if (!place_corners(part, h, numbers, raw.data(), corners_of_whole))
-            return {Code::wrong_pack, "corners where tiles meet"};
+            return {StatusCode::wrong_pack, "corners where tiles meet"};
         enter_chunks(part, end, h, numbers, at + l.directory);
         end += part.pack->header.file_bytes;
     }

@@ -41,7 +41,7 @@ struct Cursor {
 } // namespace
 
 Status unpack_page(const PageLayout& pages, std::uint32_t page, std::span<const std::byte> raw, PageArrays& out) {
-    const Status corrupt{Code::corrupt, "geometry page"};
+    const Status corrupt{StatusCode::corrupt, "geometry page"};
     const std::uint32_t count = pages.page_vertices(page);
     Cursor cursor{raw};
     PageHead head;

@@ -30,7 +30,7 @@ struct PageArrays {
     return pages.page_step_log2(page) >= 0;
 }
 [[nodiscard]] inline std::uint32_t row_length(const PageLayout& pages) {
-    return pages.order == Order::linear ? pages.side() + 1 : 0;
+    return pages.order == PageOrder::linear ? pages.side() + 1 : 0;
 }
 
 // raw: a decompressed page, any bytes. Fails with corrupt when sizes or values cannot be.

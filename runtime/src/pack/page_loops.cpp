@@ -202,7 +202,7 @@ HWY_INLINE void refine_step(const StepRows& rows, const std::int32_t* grid, std:
 void refine_corners_lanes(const std::int32_t (&own)[4], const StepRows (&rows)[page_squares_log2],
                           CornerSteps& corners) {
     static_assert(page_squares_log2 == 5);
-    if (rows[0].order != Order::planar) return refine_corners_scalar(own, rows, corners);
+    if (rows[0].order != PageOrder::planar) return refine_corners_scalar(own, rows, corners);
     std::int32_t one[9 * 9], other[17 * 17];
     refine_step<1>(rows[0], own, one);
     refine_step<2>(rows[1], one, other);

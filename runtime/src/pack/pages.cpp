@@ -14,7 +14,7 @@ int page_step_log2(const PackHeader& header, std::uint32_t page) {
 }
 std::uint32_t page_at(const PackHeader& header, std::uint32_t step_log2, std::uint32_t x, std::uint32_t y) {
     constexpr std::uint32_t first = page_squares_log2 + 1;
-    if (header.order == Order::linear || header.tile_log2 < first || step_log2 > header.tile_log2 - first) return 0;
+    if (header.order == PageOrder::linear || header.tile_log2 < first || step_log2 > header.tile_log2 - first) return 0;
     const PageLayout pages = pages_of(header);
     const std::uint32_t shift = step_log2 + first, last = (1u << (header.tile_log2 - shift)) - 1;
     return pages.page_at(static_cast<int>(step_log2), std::min(x >> shift, last), std::min(y >> shift, last));
@@ -35,13 +35,13 @@ std::uint64_t page_changes(const Terrain& terrain) {
 }
 Status set_missing_px(const Terrain& terrain, double missing_px) {
     TerrainData* const t = find(terrain);
-    if (t == nullptr) return {Code::invalid_handle, "terrain"};
-    if (!(missing_px >= 0)) return {Code::out_of_range, "missing_px"};
+    if (t == nullptr) return {StatusCode::invalid_handle, "terrain"};
+    if (!(missing_px >= 0)) return {StatusCode::out_of_range, "missing_px"};
     t->missing_px = missing_px;
     return {};
 }
 
-TerrainVertex terrain_vertex(const Terrain& terrain, Coord sample) {
+TerrainVertex terrain_vertex(const Terrain& terrain, SampleIndex sample) {
     const TerrainData* const t = find(terrain);
     if (t == nullptr || !t->tree.contains(sample)) return {};
     const TerrainData::Vertex v = t->vertex(sample);

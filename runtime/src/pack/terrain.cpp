@@ -60,9 +60,9 @@ Layout layout_of(const PackHeader& h, const TerrainBudget& budget) {
 
 // For each place of a page in hierarchical Z-order the number of its vertex in planar order.
 void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* vertex_at) {
-    const PageLayout planar{pages.tile_log2, Order::planar};
+    const PageLayout planar{pages.tile_log2, PageOrder::planar};
     for (std::uint32_t i = 0; i < planar.page_vertices(page); ++i) {
-        const Coord c = planar.coord({page, i});
+        const SampleIndex c = planar.coord({page, i});
         const PagePlace to = pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
         vertex_at[to.index] = static_cast<std::uint16_t>(i);
     }
@@ -70,14 +70,14 @@ void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* vertex_
 
 // Checks the stored bytes and decompresses them into memory.raw.
 Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<const std::byte>& raw) {
-    if (pack.bytes.empty()) return {Code::not_supported, "page of a streamed pack (insert_page)"};
-    if (pack.directory == nullptr) return {Code::wrong_pack, "pack"};
+    if (pack.bytes.empty()) return {StatusCode::not_supported, "page of a streamed pack (insert_page)"};
+    if (pack.directory == nullptr) return {StatusCode::wrong_pack, "pack"};
     const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
     const std::byte* const stored = pack.bytes.data() + e.offset;
     if (e.raw_bytes > memory.raw_bytes || XXH3_64bits(stored, e.stored_bytes) != e.hash)
-        return {Code::corrupt, "geometry page"};
+        return {StatusCode::corrupt, "geometry page"};
     const std::size_t written = ZSTD_decompressDCtx(memory.zstd, memory.raw, e.raw_bytes, stored, e.stored_bytes);
-    if (ZSTD_isError(written) || written != e.raw_bytes) return {Code::corrupt, "geometry page"};
+    if (ZSTD_isError(written) || written != e.raw_bytes) return {StatusCode::corrupt, "geometry page"};
     raw = {memory.raw, written};
     return {};
 }
@@ -92,10 +92,10 @@ struct TilePages {
         return entry.base + terrain.records[std::size_t{entry.slot} * terrain.page_capacity + index].height;
     }
     // Vertex (x, y) of the tile, seen from a page of step 1: in the closed page over it.
-    [[nodiscard]] std::int32_t steps_over(Coord position, std::uint32_t x, std::uint32_t y) const {
+    [[nodiscard]] std::int32_t steps_over(SampleIndex position, std::uint32_t x, std::uint32_t y) const {
         const PageLayout& pages = terrain.pages;
         const auto side = static_cast<std::int32_t>(pages.side());
-        const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+        const SampleIndex c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
         if (((c.x | c.y) & (side - 1)) == 0) return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
         const int z = Tree::step_log2(c);
         const StepLayout step = pages.step_layout(z);
@@ -104,28 +104,28 @@ struct TilePages {
         const std::uint32_t page = step.page_side == page_squares ? pages.page_at(z, px, py) : 0;
         const std::uint32_t i = (x >> (z + 1)) - px * step.page_side, j = (y >> (z + 1)) - py * step.page_side;
         const VertexKind kind = Tree::kind(c);
-        const std::uint32_t index = pages.order == Order::planar
-                                        ? page_index<Order::planar>(step.page_side, kind, i, j)
-                                        : page_index<Order::hierarchical_z>(step.page_side, kind, i, j);
+        const std::uint32_t index = pages.order == PageOrder::planar
+                                        ? page_index<PageOrder::planar>(step.page_side, kind, i, j)
+                                        : page_index<PageOrder::hierarchical_z>(step.page_side, kind, i, j);
         return steps(page, step.offset + index);
     }
 };
 
 // The page over a page of step 1 at step 2^z, or page 0.
-std::uint32_t page_over(const PageLayout& pages, Coord position, int z) {
+std::uint32_t page_over(const PageLayout& pages, SampleIndex position, int z) {
     const StepLayout step = pages.step_layout(z);
     if (step.page_side != page_squares) return 0;
     return pages.page_at(z, static_cast<std::uint32_t>(position.x) >> z, static_cast<std::uint32_t>(position.y) >> z);
 }
 
-bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Coord position) {
+bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, SampleIndex position) {
     for (int z = 1; z < pages.tile_log2; ++z)
         if (table[page_over(pages, position, z)].slot == no_index) return false;
     return true;
 }
 
 // Heights of the squares' corners of a page of step 1.
-void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
+void gather_corners(const TilePages& tile, SampleIndex position, CornerSteps& out) {
     const PageLayout& pages = tile.terrain.pages;
     const auto x0 = static_cast<std::uint32_t>(position.x) * page_squares,
                y0 = static_cast<std::uint32_t>(position.y) * page_squares; // in squares of step 1
@@ -150,20 +150,20 @@ void gather_corners(const TilePages& tile, Coord position, CornerSteps& out) {
 void store(const TerrainData& terrain, std::uint32_t page, const TerrainMemory& memory, VertexRecord* to) {
     const PageArrays& from = memory.arrays;
     const std::uint32_t count = terrain.pages.page_vertices(page);
-    if (terrain.pages.order != Order::hierarchical_z) return write_page(from, count, to);
+    if (terrain.pages.order != PageOrder::hierarchical_z) return write_page(from, count, to);
     write_permuted(from, count, page == 0 ? memory.root_vertex_at : memory.page_vertex_at, to);
 }
 
 Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
-    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {StatusCode::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
     PageEntry* const table = m.page_table + std::size_t{tile} * terrain.pages_per_tile;
     if (table[page].slot != no_index) return {};
-    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
+    if (m.free_count == 0) return {StatusCode::out_of_slots, "TerrainBudget::page_slots"};
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
     if (m.arrays.errors_derived) {
-        const Coord position = terrain.pages.page_position(page);
-        if (!coarser_pages_loaded(terrain.pages, table, position)) return {Code::coarser_page_first, "geometry page"};
+        const SampleIndex position = terrain.pages.page_position(page);
+        if (!coarser_pages_loaded(terrain.pages, table, position)) return {StatusCode::coarser_page_first, "geometry page"};
         gather_corners({terrain, table}, position, m.coarse);
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
@@ -204,7 +204,7 @@ Status number_tiles(const Pack& pack, TerrainData& t, TerrainMemory& m, const st
     for (std::uint32_t i = 0; i < 4 * t.tile_count(); ++i) {
         std::uint32_t& corner = m.corners[m.corner_numbers[corner_place(i / 4, i % 4)]];
         if (corner != no_index && corner != tile_corners[i])
-            return {Code::corrupt, "corners (tiles that meet there differ)"};
+            return {StatusCode::corrupt, "corners (tiles that meet there differ)"};
         corner = tile_corners[i];
     }
     t.tile_numbers = m.tile_numbers;
@@ -224,7 +224,7 @@ Status read_corners(const Pack& pack, std::span<const std::byte> stored, std::by
         return {s.code, "corners"};
     const auto* const corners = reinterpret_cast<const std::uint32_t*>(to);
     for (std::size_t i = 0; i < bytes / sizeof(std::uint32_t); ++i)
-        if ((corners[i] & ~corner_void_bit) > h.height_steps) return {Code::corrupt, "corners"};
+        if ((corners[i] & ~corner_void_bit) > h.height_steps) return {StatusCode::corrupt, "corners"};
     if (h.tiles_held != 0) return number_tiles(pack, t, m, corners);
     t.corner_count = static_cast<std::uint32_t>(bytes / sizeof(std::uint32_t));
     return {};
@@ -238,10 +238,10 @@ std::size_t terrain_bytes(const PackHeader& header, const TerrainBudget& budget)
 }
 
 Status create_terrain(const Pack& pack, const TerrainBudget& budget, std::span<std::byte> memory, Terrain& terrain) {
-    if (pack.bytes.empty()) return {Code::not_supported, "terrain of a streamed pack (give its corners)"};
+    if (pack.bytes.empty()) return {StatusCode::not_supported, "terrain of a streamed pack (give its corners)"};
     const ChunkEntry corners = pack.entry(chunk_index(pack.header, {ChunkKind::corners, 0, 0}));
     if (corners.offset > pack.bytes.size() || corners.stored_bytes > pack.bytes.size() - corners.offset)
-        return {Code::truncated, "corners"};
+        return {StatusCode::truncated, "corners"};
     const auto stored = pack.bytes.subspan(static_cast<std::size_t>(corners.offset), corners.stored_bytes);
     return create_terrain(pack, stored, budget, memory, terrain);
 }
@@ -250,11 +250,11 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
                       std::span<std::byte> memory, Terrain& terrain) {
     const PackHeader& h = pack.header;
     if (Status s = check_ranges(h); !s.ok()) return s;
-    if (pack.directory == nullptr) return {Code::not_a_pack, "pack"};
+    if (pack.directory == nullptr) return {StatusCode::not_a_pack, "pack"};
     const Layout l = layout_of(h, budget);
-    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
 
     TerrainData& t = *new (at) TerrainData{}; // whatever was here is refused from now on
     t.header = h;
@@ -281,11 +281,11 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     m.corner_numbers = reinterpret_cast<std::uint32_t*>(at + l.corner_numbers);
     m.tile_places = reinterpret_cast<std::uint32_t*>(at + l.tile_places);
     m.zstd = ZSTD_initStaticDCtx(at + l.zstd, ZSTD_estimateDCtxSize());
-    if (!m.zstd) return {Code::memory_too_small, "memory"};
+    if (!m.zstd) return {StatusCode::memory_too_small, "memory"};
     m.raw = at + l.raw;
     m.raw_bytes = max_page_raw_bytes(t.page_capacity);
     m.leaf = LeafErrors(t.errors, h.quantum_m);
-    if (h.order == Order::hierarchical_z) {
+    if (h.order == PageOrder::hierarchical_z) {
         permute({page_squares_log2 + 1, h.order}, 1, m.page_vertex_at);
         permute({std::min(t.pages.tile_log2, page_squares_log2), h.order}, 0, m.root_vertex_at);
     }
@@ -311,18 +311,18 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
 }
 
 Status destroy_terrain(const Terrain& terrain) {
-    return HandleAccess::end(terrain) ? Status{} : Status{Code::invalid_handle, "terrain"};
+    return HandleAccess::end(terrain) ? Status{} : Status{StatusCode::invalid_handle, "terrain"};
 }
 
 Status load_page(const Pack& pack, const Terrain& handle, std::uint32_t tile, std::uint32_t page) {
     TerrainData* const found = find(handle);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     TerrainData& terrain = *found;
-    if (!same_pack(pack.header, terrain.header)) return {Code::wrong_pack, "pack"};
-    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    if (!same_pack(pack.header, terrain.header)) return {StatusCode::wrong_pack, "pack"};
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {StatusCode::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
     if (m.page_table[std::size_t{tile} * terrain.pages_per_tile + page].slot != no_index) return {};
-    if (m.free_count == 0) return {Code::out_of_slots, "TerrainBudget::page_slots"};
+    if (m.free_count == 0) return {StatusCode::out_of_slots, "TerrainBudget::page_slots"};
     std::span<const std::byte> raw;
     if (Status s = fetch(pack, {ChunkKind::geometry, tile, page}, m, raw); !s.ok()) return s;
     return insert(terrain, tile, page, raw);
@@ -330,15 +330,15 @@ Status load_page(const Pack& pack, const Terrain& handle, std::uint32_t tile, st
 
 Status insert_page(const Terrain& terrain, std::uint32_t tile, std::uint32_t page, std::span<const std::byte> raw) {
     TerrainData* const found = find(terrain);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     return insert(*found, tile, page, raw);
 }
 
 Status unload_page(const Terrain& handle, std::uint32_t tile, std::uint32_t page) {
     TerrainData* const found = find(handle);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     TerrainData& terrain = *found;
-    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {Code::out_of_range, "page"};
+    if (tile >= terrain.tile_count() || page >= terrain.pages_per_tile) return {StatusCode::out_of_range, "page"};
     TerrainMemory& m = *terrain.memory;
     PageEntry& entry = m.page_table[std::size_t{tile} * terrain.pages_per_tile + page];
     if (entry.slot == no_index) return {};
@@ -363,7 +363,7 @@ Status load_terrain(const Pack& pack, std::span<std::byte> memory, Terrain& terr
     return {};
 }
 
-TerrainData::Vertex TerrainData::vertex(Coord v) const {
+TerrainData::Vertex TerrainData::vertex(SampleIndex v) const {
     const std::int32_t side = tree.side();
     Vertex out, in_no_tile;
     in_no_tile.loaded = in_no_tile.hole = true;
@@ -380,7 +380,7 @@ TerrainData::Vertex TerrainData::vertex(Coord v) const {
         return out;
     }
     const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
-    const Coord owner = tile_with(v, {tx, ty});
+    const SampleIndex owner = tile_with(v, {tx, ty});
     const std::uint32_t tile = tile_at(owner.x, owner.y);
     if (tile == no_index) return in_no_tile;
     const PagePlace at =
@@ -468,15 +468,15 @@ bool Terrain::has_voids() const {
 std::uint32_t Terrain::tile_count() const {
     return shown(*this).tile_count();
 }
-std::uint32_t Terrain::tile_at(Coord place) const {
+std::uint32_t Terrain::tile_at(SampleIndex place) const {
     const TerrainData& t = shown(*this);
     if (place.x < 0 || place.y < 0 || place.x >= t.tree.tiles_x || place.y >= t.tree.tiles_y) return no_tile;
     static_assert(no_tile == no_index);
     return t.tile_at(place.x, place.y);
 }
-Coord Terrain::tile_place(std::uint32_t tile) const {
+SampleIndex Terrain::tile_place(std::uint32_t tile) const {
     const TerrainData& t = shown(*this);
-    return tile < t.tile_count() ? t.tile_xy(tile) : Coord{-1, -1};
+    return tile < t.tile_count() ? t.tile_xy(tile) : SampleIndex{-1, -1};
 }
 std::uint32_t Terrain::pages_per_tile() const {
     return shown(*this).pages_per_tile;

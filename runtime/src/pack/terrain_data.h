@@ -63,13 +63,13 @@ struct TerrainData {
     [[nodiscard]] bool has_tile(std::int32_t x, std::int32_t y) const {
         return tile_numbers == nullptr || tile_at(x, y) != no_index;
     }
-    [[nodiscard]] Coord tile_xy(std::uint32_t tile) const {
+    [[nodiscard]] SampleIndex tile_xy(std::uint32_t tile) const {
         const std::uint32_t place = tile_places != nullptr ? tile_places[tile] : tile;
         return {static_cast<std::int32_t>(place % header.tiles_x), static_cast<std::int32_t>(place / header.tiles_x)};
     }
     // The tile that a sample is read from: the one that begins there, at tile_; on the border of one that is not there
     // the neighbour to the west, the north or both that has it too.
-    [[nodiscard]] Coord tile_with(Coord v, Coord tile_) const {
+    [[nodiscard]] SampleIndex tile_with(SampleIndex v, SampleIndex tile_) const {
         if (has_tile(tile_.x, tile_.y)) return tile_;
         const std::int32_t west = tile_.x != 0 && v.x == tile_.x * tree.side() ? 1 : 0,
                            north = tile_.y != 0 && v.y == tile_.y * tree.side() ? 1 : 0;
@@ -101,10 +101,10 @@ struct TerrainData {
         std::uint8_t error_code = 0;
         float height_m = 0, error_m = 0, radius_m = 0;
     };
-    [[nodiscard]] Vertex vertex(Coord v) const;
-    [[nodiscard]] float height_m(Coord sample) const { return vertex(sample).height_m; }
+    [[nodiscard]] Vertex vertex(SampleIndex v) const;
+    [[nodiscard]] float height_m(SampleIndex sample) const { return vertex(sample).height_m; }
     // A sample without a height. Its vertex stands on a smooth continuation of the ground around the hole.
-    [[nodiscard]] bool is_hole(Coord sample) const { return (has_voids() || is_sparse()) && vertex(sample).hole; }
+    [[nodiscard]] bool is_hole(SampleIndex sample) const { return (has_voids() || is_sparse()) && vertex(sample).hole; }
     // Bilinear height of the full-resolution grid; positions outside are clamped to the rim, NaN to its beginning.
     // Needs their pages.
     [[nodiscard]] double ground_m(double x, double z) const;

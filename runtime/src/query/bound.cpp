@@ -21,7 +21,7 @@ constexpr double unlimited = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1 + 0x1p-20; // of the floats that errors and radii are
 
 struct Corner {
-    Coord at; // also beyond the terrain's rim
+    SampleIndex at; // also beyond the terrain's rim
     double drawn_m, full_m;
     bool hole;
 };
@@ -31,7 +31,7 @@ struct CutVertices {
     const Pages& pages;
     const Mesh& mesh;
     const MorphFrame& frame;
-    [[nodiscard]] bool find(Coord at, Coord /*tile*/, std::uint32_t& slot) const {
+    [[nodiscard]] bool find(SampleIndex at, SampleIndex /*tile*/, std::uint32_t& slot) const {
         const std::uint32_t vertex = find_vertex(pages, site_at(at));
         if (vertex == no_index || !is_active(pages, vertex)) return false;
         slot = pages.vertex_slot[vertex];
@@ -44,7 +44,7 @@ struct CutVertices {
 
 struct RecursiveVertices {
     const RecursiveState& s;
-    [[nodiscard]] bool find(Coord at, Coord tile, std::uint32_t& /*slot*/) const {
+    [[nodiscard]] bool find(SampleIndex at, SampleIndex tile, std::uint32_t& /*slot*/) const {
         const TerrainData& t = *s.terrain;
         const std::int32_t side = t.tree.side();
         const PagePlace place = t.pages.place(static_cast<std::uint32_t>(at.x - tile.x * side),
@@ -56,7 +56,7 @@ struct RecursiveVertices {
     [[nodiscard]] double drawn_m(std::uint32_t /*slot*/, double full_m) const { return full_m; }
 };
 
-std::int64_t cross2(Coord a, Coord b, Coord p) {
+std::int64_t cross2(SampleIndex a, SampleIndex b, SampleIndex p) {
     return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x);
 }
 
@@ -65,7 +65,7 @@ class Bound {
 public:
     Bound(const TerrainData& terrain, const Vertices& vertices, const View& view, bool corner_safe, double at_least_px)
         : t_(terrain), vertices_(vertices), view_(view), frustum_(make_frustum(view)), lambda_(lambda_px(view)),
-          corner_safe_(corner_safe), trusted_(terrain.header.estimate == Estimate::max), px_(at_least_px) {
+          corner_safe_(corner_safe), trusted_(terrain.header.estimate == ErrorEstimate::max), px_(at_least_px) {
         const PackHeader& h = terrain.header;
         const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));
         rounding_m_ = 0x1p-23 * (largest + static_cast<double>(h.max_m) - static_cast<double>(h.min_m));
@@ -88,21 +88,21 @@ public:
     [[nodiscard]] double px() const { return px_; }
 
 private:
-    [[nodiscard]] Corner tile_corner(Coord at) const {
+    [[nodiscard]] Corner tile_corner(SampleIndex at) const {
         const TerrainData::Vertex v = t_.vertex(at);
         return {at, static_cast<double>(v.height_m), static_cast<double>(v.height_m), v.hole};
     }
 
-    [[nodiscard]] Vec3 position(Coord at, double height_m) const {
-        const Coord c = t_.tree.sample(at);
+    [[nodiscard]] Vec3 position(SampleIndex at, double height_m) const {
+        const SampleIndex c = t_.tree.sample(at);
         return {c.x * t_.header.spacing_m[0], height_m, c.y * t_.header.spacing_m[1]};
     }
 
     void triangle(const Corner& apex, const Corner& left, const Corner& right) {
-        const Coord sum = left.at + right.at;
+        const SampleIndex sum = left.at + right.at;
         std::uint32_t slot = 0;
         const bool finest = ((sum.x | sum.y) & 1) != 0;
-        if (const Coord middle{sum.x / 2, sum.y / 2}; !finest && vertices_.find(middle, tile_, slot)) {
+        if (const SampleIndex middle{sum.x / 2, sum.y / 2}; !finest && vertices_.find(middle, tile_, slot)) {
             const TerrainData::Vertex v = t_.vertex(middle);
             const auto full_m = static_cast<double>(v.height_m);
             const Corner m{middle, vertices_.drawn_m(slot, full_m), full_m, v.hole};
@@ -118,13 +118,13 @@ private:
         double error_m = 0, radius_m = unlimited;
         Vec3 centre{};
     };
-    [[nodiscard]] Hidden hidden_by(Coord at, double shrink) const {
+    [[nodiscard]] Hidden hidden_by(SampleIndex at, double shrink) const {
         const TerrainData::Vertex v = t_.vertex(at);
         return {static_cast<double>(v.error_m) * shrink * rounding, static_cast<double>(v.radius_m) * rounding,
                 position(at, static_cast<double>(v.height_m))};
     }
     // Of the vertex in the middle, or, where its page is missing, of its parent.
-    [[nodiscard]] Hidden hidden_under(const Corner& apex, Coord middle, bool finest) const {
+    [[nodiscard]] Hidden hidden_under(const Corner& apex, SampleIndex middle, bool finest) const {
         if (finest) return {};
         if (t_.vertex(middle).loaded) return hidden_by(middle, 1);
         if (!t_.tree.is_corner(apex.at)) return hidden_by(apex.at, 1 / (1 + static_cast<double>(t_.header.nesting)));
@@ -135,7 +135,7 @@ private:
         if (cross2(t_.tree.sample(a.at), t_.tree.sample(b.at), t_.tree.sample(c.at)) == 0) return; // not drawn
         const bool drawn = !a.hole && !b.hole && !c.hole;
         if (finest && !drawn) return; // at full resolution a rim is where it belongs
-        const Coord sum = b.at + c.at, middle{sum.x / 2, sum.y / 2};
+        const SampleIndex sum = b.at + c.at, middle{sum.x / 2, sum.y / 2};
         const Hidden hidden = hidden_under(a, middle, finest);
         double moved_m = 0; // by morphing
         for (const Corner* corner : {&a, &b, &c})
@@ -150,7 +150,7 @@ private:
     }
 
     // A first estimate: the error in the middle of the edge that is not split.
-    void at_middle(const Corner& b, const Corner& c, Coord middle) {
+    void at_middle(const Corner& b, const Corner& c, SampleIndex middle) {
         const TerrainData::Vertex v = t_.vertex(middle);
         if (!v.loaded || v.hole || middle != t_.tree.sample(middle) || b.at != t_.tree.sample(b.at) ||
             c.at != t_.tree.sample(c.at))
@@ -199,7 +199,7 @@ private:
     // is drawn where a hole is.
     [[nodiscard]] double measured_px(double error_m, bool drawn, const Corner& a, const Corner& b,
                                      const Corner& c) const {
-        const Coord pa = t_.tree.sample(a.at), pb = t_.tree.sample(b.at), pc = t_.tree.sample(c.at);
+        const SampleIndex pa = t_.tree.sample(a.at), pb = t_.tree.sample(b.at), pc = t_.tree.sample(c.at);
         const std::int64_t area = cross2(pa, pb, pc), sign = area > 0 ? 1 : -1;
         const auto [x0, x1] = std::minmax({pa.x, pb.x, pc.x});
         const auto [y0, y1] = std::minmax({pa.y, pb.y, pc.y});
@@ -207,7 +207,7 @@ private:
         bool ground = false, hole = false;
         for (std::int32_t y = y0; y <= y1; ++y)
             for (std::int32_t x = x0; x <= x1; ++x) {
-                const Coord at{x, y};
+                const SampleIndex at{x, y};
                 const std::int64_t wa = cross2(pb, pc, at) * sign, wb = cross2(pc, pa, at) * sign,
                                    wc = cross2(pa, pb, at) * sign;
                 if (wa < 0 || wb < 0 || wc < 0) continue;
@@ -226,7 +226,7 @@ private:
         return ground && hole ? std::max(most_px, rim_px) : most_px;
     }
 
-    [[nodiscard]] double sample_px(Coord at, double height_m, double surface_m) const {
+    [[nodiscard]] double sample_px(SampleIndex at, double height_m, double surface_m) const {
         const Vec3 sample = position(at, height_m) - view_.eye_m;
         const double error_m = std::max(std::abs(height_m - surface_m) - rounding_m_, 0.0);
         if (error_m == 0) return 0;
@@ -256,7 +256,7 @@ private:
     bool corner_safe_, trusted_; // trusted: errors bound samples, not only the middle
     bool measuring_ = false;
     double px_, rounding_m_, half_quantum_m_, factor_, tilt_;
-    Coord tile_{};
+    SampleIndex tile_{};
 };
 
 template <typename Vertices>

@@ -28,7 +28,7 @@ namespace fjell::query {
 
 // A corner of a triangle, where it stands: samples, and the height in height scale steps.
 struct Corner {
-    Coord at;
+    SampleIndex at;
     std::int32_t steps = 0;
     bool hole = false;
 };
@@ -45,7 +45,7 @@ inline constexpr std::int32_t any_error = -1; // not known: the largest of the t
 
 // A plane over the ground, in height scale steps a cell.
 struct Plane {
-    Coord at;
+    SampleIndex at;
     double steps = 0, x = 0, y = 0;
     bool exists = false; // the triangle has an area
     [[nodiscard]] double height(Point p) const { return steps + x * (p.x - at.x) + y * (p.y - at.y); }
@@ -59,10 +59,10 @@ struct Plane {
 }
 
 // Which side of the line from a through b: 0 on it.
-[[nodiscard]] inline double turn(Coord a, Coord b, Point p) {
+[[nodiscard]] inline double turn(SampleIndex a, SampleIndex b, Point p) {
     return static_cast<double>(b.x - a.x) * (p.y - a.y) - static_cast<double>(b.y - a.y) * (p.x - a.x);
 }
-[[nodiscard]] inline double turn(Coord a, Coord b, Coord p) {
+[[nodiscard]] inline double turn(SampleIndex a, SampleIndex b, SampleIndex p) {
     return turn(a, b, Point{static_cast<double>(p.x), static_cast<double>(p.y)});
 }
 
@@ -74,7 +74,7 @@ struct Triangle {
     [[nodiscard]] bool hole() const { return apex.hole || ends[0].hole || ends[1].hole; }
     // Half of a cell: of the full resolution.
     [[nodiscard]] bool leaf() const { return ((ends[0].at.x ^ ends[1].at.x) & 1) != 0; }
-    [[nodiscard]] Coord middle() const {
+    [[nodiscard]] SampleIndex middle() const {
         return {(ends[0].at.x + ends[1].at.x) / 2, (ends[0].at.y + ends[1].at.y) / 2};
     }
     // The half that has ends[k].
@@ -83,7 +83,7 @@ struct Triangle {
     }
     // Which half p is in; on their border the first.
     [[nodiscard]] int half_of(Point p) const {
-        const Coord m = middle();
+        const SampleIndex m = middle();
         return turn(apex.at, m, p) * turn(apex.at, m, ends[0].at) >= 0 ? 0 : 1;
     }
 };
@@ -104,13 +104,13 @@ struct Spread {
 // corners: [0] north-west, [1] north-east, [2] south-west, [3] south-east, where they stand; nw and side: on the
 // height_scale.
 struct Square {
-    Coord nw;
+    SampleIndex nw;
     std::int32_t side = 0;
     bool falling = true; // its diagonal runs from north-west to south-east
     Corner corners[4];
     std::int32_t bound = any_error; // of its centre, should it not be there
 
-    [[nodiscard]] Coord centre() const { return {nw.x + side / 2, nw.y + side / 2}; }
+    [[nodiscard]] SampleIndex centre() const { return {nw.x + side / 2, nw.y + side / 2}; }
     // Its halves: the one with the south-west or, rising, the north-west corner first.
     [[nodiscard]] Triangle half(int k) const {
         if (falling) return {corners[k == 0 ? 2 : 1], {corners[0], corners[3]}, bound};
@@ -125,15 +125,15 @@ struct Square {
     }
 };
 
-[[nodiscard]] inline bool cut_by_rim(const TerrainData& t, Coord nw, std::int32_t side) {
+[[nodiscard]] inline bool cut_by_rim(const TerrainData& t, SampleIndex nw, std::int32_t side) {
     return nw.x + side >= t.tree.columns() || nw.y + side >= t.tree.rows();
 }
 // The quarter that has p: never one without an area, beyond a centre that stands at the rim.
-[[nodiscard]] inline int quarter_at(const TerrainData& t, Coord centre, Point p) {
+[[nodiscard]] inline int quarter_at(const TerrainData& t, SampleIndex centre, Point p) {
     return (p.x > centre.x && centre.x < t.tree.columns() - 1 ? 1 : 0) +
            (p.y > centre.y && centre.y < t.tree.rows() - 1 ? 2 : 0);
 }
-[[nodiscard]] inline Corner corner_of(const TerrainData& t, Coord v, const Sample& sample) {
+[[nodiscard]] inline Corner corner_of(const TerrainData& t, SampleIndex v, const Sample& sample) {
     return {t.tree.sample(v), sample.steps, sample.hole};
 }
 
@@ -143,7 +143,7 @@ struct Square {
     s.nw = reader.origin();
     s.side = t.tree.side();
     for (int k = 0; k < 4; ++k) {
-        const Coord v{s.nw.x + (k & 1) * s.side, s.nw.y + (k >> 1) * s.side};
+        const SampleIndex v{s.nw.x + (k & 1) * s.side, s.nw.y + (k >> 1) * s.side};
         s.corners[k] = corner_of(t, v, reader.read(v));
     }
     return s;
@@ -160,13 +160,13 @@ struct Quarter {
     Triangle half[2];
     bool flat[2] = {false, false};
     double error_m[2] = {0, 0};
-    Coord diagonal[2]; // between the halves
+    SampleIndex diagonal[2]; // between the halves
 
     [[nodiscard]] int half_of(Point p) const {
         // half[0] has the corner's row; what lies beside it decides.
         return turn(diagonal[0], diagonal[1], p) * turn(diagonal[0], diagonal[1], side_of_first) >= 0 ? 0 : 1;
     }
-    Coord side_of_first;
+    SampleIndex side_of_first;
 };
 
 [[nodiscard]] inline double spread_m(const TerrainData& t, const Square& s, const Corner& centre) {
@@ -188,8 +188,8 @@ struct Quarter {
 [[nodiscard]] inline Quarter quarter_of(const TerrainData& t, Reader& reader, const Square& s, const Corner& centre,
                                         std::int32_t code, int k) {
     const std::int32_t half = s.side / 2;
-    const Coord at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
-    const Coord beside_row{at.x, s.nw.y + (k >> 1) * s.side}, beside_column{s.nw.x + (k & 1) * s.side, at.y};
+    const SampleIndex at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
+    const SampleIndex beside_row{at.x, s.nw.y + (k >> 1) * s.side}, beside_column{s.nw.x + (k & 1) * s.side, at.y};
     const Sample samples[2] = {reader.read(beside_row), reader.read(beside_column)};
     const Corner sides[2] = {corner_of(t, beside_row, samples[0]), corner_of(t, beside_column, samples[1])};
     const Corner& own = s.corners[k];
@@ -298,7 +298,7 @@ struct Found {
         return Found{plane_of(at.apex, at.ends[0], at.ends[1]), error_m(t, code), at.hole(), code == 0};
     };
     while (!at.leaf()) {
-        const Coord m = at.middle();
+        const SampleIndex m = at.middle();
         const Sample sample = reader.read(m);
         if (!sample.loaded) return found(at.bound);
         if (suffices(sample.error, accurate, at.hole())) return found(sample.error);
@@ -309,18 +309,18 @@ struct Found {
 
 [[nodiscard]] inline Found find_below(const TerrainData& t, Reader& reader, const Triangle& from, Point p,
                                       std::int32_t accurate) {
-    if (t.pages.order == Order::linear) return find_below_linear(t, reader, from, p, accurate);
-    const Coord origin = reader.origin();
+    if (t.pages.order == PageOrder::linear) return find_below_linear(t, reader, from, p, accurate);
+    const SampleIndex origin = reader.origin();
     const auto in_tile = [&](const Corner& c) {
         return Spot{static_cast<std::uint32_t>(c.at.x - origin.x), static_cast<std::uint32_t>(c.at.y - origin.y)};
     };
     Way way;
     way.spot[0] = in_tile(from.apex);
     for (const int k : {0, 1}) way.spot[1 + k] = in_tile(from.ends[k]);
-    if (t.pages.order == Order::planar)
-        find_way<Order::planar>(t.pages, reader, p, way);
+    if (t.pages.order == PageOrder::planar)
+        find_way<PageOrder::planar>(t.pages, reader, p, way);
     else
-        find_way<Order::hierarchical_z>(t.pages, reader, p, way);
+        find_way<PageOrder::hierarchical_z>(t.pages, reader, p, way);
     return follow(t, reader, from, way, accurate);
 }
 
@@ -350,9 +350,9 @@ struct Found {
 }
 
 // The tile over a point of the terrain.
-[[nodiscard]] inline Coord tile_of(const TerrainData& t, Point p) {
+[[nodiscard]] inline SampleIndex tile_of(const TerrainData& t, Point p) {
     const std::int32_t side = t.tree.side();
-    const Coord tile{std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
+    const SampleIndex tile{std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
                      std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
     if (!t.is_sparse()) return tile;
     // Between samples no other tile has it: one that is beside a border's line is not on it.

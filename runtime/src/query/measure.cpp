@@ -16,7 +16,7 @@ struct Accumulator {
     double rounding_m; // what float heights may differ by from the height scale, at the sample and at the surface
     MeasuredError result;
 
-    void sample(Coord at, double surface_m) {
+    void sample(SampleIndex at, double surface_m) {
         const TerrainData::Vertex vertex = terrain.vertex(at);
         if (vertex.hole) return;
         const double height = vertex.height_m;

@@ -22,7 +22,7 @@ struct Row {
 
 // Samples of one tile in a row, 2^step_log2 apart.
 struct Span {
-    Coord tile, first;
+    SampleIndex tile, first;
     std::uint32_t count;
     int step_log2;
 };
@@ -36,7 +36,7 @@ public:
                    y = static_cast<std::uint32_t>(span.first.y - span.tile.y * t_.tree.side());
         const int top = t_.tree.tile_log2, of_y = std::countr_zero(y | 1u << top);
         const bool on_step = std::countr_zero(x | y | 1u << span.step_log2) == span.step_log2;
-        if (t_.pages.order != Order::planar || !on_step || span.step_log2 >= top) return one_by_one(span, 0, 1, to);
+        if (t_.pages.order != PageOrder::planar || !on_step || span.step_log2 >= top) return one_by_one(span, 0, 1, to);
         // By the largest power of 2 that divides its x, which says the vertex' step and, with y's, its kind.
         for (int z = span.step_log2; z < of_y; ++z) read_kind(span, {x, y}, {VertexKind::side_x, z, 1u << z}, to);
         if (of_y < top) {
@@ -48,7 +48,7 @@ public:
         }
     }
     // One sample, for a place of the row.
-    void read(Coord tile, Coord v, std::uint32_t place, const Row& to) {
+    void read(SampleIndex tile, SampleIndex v, std::uint32_t place, const Row& to) {
         Reader reader(t_, tile.x, tile.y);
         read(reader, v, place, to);
     }
@@ -76,7 +76,7 @@ private:
             const std::uint32_t i = (from.x + (place << span.step_log2)) >> (of.z + 1),
                                 page_x = std::min(i >> page_log2, last), in_x = i - (page_x << page_log2);
             const PagePlace at{step.first_page + (page_y << step.pages_log2) + page_x,
-                               step.offset + page_index<Order::planar>(step.page_side, of.kind, in_x, in_y)};
+                               step.offset + page_index<PageOrder::planar>(step.page_side, of.kind, in_x, in_y)};
             const std::uint32_t in_page = step.page_side + (page_x == last ? 1 : 0) - in_x,
                                 count = std::min((span.count - place - 1) / stride + 1, in_page);
             if (!read_run(span.tile, at, count, place, stride, to)) one_by_one(span, place, stride, to, count);
@@ -84,7 +84,7 @@ private:
         }
     }
 
-    bool read_run(Coord tile, PagePlace at, std::uint32_t count, std::uint32_t place, std::uint32_t stride,
+    bool read_run(SampleIndex tile, PagePlace at, std::uint32_t count, std::uint32_t place, std::uint32_t stride,
                   const Row& to) const {
         VertexRecord records[page_squares + 1];
         const std::uint32_t number = t_.tile_at(tile.x, tile.y);
@@ -105,7 +105,7 @@ private:
         for (; place < span.count && count != 0; place += stride, --count)
             read(reader, {span.first.x + static_cast<std::int32_t>(place << span.step_log2), span.first.y}, place, to);
     }
-    void read(Reader& reader, Coord v, std::uint32_t place, const Row& to) {
+    void read(Reader& reader, SampleIndex v, std::uint32_t place, const Row& to) {
         bool hole = false;
         if (const Sample s = reader.read(v); s.loaded) {
             to.heights_m[place] = t_.height_scale.height_m(s.steps);
@@ -129,7 +129,7 @@ private:
 
 } // namespace
 
-GroundPatch ground_patch(const Terrain& handle, Coord first, int step_log2, std::uint32_t side,
+GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2, std::uint32_t side,
                          std::span<float> heights_m, std::span<bool> holes) {
     const std::size_t count = std::size_t{side} * side;
     if (side < 2 || side > max_patch_side || step_log2 < 0 || step_log2 > max_tile_log2 || heights_m.size() < count ||
@@ -151,8 +151,8 @@ GroundPatch ground_patch(const Terrain& handle, Coord first, int step_log2, std:
         const std::int32_t y = onto(place(first.y, j), tree.rows() - 1);
         for (std::uint32_t i = 0; i < side;) {
             const std::int64_t at = place(first.x, i);
-            const Coord v{onto(at, last_x), y};
-            const Coord tile = tile_of(terrain, {static_cast<double>(v.x), static_cast<double>(v.y)});
+            const SampleIndex v{onto(at, last_x), y};
+            const SampleIndex tile = tile_of(terrain, {static_cast<double>(v.x), static_cast<double>(v.y)});
             if (v.x != at) { // beyond the rim: those that stand on the same sample
                 reader.read(tile, v, i, row);
                 for (const std::uint32_t from = i++; i < side && onto(place(first.x, i), last_x) == v.x; ++i) {

@@ -30,7 +30,7 @@ struct Line {
     [[nodiscard]] Point over(double s) const { return {x + dx * s, y + dy * s}; }
     [[nodiscard]] double height(double s) const { return h + dh * s; }
     // Where it meets the line from a through b, if it does.
-    [[nodiscard]] double meets(Coord a, Coord b, double s0) const {
+    [[nodiscard]] double meets(SampleIndex a, SampleIndex b, double s0) const {
         const double at = turn(a, b, over(s0));
         const double slope = static_cast<double>(b.x - a.x) * dy - static_cast<double>(b.y - a.y) * dx;
         return slope == 0 ? s0 : s0 - at / slope;
@@ -114,7 +114,7 @@ private:
     void push_square(const Square& s, Part part) { stack[count++] = Node(s, part); }
     // Parts of two halves on either side of the line from a through b; f(half, part), the far one first.
     template <class HalfOf, class F>
-    void in_halves(Coord a, Coord b, Part part, HalfOf half_of, F f) {
+    void in_halves(SampleIndex a, SampleIndex b, Part part, HalfOf half_of, F f) {
         const double s = line.meets(a, b, part.from);
         if (!(s > part.from && s < part.to)) {
             f(half_of(line.over(part.middle())), part);
@@ -136,7 +136,7 @@ private:
 
     bool triangle(Reader& reader, const Triangle& node, Part part) {
         if (node.leaf()) return meet(node, part, 0, true);
-        const Coord m = node.middle();
+        const SampleIndex m = node.middle();
         const Sample sample = reader.read(m);
         if (!sample.loaded) return meet(node, part, error_m(t, node.bound), node.bound == 0);
         if (suffices(sample.error, accurate, node.hole()))
@@ -191,8 +191,8 @@ private:
     void quarters(Reader& reader, const Square& s, const Corner& centre, std::int32_t code, Part part) {
         double cuts[4] = {part.from, part.from, part.to, part.to};
         const auto within = [&](double at) { return at > part.from && at < part.to ? at : part.from; };
-        const double x = within(line.meets(centre.at, centre.at + Coord{0, 1}, part.from)),
-                     y = within(line.meets(centre.at, centre.at + Coord{1, 0}, part.from));
+        const double x = within(line.meets(centre.at, centre.at + SampleIndex{0, 1}, part.from)),
+                     y = within(line.meets(centre.at, centre.at + SampleIndex{1, 0}, part.from));
         cuts[1] = std::min(x, y), cuts[2] = std::max(x, y);
         for (int i = 2; i >= 0; --i) { // the far ones first
             const Part of{cuts[i], cuts[i + 1]};

@@ -24,7 +24,7 @@ struct Sample {
 
 // PageLayout::place() of a vertex that is not a tile's corner, with shifts instead of divisions.
 [[nodiscard]] inline PagePlace place_of(const PageLayout& pages, std::uint32_t x, std::uint32_t y) {
-    if (pages.order == Order::linear) return pages.place_as<Order::linear>(x, y);
+    if (pages.order == PageOrder::linear) return pages.place_as<PageOrder::linear>(x, y);
     const auto z = static_cast<std::uint32_t>(std::countr_zero(x | y));
     const StepLayout step = pages.step_layout(static_cast<int>(z));
     const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
@@ -33,11 +33,11 @@ struct Sample {
     const std::uint32_t in_x = i - (px << page_log2), in_y = j - (py << page_log2);
     const bool odd_x = (x >> z & 1) != 0, odd_y = (y >> z & 1) != 0;
     const VertexKind kind = odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
-    if (pages.order == Order::hierarchical_z)
+    if (pages.order == PageOrder::hierarchical_z)
         return {step.first_page + interleave(px, py),
-                step.offset + page_index<Order::hierarchical_z>(step.page_side, kind, in_x, in_y)};
+                step.offset + page_index<PageOrder::hierarchical_z>(step.page_side, kind, in_x, in_y)};
     return {step.first_page + (py << step.pages_log2) + px,
-            step.offset + page_index<Order::planar>(step.page_side, kind, in_x, in_y)};
+            step.offset + page_index<PageOrder::planar>(step.page_side, kind, in_x, in_y)};
 }
 
 // Reads vertices of one tile, from any thread. Keeps the last page, which most often holds the next vertex too.
@@ -47,9 +47,9 @@ public:
         : t_(terrain), origin_{tile_x * terrain.tree.side(), tile_y * terrain.tree.side()},
           first_page_(first_page(terrain, terrain.tile_at(tile_x, tile_y))) {}
 
-    [[nodiscard]] Coord origin() const { return origin_; }
+    [[nodiscard]] SampleIndex origin() const { return origin_; }
     // v: a vertex of the tile, of the grid.
-    [[nodiscard]] Sample read(Coord v) {
+    [[nodiscard]] Sample read(SampleIndex v) {
         Sample sample;
         if (t_.tree.is_corner(v)) {
             const std::int32_t l = t_.tree.tile_log2;
@@ -103,7 +103,7 @@ private:
     }
 
     const TerrainData& t_;
-    Coord origin_;
+    SampleIndex origin_;
     std::size_t first_page_;
     std::uint32_t page_ = no_index; // in the tile
     PublishedPage found_;

@@ -16,7 +16,7 @@ namespace fjell::query {
 // place_of() for vertices that are known to be of one step, a centre or the middle of a side, for both orders by
 // levels. What the step alone decides is worked out once, and no branch depends on where a vertex lies: descents go
 // left or right as it comes.
-template <Order O>
+template <PageOrder O>
 class StepPlaces {
 public:
     StepPlaces(const PageLayout& pages, int z)
@@ -34,14 +34,14 @@ public:
     }
 
 private:
-    // Planar (page_index<Order::planar>): of a plane that begins at `first` and whose rows are `wider` than the page's
+    // Planar (page_index<PageOrder::planar>): of a plane that begins at `first` and whose rows are `wider` than the page's
     // squares.
     [[nodiscard]] PagePlace place(VertexKind kind, std::uint32_t first, std::uint32_t wider, std::uint32_t x,
                                   std::uint32_t y) const {
         const std::uint32_t i = x >> shift_, j = y >> shift_;
         const std::uint32_t px = std::min(i >> page_log2_, last_), py = std::min(j >> page_log2_, last_);
         const std::uint32_t in_x = i - (px << page_log2_), in_y = j - (py << page_log2_);
-        if constexpr (O == Order::hierarchical_z)
+        if constexpr (O == PageOrder::hierarchical_z)
             return {step_.first_page + interleave(px, py),
                     step_.offset + page_index<O>(step_.page_side, kind, in_x, in_y)};
         return {step_.first_page + (py << step_.pages_log2) + px,
@@ -75,7 +75,7 @@ struct Spot { // a sample of the tile
 // modulo 2^32. Told from what is left of x and y in their cell, which is exact where x + y would be rounded.
 struct PointHalves {
     std::uint32_t x, y, difference, sum;
-    PointHalves(Point p, Coord origin) { // p: not negative
+    PointHalves(Point p, SampleIndex origin) { // p: not negative
         const auto column = static_cast<std::int32_t>(p.x), row = static_cast<std::int32_t>(p.y);
         const double u = p.x - column, v = p.y - row, rest = 1 - v;
         const auto x0 = 2 * static_cast<std::uint32_t>(column - origin.x),
@@ -112,7 +112,7 @@ struct Way {
     std::uint32_t end = given;
 };
 // spot[0] to spot[2] are set. O(levels).
-template <Order O>
+template <PageOrder O>
 inline void find_way(const PageLayout& pages, const Reader& reader, Point p, Way& way) {
     const PointHalves point(p, reader.origin());
     Spot a = way.spot[0], b = way.spot[1], c = way.spot[2];

@@ -54,7 +54,7 @@ inline std::uint32_t first_entry(const PageLayout& pages, int z) {
     return first;
 }
 inline std::uint32_t entries_per_tile(const PageLayout& pages) {
-    return pages.order == Order::linear ? pages.pages_per_tile() : first_entry(pages, -1);
+    return pages.order == PageOrder::linear ? pages.pages_per_tile() : first_entry(pages, -1);
 }
 
 inline LevelPlane make_level_plane(const TerrainData& terrain, int z, VertexKind kind) {
@@ -64,14 +64,14 @@ inline LevelPlane make_level_plane(const TerrainData& terrain, int z, VertexKind
     p.shift = static_cast<std::uint32_t>(z + 1);
     p.unit_m = terrain.header.level_radius_m[level];
     p.stride = pages.side() + 1;
-    if (pages.order == Order::linear) return p;
+    if (pages.order == PageOrder::linear) return p;
     const StepLayout step = pages.step_layout(z);
     const bool in_pages = step.page_side == page_squares;
     p.squares = step.squares;
     p.page_side = step.page_side;
-    p.offset = step.offset + (pages.order == Order::planar ? page_index<Order::planar>(step.page_side, kind, 0, 0) : 0);
+    p.offset = step.offset + (pages.order == PageOrder::planar ? page_index<PageOrder::planar>(step.page_side, kind, 0, 0) : 0);
     p.stride = (1u << 16) + step.page_side + (kind == VertexKind::side_y ? 1 : 0);
-    p.digit = page_index<Order::hierarchical_z>(2, kind, 0, 0);
+    p.digit = page_index<PageOrder::hierarchical_z>(2, kind, 0, 0);
     p.first = in_pages ? first_entry(pages, z) : 0;
     p.page_pitch = (1u << 16) + (2u << step.pages_log2);
     // One more than there are, for the far borders.
@@ -89,12 +89,12 @@ inline void set_step_page(const TerrainData& terrain, std::uint32_t page, StepPa
         return;
     }
     const StepLayout step = terrain.pages.step_layout(z);
-    const Coord position = terrain.pages.page_position(page);
+    const SampleIndex position = terrain.pages.page_position(page);
     const auto side = std::int32_t{1} << step.pages_log2;
     StepPageEntry* const at = tile_entries + first_entry(terrain.pages, z) + position.y * 2 * side + position.x;
     *at = entry;
     // Seen through the extra column and row, the planes begin at the page's last but one.
-    const bool planar = terrain.pages.order == Order::planar && entry.origin != no_index;
+    const bool planar = terrain.pages.order == PageOrder::planar && entry.origin != no_index;
     if (position.x == side - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
     if (position.y == side - 1) at[2 * side] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
 }
@@ -111,9 +111,9 @@ struct Located {
     std::int32_t base;
     bool loaded;
 };
-template <Order O>
+template <PageOrder O>
 FJELL_ALWAYS_INLINE inline Located locate(const LevelPlane& p, std::uint32_t xy) {
-    if constexpr (O == Order::linear) {
+    if constexpr (O == PageOrder::linear) {
         const std::uint32_t index = (xy >> 16) * p.stride + (xy & 0xffff);
         const StepPageEntry& e = p.pages[index / max_page_vertices];
         return {e.origin + index % max_page_vertices, e.base, e.origin != no_index};
@@ -122,7 +122,7 @@ FJELL_ALWAYS_INLINE inline Located locate(const LevelPlane& p, std::uint32_t xy)
         const StepPageEntry& e = p.pages[((square >> page_squares_log2 & p.page_mask) * p.page_pitch) >> 16];
         const std::uint32_t inside = square & p.inside_mask;
         std::uint32_t index = e.origin + p.offset;
-        if constexpr (O == Order::planar) {
+        if constexpr (O == PageOrder::planar) {
             index += (inside * p.stride) >> 16;
         } else {
             const std::uint32_t i = inside & 0xffff, j = inside >> 16, south = xy >> 16 >> p.shift,

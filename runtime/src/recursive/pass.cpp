@@ -65,7 +65,7 @@ constexpr std::uint32_t not_selected = 0xffffffff;
 // which every budget can hold.
 constexpr double hopeless_px = 1e7;
 
-template <Order O, Topology T>
+template <PageOrder O, Topology T>
 class Pass {
 public:
     Pass(RecursiveState& state, const View& the_view, const RefineSettings& settings, double threshold_px)
@@ -201,8 +201,8 @@ private:
     FJELL_ALWAYS_INLINE void fetch_squares(std::uint32_t xy, const LevelPlane& centres) const {
         const std::uint32_t at = locate<O>(centres, xy).index;
         FJELL_PREFETCH(slots + at);
-        if constexpr (O == Order::hierarchical_z) FJELL_PREFETCH(records + at);
-        if constexpr (O == Order::planar) {
+        if constexpr (O == PageOrder::hierarchical_z) FJELL_PREFETCH(records + at);
+        if constexpr (O == PageOrder::planar) {
             constexpr std::uint32_t row = page_squares, side_x = page_index<O>(page_squares, VertexKind::side_x, 0, 0),
                                     side_y = page_index<O>(page_squares, VertexKind::side_y, 0, 0);
             for (const std::uint32_t plane : {at, at + side_x, at + side_y}) {
@@ -217,7 +217,7 @@ private:
     template <Kind K>
     FJELL_ALWAYS_INLINE void enter(Corner apex, Corner left, Corner right, const Node& node, const LevelPlane* at) {
         if constexpr (T == Topology::strip) ++result.triangles;
-        if constexpr (K.even && O != Order::linear)
+        if constexpr (K.even && O != PageOrder::linear)
             if (at + 2 != last_planes) fetch_squares(node.xy, at[2]);
         if constexpr (K.inside && !K.hypotenuse) {
             statuses[node.index] = wholly;
@@ -257,7 +257,7 @@ private:
     }
 
     // Where a vertex stands, in samples of the tile.
-    [[nodiscard]] Coord place(std::uint32_t xy) const {
+    [[nodiscard]] SampleIndex place(std::uint32_t xy) const {
         return {std::min(static_cast<std::int32_t>(xy & 0xffff), limit_x),
                 std::min(static_cast<std::int32_t>(xy >> 16), limit_y)};
     }
@@ -266,7 +266,7 @@ private:
     // rim?
     FJELL_NOINLINE bool not_drawn(Corner a, Corner b, Corner c) const {
         if (holes && ((slot_of(a) | slot_of(b) | slot_of(c)) & hole_flag) != 0) return true;
-        const Coord from = place(xy_of(a)), ab = place(xy_of(b)) - from, ac = place(xy_of(c)) - from;
+        const SampleIndex from = place(xy_of(a)), ab = place(xy_of(b)) - from, ac = place(xy_of(c)) - from;
         return ab.x * ac.y == ab.y * ac.x;
     }
 
@@ -275,7 +275,7 @@ private:
     };
     // Of a vertex of this tile. Beyond the rim it stands at the rim.
     [[nodiscard]] Position position(VertexRecord record, std::int32_t page_base, std::uint32_t xy) const {
-        const Coord at = place(xy);
+        const SampleIndex at = place(xy);
         return {terrain.x_m(column0 + at.x), height_scale.height_m(page_base + record.height),
                 terrain.z_m(row0 + at.y)};
     }
@@ -307,7 +307,7 @@ private:
         if (incomplete && decision(at.index) <= in_wholly) // a child of it was decided
             return decision(at.index) == not_in ? not_selected : to_ask;
         to_ask = select(records[at.index], position(records[at.index], at.base, xy), plane, to_ask);
-        const Coord v{column0 + static_cast<std::int32_t>(xy & 0xffff), row0 + static_cast<std::int32_t>(xy >> 16)};
+        const SampleIndex v{column0 + static_cast<std::int32_t>(xy & 0xffff), row0 + static_cast<std::int32_t>(xy >> 16)};
         if (incomplete && to_ask != not_selected && !parents_in(v)) to_ask = not_selected;
         return store(at.index, to_ask);
     }
@@ -359,17 +359,17 @@ private:
     // Where pages are missing, nested errors are not enough: a vertex is in the cut when it is wanted, all pages that
     // hold it are there, and its parents are in the cut (invariant 7). One parent is known on the way down; this
     // asks both, across tiles.
-    FJELL_NOINLINE bool parents_in(Coord v) {
+    FJELL_NOINLINE bool parents_in(SampleIndex v) {
         if (!copies_loaded(v)) return false;
         const Diamond d = diamond(terrain.tree, v);
-        for (const Coord parent : d.apexes)
+        for (const SampleIndex parent : d.apexes)
             if (exists(parent) && !in_cut(parent)) return false;
         return true;
     }
 
     // An apex that has to be in the cut: not a corner, and in a tile that there is. Those of a centre lie in its own
     // tile, those of a side are centres, which lie in one tile only.
-    [[nodiscard]] bool exists(Coord parent) const {
+    [[nodiscard]] bool exists(SampleIndex parent) const {
         if (!terrain.tree.contains(parent) || terrain.tree.is_corner(parent)) return false;
         if (Tree::kind(parent) != VertexKind::centre) return true;
         const int log2 = terrain.tree.tile_log2;
@@ -377,9 +377,9 @@ private:
     }
 
     // A vertex on the border of two tiles has a copy in each that there is.
-    [[nodiscard]] bool copies_loaded(Coord v) const {
+    [[nodiscard]] bool copies_loaded(SampleIndex v) const {
         const auto n = static_cast<std::int32_t>(side);
-        const Coord first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
+        const SampleIndex first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
         for (std::int32_t ty = first.y; ty <= std::min(v.y / n, terrain.tree.tiles_y - 1); ++ty)
             for (std::int32_t tx = first.x; tx <= std::min(v.x / n, terrain.tree.tiles_x - 1); ++tx)
                 if (terrain.has_tile(tx, ty) && find(tx, ty, v).page.slot == no_index) return false;
@@ -390,7 +390,7 @@ private:
         PageEntry page;
         std::uint32_t index; // among all records
     };
-    [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, Coord v) const {
+    [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, SampleIndex v) const {
         const auto n = static_cast<std::int32_t>(side);
         const std::size_t tile = terrain.tile_at(tx, ty);
         const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.x - tx * n),
@@ -400,9 +400,9 @@ private:
     }
 
     // The same decision as decide()'s, for any vertex; remembered in the same place.
-    bool in_cut(Coord v) {
+    bool in_cut(SampleIndex v) {
         const auto n = static_cast<std::int32_t>(side);
-        const Coord tile = terrain.tile_with(
+        const SampleIndex tile = terrain.tile_with(
             v, {std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1)});
         const Found found = find(tile.x, tile.y, v);
         if (found.page.slot == no_index) return false;
@@ -410,7 +410,7 @@ private:
         const LevelPlane& plane =
             levels[3 * (terrain.tree.tile_log2 - 1 - Tree::step_log2(v)) + static_cast<int>(Tree::kind(v))];
         const VertexRecord record = records[found.index];
-        const Coord sample = terrain.tree.sample(v);
+        const SampleIndex sample = terrain.tree.sample(v);
         const Position p{terrain.x_m(sample.x), height_scale.height_m(found.page.base + record.height),
                          terrain.z_m(sample.y)};
         std::uint32_t to_ask = select(record, p, plane, (cull ? all_planes : 0) | special);
@@ -446,7 +446,7 @@ private:
     }
 
     std::uint32_t insert(std::uint32_t index, std::int32_t steps, bool hole, std::uint32_t xy) {
-        const Coord at = place(xy);
+        const SampleIndex at = place(xy);
         const MeshVertex vertex{column0 + at.x, row0 + at.y, height_scale.height_m(steps)};
         const std::uint32_t slot = insert_vertex(s, index, vertex, holes && hole, result);
         if (slot != no_index) return slot;
@@ -480,7 +480,7 @@ private:
     const float* const error_m;
     const float* const radius_factor;
     // The tile in work.
-    Coord tile_place;
+    SampleIndex tile_place;
     std::int32_t column0 = 0, row0 = 0;
     std::int32_t limit_x = 0, limit_y = 0; // the terrain's last column and row, counted from the tile's first
     std::uint32_t side = 0;
@@ -498,7 +498,7 @@ private:
     double nearest_m; // depth at which everything is refined
 };
 
-template <Order O>
+template <PageOrder O>
 PassResult run_order(RecursiveState& s, const View& view, const RefineSettings& settings, double threshold_px) {
     if (settings.topology == Topology::strip) return Pass<O, Topology::strip>(s, view, settings, threshold_px).run();
     return Pass<O, Topology::triangles>(s, view, settings, threshold_px).run();
@@ -512,11 +512,11 @@ PassResult run_pass(RecursiveState& s, const View& view, const RefineSettings& s
     std::memset(s.statuses + s.cleared, 0, part * sizeof *s.statuses);
     s.cleared = s.cleared + part == s.state_count ? 0 : s.cleared + part;
     switch (s.terrain->pages.order) {
-    case Order::planar: return run_order<Order::planar>(s, view, settings, threshold_px);
-    case Order::hierarchical_z: return run_order<Order::hierarchical_z>(s, view, settings, threshold_px);
-    case Order::linear: break;
+    case PageOrder::planar: return run_order<PageOrder::planar>(s, view, settings, threshold_px);
+    case PageOrder::hierarchical_z: return run_order<PageOrder::hierarchical_z>(s, view, settings, threshold_px);
+    case PageOrder::linear: break;
     }
-    return run_order<Order::linear>(s, view, settings, threshold_px);
+    return run_order<PageOrder::linear>(s, view, settings, threshold_px);
 }
 
 } // namespace fjell

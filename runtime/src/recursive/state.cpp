@@ -68,10 +68,10 @@ bool move_page(RecursiveState& s, std::uint32_t slot) {
 
 Status check_budget(const TerrainData& terrain, const RecursiveBudget& budget) {
     const std::uint64_t tiles = terrain.tile_count();
-    if (state_count(terrain) >= no_index) return {Code::out_of_range, "terrain: more than 4,294,967,294 vertices"};
-    if (budget.vertices > max_vertices) return {Code::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
-    if (budget.vertices < tiles * 4) return {Code::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
-    if (budget.indices < tiles * 9) return {Code::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
+    if (state_count(terrain) >= no_index) return {StatusCode::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (budget.vertices > max_vertices) return {StatusCode::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
+    if (budget.vertices < tiles * 4) return {StatusCode::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
+    if (budget.indices < tiles * 9) return {StatusCode::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
     return {};
 }
 
@@ -85,14 +85,14 @@ std::size_t recursive_bytes(const Terrain& terrain, const RecursiveBudget& budge
 Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, std::span<std::byte> memory,
                         RecursiveMethod& method) {
     const TerrainData* const found = find(handle);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     const TerrainData& terrain = *found;
     if (Status fits = check_budget(terrain, budget); !fits.ok()) return fits;
     const std::uint64_t tiles = terrain.tile_count(), count = state_count(terrain);
     const Layout l = layout_of(terrain, budget);
-    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *new (at) RecursiveState{};
@@ -180,9 +180,9 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     RecursiveState& s = *found;
     if (Status v = validate(view); !v.ok()) return v;
     if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6))
-        return {Code::out_of_range, "RefineSettings::error_px"};
+        return {StatusCode::out_of_range, "RefineSettings::error_px"};
     if (settings.metric == Metric::depth && !settings.cull)
-        return {Code::out_of_range,
+        return {StatusCode::out_of_range,
                 "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};
     sync_pages(s);
     s.topology = settings.topology;

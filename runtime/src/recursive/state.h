@@ -56,7 +56,7 @@ struct RecursiveState {
     RecursiveState* const s = find(method);
     return s != nullptr && find(s->terrain_handle) != nullptr ? s : nullptr;
 }
-inline constexpr Status no_recursive{Code::invalid_handle, "method, or its terrain"};
+inline constexpr Status no_recursive{StatusCode::invalid_handle, "method, or its terrain"};
 
 // Follows which pages are loaded; what was known of a slot's vertices is dropped when it holds another page.
 void sync_pages(RecursiveState& s);

@@ -192,7 +192,7 @@ void upload_maps(StreamState& s) {
         switch (phase_of(r)) {
         case Phase::damaged:
         case Phase::unreadable:
-            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
+            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
             end_map_request(s, r, true);
             break;
         case Phase::unwanted: end_map_request(s, r, false); break;
@@ -300,7 +300,7 @@ bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_k
     Request* const r = request_for(s, static_cast<float>(c.score));
     if (!r) return false;
     if (!queue_request(s, *r, id, tail ? m.sizes.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
-        note_failure(s, id, chunk, Code::corrupt);
+        note_failure(s, id, chunk, StatusCode::corrupt);
         tile.failed = true;
         return true;
     }
@@ -423,8 +423,8 @@ void fill_grid(std::span<const TileMap> maps, std::int64_t column, std::int64_t 
 } // namespace
 
 Status min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::uint32_t tile, float (&out)[9]) {
-    if (tiles_x == 0 || maps.size() % tiles_x != 0) return {Code::out_of_range, "tiles_x"};
-    if (tile >= maps.size()) return {Code::out_of_range, "tile"};
+    if (tiles_x == 0 || maps.size() % tiles_x != 0) return {StatusCode::out_of_range, "tiles_x"};
+    if (tile >= maps.size()) return {StatusCode::out_of_range, "tile"};
     const auto wide = static_cast<std::int64_t>(tiles_x), high = static_cast<std::int64_t>(maps.size()) / wide;
     fill_grid(
         maps, tile % tiles_x, tile / tiles_x, tile,
@@ -437,10 +437,10 @@ Status min_lod_grid(std::span<const TileMap> maps, std::uint32_t tiles_x, std::u
 
 Status min_lod_grid(std::span<const TileMap> maps, const Terrain& terrain, std::uint32_t tile, float (&out)[9]) {
     const TerrainData* const t = find(terrain);
-    if (t == nullptr) return {Code::invalid_handle, "terrain"};
-    if (maps.size() != t->tile_count()) return {Code::out_of_range, "maps"};
-    if (tile >= maps.size()) return {Code::out_of_range, "tile"};
-    const Coord place = t->tile_xy(tile);
+    if (t == nullptr) return {StatusCode::invalid_handle, "terrain"};
+    if (maps.size() != t->tile_count()) return {StatusCode::out_of_range, "maps"};
+    if (tile >= maps.size()) return {StatusCode::out_of_range, "tile"};
+    const SampleIndex place = t->tile_xy(tile);
     fill_grid(
         maps, place.x, place.y, tile,
         [&](std::int64_t i, std::int64_t j) {

@@ -32,7 +32,7 @@ void insert(StreamState& s, Request& r) {
     TerrainData& t = *s.terrain;
     const Status status = insert_page(s.terrain_handle, r.id.tile, r.id.item, {r.raw, r.raw_bytes});
     if (!status.ok()) {
-        note_failure(s, r.id, r.first_chunk, Code::corrupt);
+        note_failure(s, r.id, r.first_chunk, StatusCode::corrupt);
         return end_request(s, r, WatchState::failed);
     }
     ++s.report.pages_inserted;
@@ -48,7 +48,7 @@ void insert(StreamState& s, Request& r) {
     // The pages below: of page 0 the next step's, which is one page; of another page the four that divide it.
     const int z = r.id.item == 0 ? t.pages.tile_log2 - page_squares_log2 : t.pages.page_step_log2(r.id.item);
     if (z > 0) {
-        const Coord position = r.id.item == 0 ? Coord{0, 0} : t.pages.page_position(r.id.item);
+        const SampleIndex position = r.id.item == 0 ? SampleIndex{0, 0} : t.pages.page_position(r.id.item);
         for (std::uint32_t k = 0; k < (r.id.item == 0 ? 1u : 4u); ++k) {
             const bool only = r.id.item == 0;
             const auto px = static_cast<std::uint32_t>(position.x) * (only ? 1 : 2) + k % 2,
@@ -94,7 +94,7 @@ void insert_pages(StreamState& s) {
         switch (phase_of(r)) {
         case Phase::damaged:
         case Phase::unreadable:
-            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? Code::corrupt : Code::unreadable);
+            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
             end_request(s, r, WatchState::failed);
             break;
         case Phase::unwanted: end_request(s, r, WatchState::missing); break;

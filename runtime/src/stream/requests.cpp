@@ -126,11 +126,11 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
     if (found == nullptr) return no_stream;
     StreamState& s = *found;
     Request* const r = taken(s, ticket);
-    if (r == nullptr) return {Code::out_of_range, "ticket"};
+    if (r == nullptr) return {StatusCode::out_of_range, "ticket"};
     const auto damaged = [&] {
         const bool page = r->id.kind == ChunkKind::geometry; // before the entry is given away
         set_phase(*r, Phase::damaged);
-        return Status{Code::corrupt, page ? "geometry page" : "map"};
+        return Status{StatusCode::corrupt, page ? "geometry page" : "map"};
     };
     if (stored.size() != r->stored_bytes) return damaged();
     const DecoderLease decoder(s);
@@ -153,7 +153,7 @@ Status stream_fail(Stream stream, std::uint32_t ticket, bool unwanted) {
     StreamState* const s = find_stream(stream);
     if (s == nullptr) return no_stream;
     Request* const r = taken(*s, ticket);
-    if (r == nullptr) return {Code::out_of_range, "ticket"};
+    if (r == nullptr) return {StatusCode::out_of_range, "ticket"};
     set_phase(*r, unwanted ? Phase::unwanted : Phase::unreadable);
     return {};
 }

@@ -94,25 +94,25 @@ Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& bud
 }
 
 Status check_budget(const Pack& pack, const TerrainData& t, const StreamBudget& b) {
-    if (!same_pack(pack.header, t.header) || pack.directory == nullptr) return {Code::wrong_pack, "pack"};
-    if (t.pages.order == Order::linear)
-        return {Code::not_supported,
+    if (!same_pack(pack.header, t.header) || pack.directory == nullptr) return {StatusCode::wrong_pack, "pack"};
+    if (t.pages.order == PageOrder::linear)
+        return {StatusCode::not_supported,
                 "terrain in linear order (bake with --order planar): coarse vertices lie in all pages"};
     if (b.page_requests < 1 || b.page_requests > max_page_requests)
-        return {Code::out_of_range, "StreamBudget::page_requests (1 to 256)"};
+        return {StatusCode::out_of_range, "StreamBudget::page_requests (1 to 256)"};
     if (b.map_requests < 1 || b.map_requests > max_map_requests)
-        return {Code::out_of_range, "StreamBudget::map_requests (1 to 64)"};
+        return {StatusCode::out_of_range, "StreamBudget::map_requests (1 to 64)"};
     if (b.tail_log2 < 2 || b.tail_log2 > max_texture_log2)
-        return {Code::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
-    if (b.decoders < 1 || b.decoders > max_decoders) return {Code::out_of_range, "StreamBudget::decoders (1 to 16)"};
-    if (t.slot_count < t.tile_count()) return {Code::budget_too_small, "TerrainBudget::page_slots (one a tile)"};
-    if (t.slot_count > 0xffffffffu / 8) return {Code::out_of_range, "TerrainBudget::page_slots"};
-    if (t.pages_missing != t.page_count()) return {Code::out_of_range, "terrain (no page may be loaded yet)"};
+        return {StatusCode::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
+    if (b.decoders < 1 || b.decoders > max_decoders) return {StatusCode::out_of_range, "StreamBudget::decoders (1 to 16)"};
+    if (t.slot_count < t.tile_count()) return {StatusCode::budget_too_small, "TerrainBudget::page_slots (one a tile)"};
+    if (t.slot_count > 0xffffffffu / 8) return {StatusCode::out_of_range, "TerrainBudget::page_slots"};
+    if (t.pages_missing != t.page_count()) return {StatusCode::out_of_range, "terrain (no page may be loaded yet)"};
     std::uint64_t bytes = 0;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind)
         bytes += map_layer_bytes(map_layers(pack.header, b, static_cast<MapKind>(kind)), static_cast<MapKind>(kind));
     if (bytes > b.map_bytes)
-        return {Code::budget_too_small, "StreamBudget::map_bytes (the smallest mips of all tiles)"};
+        return {StatusCode::budget_too_small, "StreamBudget::map_bytes (the smallest mips of all tiles)"};
     return {};
 }
 
@@ -126,19 +126,19 @@ std::size_t stream_bytes(const Pack& pack, const Terrain& terrain, const StreamB
 Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const StreamBudget& budget,
                      std::span<std::byte> memory, Stream& stream) {
     TerrainData* const found = find(handle);
-    if (found == nullptr) return {Code::invalid_handle, "terrain"};
+    if (found == nullptr) return {StatusCode::invalid_handle, "terrain"};
     TerrainData& terrain = *found;
     CutState* cut_state = nullptr;
     if (cut != LiveCut{}) {
         cut_state = find_cut(cut);
         if (cut_state == nullptr) return no_cut;
-        if (cut_state->pages.grid.terrain != &terrain) return {Code::wrong_terrain, "cut"};
+        if (cut_state->pages.grid.terrain != &terrain) return {StatusCode::wrong_terrain, "cut"};
     }
     if (Status fits = check_budget(pack, terrain, budget); !fits.ok()) return fits;
     const Layout l = layout_of(pack, terrain, budget);
-    if (memory.size() < l.end) return {Code::memory_too_small, "memory"};
+    if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {Code::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
     auto& s = *new (at) StreamState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
@@ -191,7 +191,7 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
         Decoder& decoder = s.decoders[i];
         decoder.zstd =
             ZSTD_initStaticDCtx(at + l.zstd + i * block_aligned(ZSTD_estimateDCtxSize()), ZSTD_estimateDCtxSize());
-        if (decoder.zstd == nullptr) return {Code::memory_too_small, "memory"};
+        if (decoder.zstd == nullptr) return {StatusCode::memory_too_small, "memory"};
     }
     const auto padded = (s.watch_count + 63) / 64 * 64;
     for (std::uint32_t i = s.watch_count; i < padded; ++i) s.due[i] = 3e38f;
@@ -212,13 +212,13 @@ namespace {
 using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a system call
 
 Status check(const StreamState& s, std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
-    if (views.empty() || views.size() > max_cut_views) return {Code::out_of_range, "views (1 to 8)"};
+    if (views.empty() || views.size() > max_cut_views) return {StatusCode::out_of_range, "views (1 to 8)"};
     if (Status v = validate(views, cut, s.cut_state ? s.cut_state->budget.views : max_cut_views); !v.ok()) return v;
-    if (!(c.texel_px >= 0.1 && c.texel_px <= 100)) return {Code::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
+    if (!(c.texel_px >= 0.1 && c.texel_px <= 100)) return {StatusCode::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
-        return {Code::out_of_range, "StreamSettings::lookahead_s (0 to 60)"};
-    if (!(c.fade_s >= 0 && c.fade_s <= 10)) return {Code::out_of_range, "StreamSettings::fade_s (0 to 10)"};
-    if (!std::isfinite(c.now_s)) return {Code::out_of_range, "StreamSettings::now_s"};
+        return {StatusCode::out_of_range, "StreamSettings::lookahead_s (0 to 60)"};
+    if (!(c.fade_s >= 0 && c.fade_s <= 10)) return {StatusCode::out_of_range, "StreamSettings::fade_s (0 to 10)"};
+    if (!std::isfinite(c.now_s)) return {StatusCode::out_of_range, "StreamSettings::now_s"};
     return {};
 }
 
@@ -254,7 +254,7 @@ void finish(StreamState& s) {
 
 } // namespace
 
-void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code code) {
+void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, StatusCode code) {
     s.failed_bits[chunk / 64] |= std::uint64_t{1} << chunk % 64;
     ++s.failed;
     FJELL_ASSERT(s.failure_count < s.request_count + 64);

@@ -156,11 +156,11 @@ inline constexpr std::uint32_t max_arrivals = 4096, max_evictions = 64;
     if (s == nullptr || find(s->terrain_handle) == nullptr) return nullptr;
     return s->cut_state == nullptr || find(s->cut) != nullptr ? s : nullptr;
 }
-inline constexpr Status no_stream{Code::invalid_handle, "stream, or its terrain or cut"};
+inline constexpr Status no_stream{StatusCode::invalid_handle, "stream, or its terrain or cut"};
 
 [[nodiscard]] inline bool has_failed(const StreamState& s, std::uint64_t chunk) {
     return (s.failed_bits[chunk / 64] >> chunk % 64 & 1) != 0;
 }
-void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, Code code);
+void note_failure(StreamState& s, const ChunkId& id, std::uint64_t chunk, StatusCode code);
 
 } // namespace fjell

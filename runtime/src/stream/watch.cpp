@@ -24,15 +24,15 @@ constexpr double sooner = 0.95;      // share of the threshold at which a page w
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
-    const Coord place = t.tile_xy(tile);
-    Coord first{place.x * t.tree.side(), place.y * t.tree.side()};
+    const SampleIndex place = t.tile_xy(tile);
+    SampleIndex first{place.x * t.tree.side(), place.y * t.tree.side()};
     std::int32_t cells = t.tree.side();
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
-        const Coord position = t.pages.page_position(page);
+        const SampleIndex position = t.pages.page_position(page);
         cells = static_cast<std::int32_t>(2 * page_squares) << z;
         first = {first.x + position.x * cells, first.y + position.y * cells};
     }
-    const Coord a = t.tree.sample(first), b = t.tree.sample({first.x + cells, first.y + cells});
+    const SampleIndex a = t.tree.sample(first), b = t.tree.sample({first.x + cells, first.y + cells});
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.x),

@@ -63,11 +63,11 @@ struct StepLayout {
 
 // Number of a vertex among those of its page, `side` squares wide; i, j: its square, counted from the page's first, up
 // to `side` on the border.
-template <Order O>
+template <PageOrder O>
 [[nodiscard]] constexpr std::uint32_t page_index(std::uint32_t side, VertexKind kind, std::uint32_t i,
                                                  std::uint32_t j) {
-    static_assert(O != Order::linear);
-    if constexpr (O == Order::planar) {
+    static_assert(O != PageOrder::linear);
+    if constexpr (O == PageOrder::planar) {
         switch (kind) {
         case VertexKind::centre: return j * side + i;
         case VertexKind::side_x: return side * side + j * side + i;
@@ -85,42 +85,42 @@ template <Order O>
 
 struct PageLayout {
     int tile_log2 = 0;
-    Order order = Order::planar;
+    PageOrder order = PageOrder::planar;
 
     [[nodiscard]] constexpr std::uint32_t side() const { return 1u << tile_log2; }
     [[nodiscard]] constexpr std::uint32_t tile_vertices() const { return (side() + 1) * (side() + 1); }
     [[nodiscard]] constexpr std::uint32_t pages_per_tile() const {
-        if (order == Order::linear) return (tile_vertices() + max_page_vertices - 1) / max_page_vertices;
+        if (order == PageOrder::linear) return (tile_vertices() + max_page_vertices - 1) / max_page_vertices;
         return tile_log2 <= page_squares_log2 ? 1 : first_page(tile_log2);
     }
     // Vertices that the largest page holds: what a slot must have room for.
     [[nodiscard]] constexpr std::uint32_t page_capacity() const { return std::min(max_page_vertices, tile_vertices()); }
     [[nodiscard]] constexpr std::uint32_t page_vertices(std::uint32_t page) const {
-        if (order == Order::linear) return std::min(max_page_vertices, tile_vertices() - page * max_page_vertices);
+        if (order == PageOrder::linear) return std::min(max_page_vertices, tile_vertices() - page * max_page_vertices);
         if (page != 0) return max_page_vertices;
         const std::uint32_t n = (1u << std::min(tile_log2, page_squares_log2)) + 1;
         return n * n;
     }
     // log2 of the step that this page is a part of; -1 for page 0 and in linear order.
     [[nodiscard]] constexpr int page_step_log2(std::uint32_t page) const {
-        if (order == Order::linear || page == 0) return -1;
+        if (order == PageOrder::linear || page == 0) return -1;
         int z = tile_log2 - 1 - page_squares_log2;
         while (z > 0 && page >= first_page(tile_log2 - z)) --z;
         return z;
     }
     // Where such a page lies among the pages of its step; and the page that lies there. Neither for linear order.
-    [[nodiscard]] constexpr Coord page_position(std::uint32_t page) const {
+    [[nodiscard]] constexpr SampleIndex page_position(std::uint32_t page) const {
         const int z = page_step_log2(page);
         const StepLayout step = step_layout(z);
         const std::uint32_t local = page - step.first_page;
-        if (order == Order::hierarchical_z)
+        if (order == PageOrder::hierarchical_z)
             return {static_cast<std::int32_t>(even_bits(local)), static_cast<std::int32_t>(even_bits(local >> 1))};
         return {static_cast<std::int32_t>(local & ((1u << step.pages_log2) - 1)),
                 static_cast<std::int32_t>(local >> step.pages_log2)};
     }
     [[nodiscard]] constexpr std::uint32_t page_at(int z, std::uint32_t px, std::uint32_t py) const {
         const StepLayout step = step_layout(z);
-        return step.first_page + (order == Order::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px);
+        return step.first_page + (order == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px);
     }
 
     // Not for linear order.
@@ -140,19 +140,19 @@ struct PageLayout {
     }
 
     // x, y: tile-local, 0..2^l. The owner's place for a vertex that several pages of the tile hold.
-    template <Order O>
+    template <PageOrder O>
     [[nodiscard]] constexpr PagePlace place_as(std::uint32_t x, std::uint32_t y) const {
-        if constexpr (O == Order::linear) {
+        if constexpr (O == PageOrder::linear) {
             const std::uint32_t index = y * (side() + 1) + x;
             return {index / max_page_vertices, index % max_page_vertices};
         } else {
             if (((x | y) & (side() - 1)) == 0) return {0, (x >> tile_log2) + 2 * (y >> tile_log2)};
-            const Coord c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+            const SampleIndex c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
             const int z = Tree::step_log2(c);
             const StepLayout step = step_layout(z);
             const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
             const std::uint32_t px = std::min(i / step.page_side, last), py = std::min(j / step.page_side, last);
-            const std::uint32_t page = O == Order::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px;
+            const std::uint32_t page = O == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px;
             return {step.first_page + page,
                     step.offset +
                         page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - py * step.page_side)};
@@ -160,20 +160,20 @@ struct PageLayout {
     }
     [[nodiscard]] constexpr PagePlace place(std::uint32_t x, std::uint32_t y) const {
         switch (order) {
-        case Order::planar: return place_as<Order::planar>(x, y);
-        case Order::hierarchical_z: return place_as<Order::hierarchical_z>(x, y);
-        case Order::linear: break;
+        case PageOrder::planar: return place_as<PageOrder::planar>(x, y);
+        case PageOrder::hierarchical_z: return place_as<PageOrder::hierarchical_z>(x, y);
+        case PageOrder::linear: break;
         }
-        return place_as<Order::linear>(x, y);
+        return place_as<PageOrder::linear>(x, y);
     }
     // Tile-local coordinates of a vertex in a page, owned or not.
-    [[nodiscard]] constexpr Coord coord(PagePlace at) const {
-        if (order == Order::linear) {
+    [[nodiscard]] constexpr SampleIndex coord(PagePlace at) const {
+        if (order == PageOrder::linear) {
             const std::uint32_t index = at.page * max_page_vertices + at.index;
             return {static_cast<std::int32_t>(index % (side() + 1)), static_cast<std::int32_t>(index / (side() + 1))};
         }
         if (at.page != 0) {
-            const Coord position = page_position(at.page);
+            const SampleIndex position = page_position(at.page);
             return page_coord(page_step_log2(at.page), position.x, position.y, at.index);
         }
         const auto n = static_cast<std::int32_t>(side());
@@ -189,11 +189,11 @@ private:
     [[nodiscard]] static constexpr std::uint32_t first_page(int log2) {
         return 1 + ((1u << (2 * (log2 - page_squares_log2))) - 1) / 3;
     }
-    [[nodiscard]] constexpr Coord page_coord(int z, std::int32_t px, std::int32_t py, std::uint32_t index) const {
+    [[nodiscard]] constexpr SampleIndex page_coord(int z, std::int32_t px, std::int32_t py, std::uint32_t index) const {
         const std::uint32_t n = step_layout(z).page_side;
         VertexKind kind = VertexKind::centre;
         std::uint32_t i = 0, j = 0;
-        if (order == Order::planar) {
+        if (order == PageOrder::planar) {
             if (index < n * n) {
                 i = index % n, j = index / n;
             } else if (index < n * n + n * (n + 1)) {

@@ -17,7 +17,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "fjell/coord.h"
+#include "fjell/sample_index.h"
 #include "fjell/pack.h"
 
 namespace fjell {
@@ -45,25 +45,25 @@ struct Tree {
     // Places of vertices: of the terrain and beyond, to the end of the last tiles.
     [[nodiscard]] constexpr std::int32_t grid_columns() const { return tiles_x * side() + 1; }
     [[nodiscard]] constexpr std::int32_t grid_rows() const { return tiles_y * side() + 1; }
-    [[nodiscard]] constexpr bool contains(Coord c) const {
+    [[nodiscard]] constexpr bool contains(SampleIndex c) const {
         return c.x >= 0 && c.y >= 0 && c.x < grid_columns() && c.y < grid_rows();
     }
     // Where a vertex stands, and whose height it has.
-    [[nodiscard]] constexpr Coord sample(Coord c) const {
+    [[nodiscard]] constexpr SampleIndex sample(SampleIndex c) const {
         return {std::min(c.x, columns() - 1), std::min(c.y, rows() - 1)};
     }
     // A corner of a tile: always active, outside the tree.
-    [[nodiscard]] constexpr bool is_corner(Coord c) const { return ((c.x | c.y) & (side() - 1)) == 0; }
+    [[nodiscard]] constexpr bool is_corner(SampleIndex c) const { return ((c.x | c.y) & (side() - 1)) == 0; }
     // log2 of the step of a vertex that is not a corner.
-    [[nodiscard]] static constexpr int step_log2(Coord c) {
+    [[nodiscard]] static constexpr int step_log2(SampleIndex c) {
         return std::countr_zero(static_cast<std::uint32_t>(c.x | c.y));
     }
-    [[nodiscard]] static constexpr VertexKind kind(Coord c) {
+    [[nodiscard]] static constexpr VertexKind kind(SampleIndex c) {
         const int z = step_log2(c);
         const bool odd_x = (c.x >> z) & 1, odd_y = (c.y >> z) & 1;
         return odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
     }
-    [[nodiscard]] constexpr int level(Coord c) const {
+    [[nodiscard]] constexpr int level(SampleIndex c) const {
         return 2 * (tile_log2 - 1 - step_log2(c)) + (kind(c) == VertexKind::centre ? 0 : 1);
     }
 };
@@ -71,11 +71,11 @@ struct Tree {
 // The diamond that a vertex splits: its hypotenuse runs between ends[0] and ends[1], its right angles are at apexes[].
 // On the domain's rim one apex lies outside; ends never do. The apexes are the vertex' parents (or tile corners).
 struct Diamond {
-    Coord ends[2];
-    Coord apexes[2];
+    SampleIndex ends[2];
+    SampleIndex apexes[2];
 };
 
-[[nodiscard]] constexpr Diamond diamond(const Tree& tree, Coord v) {
+[[nodiscard]] constexpr Diamond diamond(const Tree& tree, SampleIndex v) {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
     switch (Tree::kind(v)) {
@@ -86,18 +86,18 @@ struct Diamond {
     // The square's corner (x-s, y-s), in units of 2s: an even sum ends the hypotenuse, an odd sum is a parent. A
     // tile's root square counts from its own tile, so its sum is 0.
     const bool odd = z != tree.tile_log2 - 1 && ((((v.x - s) >> (z + 1)) + ((v.y - s) >> (z + 1))) & 1);
-    const Coord nw{v.x - s, v.y - s}, ne{v.x + s, v.y - s}, sw{v.x - s, v.y + s}, se{v.x + s, v.y + s};
+    const SampleIndex nw{v.x - s, v.y - s}, ne{v.x + s, v.y - s}, sw{v.x - s, v.y + s}, se{v.x + s, v.y + s};
     if (odd) return {{sw, ne}, {nw, se}};
     return {{nw, se}, {ne, sw}};
 }
 
 // The four children; those outside the domain do not exist. A leaf (a side of step 1) has none: count is 0.
 struct Children {
-    Coord at[4];
+    SampleIndex at[4];
     int count = 0; // 0 or 4
 };
 
-[[nodiscard]] constexpr Children children(Coord v) {
+[[nodiscard]] constexpr Children children(SampleIndex v) {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
     if (Tree::kind(v) == VertexKind::centre)

@@ -50,7 +50,7 @@ bool in_order(double low, double high) {
 } // namespace
 
 Status validate(const View& view) {
-    const auto bad = [](const char* field) { return Status{Code::out_of_range, field}; };
+    const auto bad = [](const char* field) { return Status{StatusCode::out_of_range, field}; };
     if (!finite(view.eye_m) || length(view.eye_m) > farthest_m) return bad("View::eye_m");
     if (!unit(view.forward)) return bad("View::forward");
     if (!unit(view.up) || std::abs(dot(view.up, view.forward)) > 1e-6) return bad("View::up");

@@ -60,14 +60,14 @@ int main(int count, char** arguments) {
     if (!is_large(cut_bytes(terrain, wide))) return fail("cut_bytes() wraps");
     const std::span<std::byte> little = allocate(room);
     LiveCut cut;
-    if (create_cut(terrain, wide, little, cut).code != Code::memory_too_small) return fail("a cut without room");
+    if (create_cut(terrain, wide, little, cut).code != StatusCode::memory_too_small) return fail("a cut without room");
 
     RecursiveBudget many;
     many.vertices = 1u << 30;
     many.indices = 1u << 30;
     if (!is_large(recursive_bytes(terrain, many))) return fail("recursive_bytes() wraps");
     RecursiveMethod method;
-    if (create_recursive(terrain, many, little, method).code != Code::memory_too_small)
+    if (create_recursive(terrain, many, little, method).code != StatusCode::memory_too_small)
         return fail("a recursive method without room");
 
     PackHeader vast = pack.header;
