@@ -279,7 +279,7 @@ json measures_json(const State& state) {
             {"triangles", e.triangles},
             {"triangles_drawn", e.triangles_drawn},
             {"error_px_asked", e.error_px_requested},
-            {"error_px_effective", e.error_px_effective},
+            {"error_px_effective", e.error_bound_px},
             {"converged", e.converged},
             {"update_us", ring(Series::update_us)},
             {"frame_us", ring(Series::frame_us)},

@@ -250,7 +250,7 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     options.mode = gl::Mode::error;
     options.error_full_px = static_cast<float>(state.document.profile().refine.error_px);
     options.error_eye_m = refining.eye_m;
-    options.error_lambda_px = lambda_px(refining);
+    options.error_lambda_px = focal_length_px(refining);
 }
 
 void Engine::build_lines(const State& state) {

@@ -118,7 +118,7 @@ void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool dr
     kept_[kept_next_] = {entry, times, pose, ++recorded_};
     kept_next_ = (kept_next_ + 1) % measured_frames;
     push(Series::requested_px, entry.error_px_requested);
-    push(Series::effective_px, entry.error_px_effective);
+    push(Series::effective_px, entry.error_bound_px);
     push(Series::vertices, entry.vertices);
     push(Series::triangles_drawn, entry.triangles_drawn);
     push(Series::activations, entry.activations);

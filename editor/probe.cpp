@@ -104,7 +104,7 @@ void look_for_mesh(Probe& probe, const flight::Session& session, const View& ref
                 triangle_level(drawn.vertex(first), drawn.vertex(first + 1), drawn.vertex(first + 2), header.tile_log2);
             m.height_m = *height_m;
             const double away_m = length(g.position_m - refining.eye_m);
-            m.error_px = lambda_px(refining) * std::abs(*height_m - g.position_m.y) / std::max(away_m, 1e-9);
+            m.error_px = focal_length_px(refining) * std::abs(*height_m - g.position_m.y) / std::max(away_m, 1e-9);
             g.mesh = m;
             probe.looking = false; // the next search begins here, where most likely it ends too
             return;

@@ -39,7 +39,7 @@ FlownPlace place_of(std::span<const flight::FrameEntry> frames, std::span<const 
     place.update_us = static_cast<float>(frames[dearest].update_us);
     place.vertices = frames[dearest].vertices;
     for (const flight::FrameEntry& f : frames) {
-        place.error_px = std::max(place.error_px, static_cast<float>(f.error_px_effective));
+        place.error_px = std::max(place.error_px, static_cast<float>(f.error_bound_px));
         place.exhausted |= f.exhausted;
     }
     return place;
@@ -77,7 +77,7 @@ FlownRun make_run(std::span<const flight::FrameEntry> frames, std::span<const fl
     run.p50_us = rank_of(frames, 0.5, update_of);
     run.p99_us = rank_of(frames, 0.99, update_of);
     run.max_us = rank_of(frames, 1, update_of);
-    run.error_p99_px = rank_of(frames, 0.99, [](const flight::FrameEntry& f) { return f.error_px_effective; });
+    run.error_p99_px = rank_of(frames, 0.99, [](const flight::FrameEntry& f) { return f.error_bound_px; });
     run.vertices = mean_of(frames, [](const flight::FrameEntry& f) { return static_cast<double>(f.vertices); });
     run.converged = mean_of(frames, [](const flight::FrameEntry& f) { return f.converged ? 1.0 : 0.0; });
     const std::size_t count = std::min(frames.size(), most_places);

@@ -199,11 +199,11 @@ void run(const ExportPlan& plan, JobControl& control) {
     }
     control.publish([&](JobView& view) {
         view.output = plan.path;
-        view.preview = {r.error_px_effective, r.vertices, r.triangles, r.file_bytes};
+        view.preview = {r.error_bound_px, r.vertices, r.triangles, r.file_bytes};
         view.result = fmt::format("{}{} vertices, {} triangles, {} within {:.3g} px{}",
                                   plan.path.empty() ? "the export has " : plan.path + ": ",
                                   grouped(static_cast<double>(r.vertices)), grouped(static_cast<double>(r.triangles)),
-                                  byte_text(static_cast<double>(r.file_bytes)).text, r.error_px_effective,
+                                  byte_text(static_cast<double>(r.file_bytes)).text, r.error_bound_px,
                                   r.converged ? "" : ", which is not what was asked for");
     });
 }
@@ -260,7 +260,7 @@ Jobs::Body picture_job(PicturePlan plan) {
     if (plan.path.empty()) throw io::Failure(2, "give the picture a file name");
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     // What no frame waits for may take its time.
-    plan.profile.cut.items = unlimited_items;
+    plan.profile.cut.items = unlimited_work;
     plan.profile.cut.budget_us = 0;
     plan.profile.stream.fade_s = plan.profile.stream.lookahead_s = 0;
     return [plan = std::move(plan)](JobControl& control) { draw_picture_of(plan, control); };

@@ -87,7 +87,7 @@ void draw_method(const State& state, Commands& commands) {
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
                static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
-    const bool limited = e.item_limit != unlimited_items;
+    const bool limited = e.item_limit != unlimited_work;
     draw_line({"Work items", "budget.items",
                "Vertices that an update examines or changes. At the limit, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),

@@ -34,7 +34,7 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
         "export", "converged",
         "The mesh that this view settles on once it has had time and work items, instead of the frame's as it stands.");
     ImGui::BeginDisabled(form.own == 0);
-    double shown = form.own == 1 ? form.error_px : state.measures.last().error_px_effective;
+    double shown = form.own == 1 ? form.error_px : state.measures.last().error_bound_px;
     fields::number("Pixels", "export", "error_px", shown, "%.4g",
                    "0.01 to 1,000 pixels: a smaller threshold makes a larger file.");
     if (form.own == 1) form.error_px = shown;

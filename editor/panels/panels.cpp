@@ -426,10 +426,10 @@ Part threshold_part(const State& state) {
               : e.morphing > 0                              ? "morphing"
                                                             : "lags";
     }
-    if (e.error_px_effective >= 1e6)
+    if (e.error_bound_px >= 1e6)
         std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);
     else
-        std::snprintf(part.text, sizeof part.text, "within %.4g px%s%s", e.error_px_effective, *why ? ", " : "", why);
+        std::snprintf(part.text, sizeof part.text, "within %.4g px%s%s", e.error_bound_px, *why ? ", " : "", why);
     return part;
 }
 

@@ -109,8 +109,8 @@ void draw_report(const State& state, Commands& commands) {
     ui::heading("This frame");
     const std::uint64_t ago = state.measures.recorded() - f.number;
     ui::row("Before the newest", "%s frames", count_text(static_cast<double>(ago)).text);
-    if (e.error_px_effective < 1e6)
-        ui::row("Threshold", "%.3g px of %.3g", e.error_px_effective, e.error_px_requested);
+    if (e.error_bound_px < 1e6)
+        ui::row("Threshold", "%.3g px of %.3g", e.error_bound_px, e.error_px_requested);
     else
         ui::row("Threshold", "unbounded");
     ui::row("Work items", "%s", count_text(e.items).text);

@@ -155,10 +155,10 @@ void time(const State& state, Text& text, double) {
 
 void threshold(const State& state, Text& text, double) {
     const FrameEntry& e = state.measures.last();
-    if (e.error_px_effective >= 1e6)
+    if (e.error_bound_px >= 1e6)
         text.add("lags");
     else
-        text.add("keeps %.*f px", e.error_px_effective < 100 ? 2 : 0, e.error_px_effective);
+        text.add("keeps %.*f px", e.error_bound_px < 100 ? 2 : 0, e.error_bound_px);
     text.count(", ", e.triangles_drawn);
     text.add(" triangles drawn");
 }

@@ -40,14 +40,14 @@ std::optional<std::array<double, 2>> seen_px(const Vec3& place, const View& view
     const Vec3 way = place - view.eye_m;
     const double ahead_m = dot(way, view.forward);
     if (ahead_m <= view.near_m) return {};
-    const double scale = lambda_px(view) / ahead_m;
+    const double scale = focal_length_px(view) / ahead_m;
     return std::array{dot(way, cross(view.forward, view.up)) * scale, dot(way, view.up) * scale};
 }
 
 void add_square(const Vec3& centre, const View& view, double side_px, gl::Rgba8 rgba, std::vector<gl::Line>& to) {
     const double ahead_m = dot(centre - view.eye_m, view.forward);
     if (ahead_m <= view.near_m) return;
-    const double half_m = side_px / (2 * lambda_px(view)) * ahead_m;
+    const double half_m = side_px / (2 * focal_length_px(view)) * ahead_m;
     const Vec3 up = view.up * half_m, right = cross(view.forward, view.up) * half_m;
     const Vec3 corners[] = {centre - right - up, centre + right - up, centre + right + up, centre - right + up};
     for (std::size_t i = 0; i < 4; ++i) to.push_back({corners[i], corners[(i + 1) % 4], rgba});

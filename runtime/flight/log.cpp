@@ -46,7 +46,7 @@ void add_state(Summary& s, const FrameEntry& f) {
     s.converged += f.converged;
     s.rebuilt += f.rebuilt;
     s.overruns += f.items > f.item_limit;
-    s.effective_px_max = std::max(s.effective_px_max, f.error_px_effective);
+    s.effective_px_max = std::max(s.effective_px_max, f.error_bound_px);
     s.threshold_px_max = std::max(s.threshold_px_max, f.threshold_px);
     s.exhausted |= f.exhausted;
     s.restarts += f.restarts;
@@ -138,7 +138,7 @@ void add_poll(FrameEntry& frame, const FrameEntry& poll) {
         sum(field);
     // As much as all of them were allowed: each keeps to its own.
     frame.item_limit =
-        before.item_limit > unlimited_items - poll.item_limit ? unlimited_items : before.item_limit + poll.item_limit;
+        before.item_limit > unlimited_work - poll.item_limit ? unlimited_work : before.item_limit + poll.item_limit;
     sum(&FrameEntry::upload_bytes);
     const auto sum_stream = [&](auto field) { frame.stream.*field += before.stream.*field; };
     for (const auto field : {&StreamReport::pages_inserted, &StreamReport::mips_uploaded, &StreamReport::cancelled})
@@ -157,7 +157,7 @@ FrameEntry entry_of(const FrameReport& r) {
     f.exhausted = bit_if(r.exhausted, budget_vertices, exhausted_vertices) |
                   bit_if(r.exhausted, budget_indices, exhausted_indices);
     f.error_px_requested = r.error_px_requested;
-    f.threshold_px = f.error_px_effective = r.error_px_effective;
+    f.threshold_px = f.error_bound_px = r.error_bound_px;
     f.converged = r.converged;
     f.settled = true;
     return f;
@@ -178,13 +178,13 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.evaluations = r.evaluations;
     f.activations = r.activations;
     f.deactivations = r.deactivations;
-    f.item_limit = r.rebuilt ? unlimited_items : settings.items;
+    f.item_limit = r.rebuilt ? unlimited_work : settings.items;
     f.waiting = r.waiting;
     f.blocked = r.blocked;
     f.morphing = r.morphing;
     f.exhausted = bit_if(r.exhausted, cut_budget_vertices, exhausted_vertices) |
                   bit_if(r.exhausted, cut_budget_triangles, exhausted_triangles) |
-                  bit_if(r.exhausted, cut_budget_items, exhausted_items) |
+                  bit_if(r.exhausted, cut_budget_work, exhausted_items) |
                   bit_if(r.exhausted, cut_budget_time, exhausted_time);
     f.vertex_slots = r.vertex_slots;
     f.triangle_slots = r.triangle_slots;
@@ -192,7 +192,7 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.triangles_peak = r.triangle_slots.peak;
     f.error_px_requested = r.error_px_requested;
     f.threshold_px = r.threshold_px;
-    f.error_px_effective = r.error_px_effective;
+    f.error_bound_px = r.error_bound_px;
     f.converged = r.converged;
     f.rebuilt = r.rebuilt;
     f.settled = r.waiting == 0 && r.morphing == 0;
@@ -258,7 +258,7 @@ std::string csv(const FlightLog& log) {
     for (std::size_t i = 0; i < log.frames.size(); ++i) {
         const FrameEntry& f = log.frames[i];
         fmt::format_to(out, "{},{:.1f},{},{},{},{},{:.6g},{:.6g},{},{},", i, f.update_us, f.vertices, f.triangles,
-                       f.tiles_drawn, f.vertices_written, f.error_px_requested, f.error_px_effective,
+                       f.tiles_drawn, f.vertices_written, f.error_px_requested, f.error_bound_px,
                        fmt::join(budget_names(f.exhausted), "+"), f.converged ? 1 : 0);
         if (f.verified_px) fmt::format_to(out, "{:.6g}", *f.verified_px);
         fmt::format_to(out, ",{},{},{},{},{},{},{},{},{},{},{:.1f},{:.1f},{:.1f},", f.items, f.evaluations,

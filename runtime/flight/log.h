@@ -39,7 +39,7 @@ struct FrameEntry {
     std::uint32_t vertices = 0, triangles = 0, tiles_drawn = 0, triangles_drawn = 0;
     std::uint32_t vertices_written = 0, triangles_written = 0; // slots
     std::uint32_t items = 0, evaluations = 0, activations = 0, deactivations = 0;
-    std::uint32_t item_limit = unlimited_items;
+    std::uint32_t item_limit = unlimited_work;
     std::uint32_t waiting = 0, blocked = 0, morphing = 0;
     std::uint32_t exhausted = 0; // ExhaustedBits
     std::uint32_t restarts = 0, buffer_clearings = 0;
@@ -47,7 +47,7 @@ struct FrameEntry {
     BudgetUse vertex_slots;                              // of the method's memory; the recursive one knows no peaks
     BudgetUse triangle_slots;                            // incremental, in whole segments
     BudgetUse index_slots;                               // recursive
-    double error_px_requested = 0, threshold_px = 0, error_px_effective = 0;
+    double error_px_requested = 0, threshold_px = 0, error_bound_px = 0;
     bool converged = false, rebuilt = false;
     // Nothing waits and nothing morphs: the threshold holds. Every frame of the recursive method.
     bool settled = false;
@@ -126,7 +126,7 @@ struct Summary {
 // named by ExhaustedBits.
 [[nodiscard]] std::vector<std::string> budget_names(std::uint32_t exhausted);
 
-// frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_px_effective,exhausted,converged,verified_px,
+// frame,update_us,vertices,triangles,tiles,written,error_px_asked,error_bound_px,exhausted,converged,verified_px,
 // then items,evaluations,activations,deactivations,waiting,blocked,rising,triangles_drawn,rebuilt,bytes_uploaded,
 // prepare_us,refine_us,output_us, then stream_us,pages_taken,pages_left,pages_wanted,pages_draining,pages_failed,
 // page_slots,mips_taken,mips_left,requested,bytes_read,map_upload_bytes,missing_px,missing_mips,stream_converged,polls,

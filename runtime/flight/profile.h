@@ -41,7 +41,7 @@ inline constexpr double min_error_px = 0.01, max_error_px = 1000;
 inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
 inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
-inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_items - 1;
+inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_work - 1;
 inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
 inline constexpr std::uint32_t max_map_mb = 1u << 16, max_material_mb = 1u << 16, max_map_kb = 1u << 20,
                                min_tail_log2 = 2, most_decoders = 16;

@@ -47,9 +47,9 @@ struct Vertices {
 };
 
 struct Items {
-    static double get(const Profile& p) { return p.cut.items == unlimited_items ? 0 : p.cut.items; }
+    static double get(const Profile& p) { return p.cut.items == unlimited_work ? 0 : p.cut.items; }
     static void set(Profile& p, double value) {
-        p.cut.items = value == 0 ? unlimited_items : static_cast<std::uint32_t>(value);
+        p.cut.items = value == 0 ? unlimited_work : static_cast<std::uint32_t>(value);
     }
 };
 

@@ -79,7 +79,7 @@ json view_json(const View& v) {
     return j;
 }
 
-// The sides of version 2, which had lambda_px instead: those that give the same frustum and, to the last bit, the same
+// The sides of version 2, which had focal_length_px instead: those that give the same frustum and, to the last bit, the same
 // lambda. (There are such sides for every view of make_view(), which had computed lambda from one of them.)
 void set_sides(View& v, double lambda) {
     const double middle = v.height_px / (2 * lambda);

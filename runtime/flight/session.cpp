@@ -197,7 +197,7 @@ void adopt_recorded(const Session& session, Profile& profile) {
     const View& view = first.views.front();
     profile.method = Method::incremental;
     profile.cut = first.settings;
-    profile.cut.visits = unlimited_items; // that frame's
+    profile.cut.visits = unlimited_work; // that frame's
     profile.refine.error_px = first.settings.error_px;
     profile.refine.corner_safe = first.settings.corner_safe;
     profile.width_px = view.width_px;
@@ -236,7 +236,7 @@ void verify_frame(const Session& session, const View& view, const Profile& profi
     }
     const MeasuredError e = measure_error(session.whole_terrain(), mesh, view, inside ? &frustum : nullptr);
     entry.verified_px = e.max_px;
-    const double limit_px = entry.error_px_effective;
+    const double limit_px = entry.error_bound_px;
     verification.exceeded = verification.exceeded || e.max_px > limit_px;
     if (!entry.settled) return; // where the mesh lags the limit is far from tight
     if (verification.limit_px > 0 && e.max_px / limit_px <= verification.max_px / verification.limit_px) return;

@@ -227,7 +227,7 @@ void apply(const Flags& f, FlightOptions& o) {
     CutSettings& cut = o.profile.cut;
     for (const Method method : {Method::incremental, Method::recursive})
         if (f.method == facts_of(method).name) o.profile.method = method;
-    if (f.items) cut.items = *f.items ? *f.items : unlimited_items;
+    if (f.items) cut.items = *f.items ? *f.items : unlimited_work;
     if (f.budget_us) cut.budget_us = *f.budget_us;
     o.limited = f.items.value_or(0) != 0 || f.budget_us.value_or(0) > 0;
     if (f.hysteresis) cut.hysteresis = *f.hysteresis;

@@ -219,7 +219,7 @@ private:
         const std::string text =
             fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {}{}{}",
                         entry.update_us, entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_,
-                        entry.error_px_effective < unbounded_px ? fmt::format("{:.3g} px", entry.error_px_effective)
+                        entry.error_bound_px < unbounded_px ? fmt::format("{:.3g} px", entry.error_bound_px)
                                                                 : "unbounded error",
                         entry.converged ? ""
                         : wanting       ? " (budget exhausted)"

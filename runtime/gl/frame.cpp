@@ -99,7 +99,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
     for (std::uint32_t i = 0; i < m.views; ++i) {
         const MorphView& v = m.view[i];
         set4(block.morph_eye[i], v.eye_x - view.eye_m.x, v.eye_y - view.eye_m.y, v.eye_z - view.eye_m.z, 0);
-        set4(block.morph_reach[i], v.q_start, v.q_full, 0, 0);
+        set4(block.morph_reach[i], v.start_per_error, v.full_per_error, 0, 0);
     }
     const bool blocks = header.order != PageOrder::linear;
     set_colour(block.tile_border, tile_border_rgb, now.tile_borders ? 1 : 0);
@@ -116,7 +116,7 @@ FrameBlock Renderer::State::make_frame(const View& view, const DrawOptions& now)
 
 void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameBlock& block) const {
     const Vec3 eye = now.error_eye_m.value_or(view.eye_m) - view.eye_m;
-    const double lambda = now.error_lambda_px > 0 ? now.error_lambda_px : lambda_px(view);
+    const double lambda = now.error_lambda_px > 0 ? now.error_lambda_px : focal_length_px(view);
     set4(block.error_eye, eye.x, eye.y, eye.z, lambda / now.error_full_px);
     block.last[2] = heights.columns;
     block.last[3] = heights.rows;

@@ -27,7 +27,7 @@ struct FrameBlock {
     float legend[max_triangle_levels][4]; // linear rgb of levels, mips or steps, whichever the mode shows
     float morph[4];                       // views, 0: nothing morphs; now [s]; 1 / time to rise [1/s]; morph_clock_s
     float morph_eye[max_cut_views][4];    // metres from the eye that the picture is drawn for
-    float morph_reach[max_cut_views][4];  // q_start, q_full
+    float morph_reach[max_cut_views][4];  // start_per_error, full_per_error
     float tile_border[4], page_border[4]; // linear rgb, opacity
     std::int32_t last[4];                 // the terrain's last column and row; columns and rows of the height grid
     float error_eye[4];                   // metres from the eye; share of a metre's error at a metre's distance

@@ -102,7 +102,7 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& 
     const PackHeader& h = pack.header;
     const View& view = info.view;
     return {{"error_px", info.error_px},
-            {"error_px_effective", info.error_px_effective},
+            {"error_px_effective", info.error_bound_px},
             {"corner_safe", info.corner_safe},
             {"quantum_m", static_cast<double>(h.quantum_m)},
             {"viewport", {view.width_px, view.height_px}},
@@ -287,7 +287,7 @@ SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const st
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotResult result;
         result.converged = content->info.converged;
-        result.error_px_effective = content->info.error_px_effective;
+        result.error_bound_px = content->info.error_bound_px;
         SceneBuilder scene(max_file_bytes);
         add_tiles(pack, *content, options, scene, result);
         scene.add_camera(content->info.view);

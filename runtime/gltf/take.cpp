@@ -24,7 +24,7 @@ void check(const Terrain& terrain, const SnapshotInfo& info) {
     if (!terrain.valid()) throw io::Failure(2, "there is no terrain behind the handle; load it with load_terrain");
     if (const Status status = validate(info.view); !status.ok())
         throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
-    if (!(info.error_px > 0 && info.error_px_effective > 0 && std::isfinite(info.error_px_effective)))
+    if (!(info.error_px > 0 && info.error_bound_px > 0 && std::isfinite(info.error_bound_px)))
         throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
 }
 
@@ -53,7 +53,7 @@ SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<cons
         }
         result.tiles = static_cast<std::uint32_t>(content.tiles.size());
         result.converged = info.converged;
-        result.error_px_effective = info.error_px_effective;
+        result.error_bound_px = info.error_bound_px;
         SnapshotAccess::set(snapshot, std::move(content));
         return result;
     } catch (const io::Failure& failure) {
@@ -79,7 +79,7 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
                              const CutReport& report, Snapshot& snapshot) {
     const CutMesh live = cut_mesh(cut);
     SnapshotInfo info{
-        .view = view, .error_px = view_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+        .view = view, .error_px = view_max_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     std::vector<float> drawn_m;
     try {
         drawn_m.reserve(live.mesh.vertices.size());
@@ -94,23 +94,23 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
             const std::uint32_t vertex = live.mesh.indices[i];
             info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
         }
-    info.error_px_effective = bound_error_px(cut, view, settings.corner_safe,
+    info.error_bound_px = bound_error_px(cut, view, settings.corner_safe,
                                              reached_px(info.error_px, report.error_px_requested, report.threshold_px));
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
-    info.converged = !info.lagging && info.error_px_effective <= info.error_px;
+    info.converged = !info.lagging && info.error_bound_px <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);
 }
 
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                              const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot) {
     SnapshotInfo info{
-        .view = view, .error_px = view_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+        .view = view, .error_px = view_max_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
     info.culled = settings.cull;
-    info.error_px_effective =
+    info.error_bound_px =
         bound_error_px(method, view, settings.corner_safe,
-                       reached_px(info.error_px, report.error_px_requested, report.error_px_effective));
+                       reached_px(info.error_px, report.error_px_requested, report.error_bound_px));
     info.lagging = terrain.missing_px() > info.error_px;
-    info.converged = !info.lagging && info.error_px_effective <= info.error_px;
+    info.converged = !info.lagging && info.error_bound_px <= info.error_px;
     return take(terrain, recursive_mesh(method), {}, info, snapshot);
 }
 

@@ -58,7 +58,7 @@ public:
             view.eye_m = view.eye_m + Vec3{12, 0, -9};
             const double angle = static_cast<double>(frame) * 0.005;
             view.forward = {std::sin(angle), 0, std::cos(angle)}, view.up = {0, 1, 0};
-            settings_.visits = budget_us > 0 ? unlimited_items : visits_[frame];
+            settings_.visits = budget_us > 0 ? unlimited_work : visits_[frame];
             CutReport report;
             const double start = worked_us();
             if (!update_cut(cut, views, settings_, report).ok()) std::abort();
@@ -93,7 +93,7 @@ void teleport_budget(benchmark::State& state, double offscreen_factor) {
         teleports.fly(budget_us, [&](double frame_us, const CutReport& report) {
             us.push_back(frame_us);
             converged += report.converged;
-            if (report.error_px_effective > coarse_thresholds * report.threshold_px)
+            if (report.error_bound_px > coarse_thresholds * report.threshold_px)
                 claim_us.push_back(report.output_us);
             const double start = worked_us();
             for (const Clock::time_point begin = Clock::now(); us_since(begin) < budget_us;) {
@@ -130,9 +130,9 @@ void lag(benchmark::State& state, double budget_us) {
         settings.budget_us = budget_us;
         for (const View& view : views) {
             (void)update_cut(cut, {&view, 1}, settings, report);
-            claimed_px.push_back(report.error_px_effective);
+            claimed_px.push_back(report.error_bound_px);
             output_us.push_back(report.output_us);
-            coarse += report.error_px_effective > coarse_thresholds * settings.error_px;
+            coarse += report.error_bound_px > coarse_thresholds * settings.error_px;
         }
     }
     state.counters["claimed_p50_px"] = rank(claimed_px, 0.5);
@@ -249,15 +249,15 @@ void teleport_claims(benchmark::State& state, double budget_us) {
             (void)update_cut(cut, {&view, 1}, settings, report);
             const Frustum frustum = make_frustum(view);
             before_px.push_back(measure_error(t, cut_mesh(cut).mesh, view, &frustum).max_px);
-            at_once_px.push_back(report.error_px_effective);
+            at_once_px.push_back(report.error_bound_px);
             int frames = 0;
-            for (; report.error_px_effective > coarse_thresholds * settings.error_px; ++frames)
+            for (; report.error_bound_px > coarse_thresholds * settings.error_px; ++frames)
                 (void)update_cut(cut, {&view, 1}, settings, report);
             const double true_px = measure_error(t, cut_mesh(cut).mesh, view).max_px;
-            if (true_px > report.error_px_effective) return state.SkipWithError("a claim was too low");
+            if (true_px > report.error_bound_px) return state.SkipWithError("a claim was too low");
             coarse.push_back(frames);
-            claimed_px.push_back(report.error_px_effective);
-            ratio.push_back(report.error_px_effective / true_px);
+            claimed_px.push_back(report.error_bound_px);
+            ratio.push_back(report.error_bound_px / true_px);
         }
     state.counters["coarse_frames"] = rank(coarse, 0.5);
     state.counters["coarse_frames_worst"] = rank(coarse, 1);

@@ -150,7 +150,7 @@ void soak(benchmark::State& state) {
             mesh_bytes.push_back(28.0 * e.updated.vertices_changed + 12.0 * e.updated.triangles_changed);
             map_bytes.push_back(static_cast<double>(e.streamed.map_upload_bytes));
             converged += e.updated.converged;
-            effective = std::max(effective, e.updated.error_px_effective < 1e7 ? e.updated.error_px_effective : 0);
+            effective = std::max(effective, e.updated.error_bound_px < 1e7 ? e.updated.error_bound_px : 0);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
     const auto percentiles = [&](const char* name, const std::vector<double>& v) {

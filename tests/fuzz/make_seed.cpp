@@ -230,7 +230,7 @@ void make_recordings(const std::filesystem::path& folder) {
                 f.views.push_back(make_view(eye, {1, -0.5, uniform(random, -1, 1)}, {0, 1, 0}, 0.8, 640, 480, 1, 1e5));
             }
             f.settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
-            f.settings.items = frame % 2 ? unlimited_items : 50;
+            f.settings.items = frame % 2 ? unlimited_work : 50;
             f.settings.hysteresis = seed == 4 ? 0.5 : 0;
             f.settings.corner_safe = seed == 5;
             f.settings.morph = static_cast<Morph>(seed % 3);

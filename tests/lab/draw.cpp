@@ -60,7 +60,7 @@ namespace {
 // What both report alike.
 template <typename Method, typename Report>
 void note(Method& method, const Report& report) {
-    method.effective_px = report.error_px_effective;
+    method.effective_px = report.error_bound_px;
     method.vertices = report.vertices;
     method.triangles = report.triangles;
 }

@@ -65,7 +65,7 @@ TEST_CASE("while a jump is built the claim is finite, and no sample that is show
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
         CutSettings settings = random_settings(random);
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         View view = random_view(random, terrain);
         (void)cut.update({&view, 1}, settings);
         for (int frame = 0; frame < 12; ++frame) {
@@ -80,12 +80,12 @@ TEST_CASE("while a jump is built the claim is finite, and no sample that is show
             live.mesh.vertices = drawn;
             const Frustum frustum = make_frustum(view);
             const double shown_px = measure_error(terrain, live.mesh, view, &frustum).max_px;
-            CAPTURE(round, frame, settings.error_px, settings.morph, report.error_px_effective, shown_px);
-            REQUIRE(shown_px <= report.error_px_effective * (1 + 1e-6));
+            CAPTURE(round, frame, settings.error_px, settings.morph, report.error_bound_px, shown_px);
+            REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
             // All errors are less than the terrain's extent, and no view's near plane is nearer than 1e-5 of that.
-            REQUIRE(report.error_px_effective < 1e6 * lambda_px(view));
+            REQUIRE(report.error_bound_px < 1e6 * focal_length_px(view));
             wrong += shown_px > report.threshold_px;
-            close += shown_px > report.error_px_effective / 4;
+            close += shown_px > report.error_bound_px / 4;
         }
     }
     CAPTURE(building, wrong, close);
@@ -120,12 +120,12 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
             const double shown_px =
                 all_around ? measured_px : measure_error(pack.terrain, live.mesh, view, &frustum).max_px;
             CAPTURE(round, frame, whole, settings.error_px, settings.morph, report.waiting, report.morphing,
-                    measured_px, bound_px, report.error_px_effective);
+                    measured_px, bound_px, report.error_bound_px);
             REQUIRE(measured_px <= bound_px);
             if (whole) {
-                REQUIRE(shown_px <= report.error_px_effective * (1 + 1e-6));
+                REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
                 lagging += !report.converged;
-                told += !report.converged && report.error_px_effective < unbounded_px;
+                told += !report.converged && report.error_bound_px < unbounded_px;
             }
             if (whole && !terrain.has_voids() && measured_px < 1e6) {
                 REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
@@ -134,7 +134,7 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
             // Beside a hole the bound adds what morphing moves to what is hidden: it may be more than the threshold.
             const bool added = terrain.has_voids() && settings.morph != Morph::none;
             if (report.waiting == 0 && report.morphing == 0 && whole && !added && all_around)
-                REQUIRE(bound_px <= report.error_px_effective * (1 + 1e-6));
+                REQUIRE(bound_px <= report.error_bound_px * (1 + 1e-6));
             behind += measured_px > settings.error_px;
             paged += !whole;
             view = moved(random, view, random_step_m(random, terrain));
@@ -167,11 +167,11 @@ TEST_CASE("no sample is farther from a recursive mesh than its bound, culled or 
         const FrameReport report = method.update(view, settings);
         const double measured_px = measure_error(pack.terrain, method.mesh(), view).max_px;
         const double bound_px = bound_error_px(method.method, view, false, 1e-3);
-        CAPTURE(round, settings.error_px, settings.cull, report.error_px_effective, measured_px, bound_px);
+        CAPTURE(round, settings.error_px, settings.cull, report.error_bound_px, measured_px, bound_px);
         REQUIRE(measured_px <= bound_px);
         if (!pack.terrain.has_voids() && measured_px < 1e6) REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
-        if (!settings.cull) REQUIRE(bound_px <= report.error_px_effective * (1 + 1e-6));
-        beyond += measured_px > report.error_px_effective;
+        if (!settings.cull) REQUIRE(bound_px <= report.error_bound_px * (1 + 1e-6));
+        beyond += measured_px > report.error_bound_px;
     }
     CHECK(beyond > rounds<std::size_t>(5, 50));
 }

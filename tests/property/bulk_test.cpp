@@ -65,7 +65,7 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
                 (void)step(static_cast<std::uint32_t>(pick(random, 1, leg == 2 ? 400 : 25)));
             }
             if (budget.vertices != ample_cut(terrain, 2).vertices) continue;
-            for (int frame = 0; frame < 40 && !step(unlimited_items).converged; ++frame) {
+            for (int frame = 0; frame < 40 && !step(unlimited_work).converged; ++frame) {
             }
             REQUIRE(difference(active_set(cut), settings.morph == Morph::none
                                                     ? target_set(terrain, terrain, views, settings.error_px)
@@ -95,7 +95,7 @@ TEST_CASE("a jump that the clock has cut into frames is replayed by their visits
         for (int frame = 0; frame < 20; ++frame) {
             view = frame % 8 == 0 ? random_view(random, terrain) : moved(random, view, random_step_m(random, terrain));
             settings.budget_us = pick(random, 0, 3) ? uniform(random, 1, 60) : 0;
-            settings.visits = unlimited_items;
+            settings.visits = unlimited_work;
             const CutReport report = flown.update({&view, 1}, settings);
             building += flown.state().bulk.phase != BulkPhase::idle;
             settings.budget_us = 0;
@@ -132,8 +132,8 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
             settings.error_px = random_threshold(random);
             settings.morph = frame > 6 ? Morph::error : Morph::none;
             settings.now_s = frame;
-            settings.items = pick(random, 0, 1) ? unlimited_items : 200;
-            settings.visits = pick(random, 0, 1) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 90));
+            settings.items = pick(random, 0, 1) ? unlimited_work : 200;
+            settings.visits = pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 90));
             pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             const CutMesh live = cut_mesh(cut.cut);
             const CutChanges changes = cut_take_changes(cut.cut);
@@ -154,7 +154,7 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
                     stale += indices[i] != slot || vertices[slot].column != live.mesh.vertices[slot].column ||
                              vertices[slot].row != live.mesh.vertices[slot].row ||
                              vertices[slot].height_m != live.mesh.vertices[slot].height_m ||
-                             morph[slot].flat_m != live.morph[slot].flat_m ||
+                             morph[slot].morph_from_m != live.morph[slot].morph_from_m ||
                              morph[slot].error_m != live.morph[slot].error_m;
                 }
             CAPTURE(round, frame);
@@ -181,7 +181,7 @@ TEST_CASE("a head that turns while a jump is built, between two parts of a page,
     for (int jump = 0; jump < 4; ++jump)
         for (int frame = 0; frame < 400; ++frame) {
             view = look(jump % 2 == 0 ? extent * 0.7 : extent * 0.3, frame % 2 == 0 ? 1 : -1);
-            settings.visits = frame == 399 ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 3));
+            settings.visits = frame == 399 ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 3));
             (void)cut.update({&view, 1}, settings);
             built += cut.state().bulk.phase != BulkPhase::idle;
             CAPTURE(jump, frame, static_cast<int>(cut.state().bulk.phase));

@@ -63,7 +63,7 @@ TEST_CASE("renderers one and three frames behind have the buffers of one in step
             settings.error_px = random_threshold(random);
             settings.morph = frame > 10 ? Morph::error : Morph::none;
             settings.now_s = frame * 0.1;
-            settings.items = pick(random, 0, 1) ? unlimited_items : 200;
+            settings.items = pick(random, 0, 1) ? unlimited_work : 200;
             const bool rebuilds = pick(random, 0, 7) == 0;
             for (Renderer* renderer : {&in_step, &one, &three}) {
                 rebuilds ? renderer->cut.rebuild({&view, 1}, settings) : renderer->cut.update({&view, 1}, settings);

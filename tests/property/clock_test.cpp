@@ -33,7 +33,7 @@ struct Host {
         });
     }
     void rest(const View& view, CutSettings settings, int round) {
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         for (int frame = frames_a_round; frame < frames_a_round + updates_to_settle; ++frame) {
             settings.now_s = begins_s(round) + frame / 20.0;
             update(view, settings);
@@ -88,7 +88,7 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
                 static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile()) - 1));
             for (int frame = 0; frame < frames_a_round; ++frame) {
                 view = moved(random, view, step_m);
-                settings.items = frame % 4 ? 60 : unlimited_items;
+                settings.items = frame % 4 ? 60 : unlimited_work;
                 for (Host& host : hosts) {
                     settings.now_s = host.begins_s(round) + frame / 60.0;
                     bool released = false;
@@ -129,7 +129,7 @@ TEST_CASE("a clock that runs backwards stands, and one of any size is taken") {
         const float age_s = morph_age_s(cut_morph(cut.cut).now_s, before_s);
         REQUIRE((age_s >= 0 && age_s <= 16));
     }
-    settings.items = unlimited_items;
+    settings.items = unlimited_work;
     CutReport report;
     for (int frame = 0; frame < 60; ++frame) {
         settings.now_s += 0.1;

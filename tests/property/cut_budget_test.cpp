@@ -112,7 +112,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             budget.segment_triangles = 8;
             budget.triangles = 8 * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 0, 60)));
             break;
-        case cut_budget_items: settings.items = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
+        case cut_budget_work: settings.items = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
         case cut_budget_time: settings.budget_us = 1e-3; break; // less than a look at the clock takes
         }
         Cut cut(terrain, budget);
@@ -135,11 +135,11 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
         if (ran_out) seen |= bit;
         // The camera leaves to where the coarsest mesh will do, at the same threshold, and all is well again.
         far = settings;
-        far.items = unlimited_items;
+        far.items = unlimited_work;
         far.budget_us = 0;
         far.error_px = 1e6;
         const CutReport report = settle(cut, {&view, 1}, far, 300);
-        CAPTURE(round, budget.vertices, budget.triangles, report.error_px_effective, report.waiting, report.blocked);
+        CAPTURE(round, budget.vertices, budget.triangles, report.error_bound_px, report.waiting, report.blocked);
         const VertexSet target = target_set(terrain, terrain, {&view, 1}, far.error_px);
         const auto size = static_cast<std::uint32_t>(std::count(target.begin(), target.end(), true));
         // The governor stays where four fifths are in use; and spheres that hold the eye count at any threshold.
@@ -149,7 +149,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
         REQUIRE(difference(active_set(cut), target) == "");
         ++recovered;
     }
-    REQUIRE(seen == (cut_budget_vertices | cut_budget_triangles | cut_budget_items | cut_budget_time));
+    REQUIRE(seen == (cut_budget_vertices | cut_budget_triangles | cut_budget_work | cut_budget_time));
     REQUIRE(recovered > 30);
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("when the camera leaves, the threshold comes back to the requested one
         const bool found = round % 3 == 0;
         const int stay = found ? 100 : pick(random, 1, 12);
         for (int frame = 0; frame < stay; ++frame) report = cut.update({&near_by, 1}, settings);
-        CAPTURE(round, stay, settings.error_px, report.error_px_effective, report.vertices);
+        CAPTURE(round, stay, settings.error_px, report.error_bound_px, report.vertices);
         REQUIRE_FALSE(report.converged);
         if (stay > 1) REQUIRE(report.threshold_px > settings.error_px);
         REQUIRE(check_frame(cut, terrain, report, settings) == "");
@@ -187,7 +187,7 @@ TEST_CASE("when the camera leaves, the threshold comes back to the requested one
                          report.triangle_slots.used / static_cast<double>(report.triangle_slots.capacity)) > 0.6);
         report = settle(cut, {&far, 1}, settings, 200);
         REQUIRE(report.converged);
-        REQUIRE(report.error_px_effective == settings.error_px);
+        REQUIRE(report.error_bound_px == settings.error_px);
         REQUIRE(report.exhausted == 0);
         REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&far, 1}, settings.error_px)) == "");
     }
@@ -218,7 +218,7 @@ TEST_CASE("after a step of the threshold or the camera the governor turns at mos
             const bool suffices =
                 least.vertices * 2 < budget.vertices && (least.triangle_slots.used + 64) * 2 < budget.triangles;
             const Rest r = rest(cut, view, settings, 200);
-            CAPTURE(round, leg, settings.error_px, budget.vertices, budget.triangles, r.last.error_px_effective,
+            CAPTURE(round, leg, settings.error_px, budget.vertices, budget.triangles, r.last.error_bound_px,
                     r.last.vertices, r.last.triangle_slots.used, r.last.blocked);
             if (suffices) CHECK(r.turns <= 1);
             if (suffices) CHECK(r.stands);
@@ -245,13 +245,13 @@ TEST_CASE("where half of the vertices come in one step of the threshold, the one
     const View view = view_from_above(pack.terrain, 50);
     Cut free(pack.terrain, ample_cut(pack.terrain));
     CutSettings settings;
-    settings.error_px = lambda_px(view) * 10 / (50 * 64) / 2; // half of what a bump measures on screen
+    settings.error_px = focal_length_px(view) * 10 / (50 * 64) / 2; // half of what a bump measures on screen
     const CutReport wish = free.update({&view, 1}, settings);
     CutBudget budget = ample_cut(pack.terrain);
     budget.vertices = wish.vertices / 2;
     Cut cut(pack.terrain, budget);
     const Rest r = rest(cut, view, settings, 200);
-    CAPTURE(wish.vertices, r.turns, r.last.error_px_effective, r.last.vertices);
+    CAPTURE(wish.vertices, r.turns, r.last.error_bound_px, r.last.vertices);
     CHECK(r.last.vertices * 5 < budget.vertices * 4); // so few that a lower threshold would be tried
     CHECK(r.turns == 0);
     CHECK(r.stands);
@@ -295,7 +295,7 @@ TEST_CASE("the smallest budget of triangles is used, by a rebuild as by updates"
             const Rest r = rest(cut, view, settings, 120);
             CAPTURE(rebuilt, r.last.threshold_px, r.last.triangles);
             CHECK(r.last.triangles > budget.segment_triangles / 2); // a whole segment is held back twice
-            CHECK(r.last.error_px_effective < 1e4);
+            CHECK(r.last.error_bound_px < 1e4);
         }
     }
 }
@@ -322,7 +322,7 @@ TEST_CASE("a budget that just holds what is requested is found to hold it, whate
         const CutReport old = settle(cut, {&view, 1}, settings, 400);
         Cut fresh(terrain, budget);
         const CutReport wish = settle(fresh, {&view, 1}, settings, 400);
-        CAPTURE(round, old.waiting, old.blocked, old.error_px_effective, wish.error_px_effective, budget.vertices,
+        CAPTURE(round, old.waiting, old.blocked, old.error_bound_px, wish.error_bound_px, budget.vertices,
                 budget.triangles);
         REQUIRE(old.converged == wish.converged);
         if (wish.converged) REQUIRE(difference(active_set(cut), active_set(fresh)) == "");
@@ -344,9 +344,9 @@ TEST_CASE("where no threshold suffices the effective one does not run away, and 
     settings.error_px = 1;
     CutReport report;
     for (int frame = 0; frame < 10'000; ++frame) report = cut.update({&view, 1}, settings); // three minutes
-    CAPTURE(report.error_px_effective);
+    CAPTURE(report.error_bound_px);
     CHECK(report.blocked != 0);
-    CHECK(report.error_px_effective <= 1e7); // no farther than ten times what may be requested
+    CHECK(report.error_bound_px <= 1e7); // no farther than ten times what may be requested
     view.eye_m = view.eye_m + Vec3{0, middle * 1e3, 0};
     report = settle(cut, {&view, 1}, settings, 600); // ten seconds
     REQUIRE(report.vertices * 5 < budget.vertices * 4);
@@ -482,6 +482,6 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
 TEST_CASE("every bit names its field") {
     REQUIRE(std::string(budget_field(cut_budget_vertices)) == "CutBudget::vertices");
     REQUIRE(std::string(budget_field(cut_budget_triangles)) == "CutBudget::triangles");
-    REQUIRE(std::string(budget_field(cut_budget_items)) == "CutSettings::items");
+    REQUIRE(std::string(budget_field(cut_budget_work)) == "CutSettings::items");
     REQUIRE(std::string(budget_field(cut_budget_time)) == "CutSettings::budget_us");
 }

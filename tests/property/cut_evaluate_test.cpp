@@ -68,7 +68,7 @@ std::string compare(const CutReport& a, const CutReport& b) {
         return "size";
     if (a.waiting != b.waiting || a.blocked != b.blocked || a.exhausted != b.exhausted || a.converged != b.converged)
         return "lag";
-    if (a.error_px_effective != b.error_px_effective) return "threshold";
+    if (a.error_bound_px != b.error_bound_px) return "threshold";
     if (a.vertices_changed != b.vertices_changed || a.triangles_changed != b.triangles_changed) return "changes";
     if (a.vertex_slots.used != b.vertex_slots.used || a.vertex_slots.peak != b.vertex_slots.peak ||
         a.triangle_slots.used != b.triangle_slots.used || a.triangle_slots.peak != b.triangle_slots.peak)
@@ -254,7 +254,7 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
                 views.assign(static_cast<std::size_t>(pick(random, 1, 3)), random_view(random, pack.terrain));
             if (pick(random, 0, 9) == 0) settings.error_px = random_threshold(random);
             settings.hysteresis = frame / 20 % 2 ? 0.3 : 0;
-            settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 300));
+            settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 300));
             const std::uint32_t tile = static_cast<std::uint32_t>(
                                     pick(random, 0, static_cast<int>(pack.terrain.tile_count()) - 1)),
                                 page = static_cast<std::uint32_t>(

@@ -42,6 +42,6 @@ TEST_CASE("the golden flight comes to the same triangles and the same work as ev
         CAPTURE(scalar);
         CHECK(golden.triangles == triangles_hash);
         CHECK(golden.work == work_hash);
-        CHECK(golden.exhausted == (cut_budget_items | cut_budget_vertices)); // the flight has it all
+        CHECK(golden.exhausted == (cut_budget_work | cut_budget_vertices)); // the flight has it all
     }
 }

@@ -61,7 +61,7 @@ std::string difference(const Updated& a, const Updated& b) {
         return "the counts differ";
     if (r.visits != q.visits || r.items != q.items || r.evaluations != q.evaluations) return "the work differs";
     if (r.exhausted != q.exhausted || r.converged != q.converged || r.waiting != q.waiting ||
-        r.error_px_effective != q.error_px_effective || r.vertices_changed != q.vertices_changed ||
+        r.error_bound_px != q.error_bound_px || r.vertices_changed != q.vertices_changed ||
         r.triangles_changed != q.triangles_changed)
         return "what is said differs";
     const std::size_t used = a.cut.state().mesh.fresh_vertex;
@@ -103,7 +103,7 @@ TEST_CASE("a cut is the same bit for bit with any number of workers, in whatever
             const bool rebuild = frame % 11 == 10;
             view = frame % 8 == 0 ? random_view(random, terrain) : moved(random, view, random_step_m(random, terrain));
             settings.visits =
-                pick(random, 0, 3) == 0 ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 90));
+                pick(random, 0, 3) == 0 ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 90));
             settings.now_s += 1.0 / 60;
             const auto step = [&](Cut& cut, JobSystem jobs) {
                 settings.jobs = jobs;

@@ -27,7 +27,7 @@ struct Wishes {
     CutSettings settings;
 
     [[nodiscard]] std::uint32_t limit(int most) {
-        return pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, most));
+        return pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, most));
     }
     void look() {
         for (View& view : views) {
@@ -52,7 +52,7 @@ struct Wishes {
     }
     // Nothing that what was before can show in.
     void rest() {
-        settings.items = settings.visits = unlimited_items;
+        settings.items = settings.visits = unlimited_work;
         settings.hysteresis = 0;
         settings.offscreen_factor = 1;
         settings.morph = Morph::none;
@@ -88,7 +88,7 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
             CAPTURE(leg, frame, rebuild, settings.error_px, settings.items, settings.visits, settings.hysteresis,
                     settings.offscreen_factor, static_cast<int>(settings.morph), wishes.views.size());
             CutSettings unlimited = settings;
-            unlimited.items = unlimited_items;
+            unlimited.items = unlimited_work;
             REQUIRE(check_frame(cut, pack.terrain, report, rebuild ? unlimited : settings) == "");
             met.built_beside += cut.state().bulk.phase != BulkPhase::idle;
             met.rebuilt += rebuild;

@@ -44,15 +44,15 @@ void live_with(std::uint32_t seed, const Way& way, int count) {
                 host.act();
                 if (pick(random, 0, 4) == 0) view = random_view(random, pack.terrain);
                 view = moved(random, view, random_step_m(random, pack.terrain));
-                settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+                settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
                 settings.visits =
-                    pick(random, 0, 1) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 1, 60));
+                    pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 60));
                 const CutReport report = cut.update({&view, 1}, settings);
                 CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing());
                 REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
                 incomplete += paged.terrain.pages_missing() != 0;
             }
-            settings.items = settings.visits = unlimited_items;
+            settings.items = settings.visits = unlimited_work;
             CutReport report;
             for (int frame = 0; frame < (way.scarce ? 120 : 4); ++frame) {
                 host.collect();
@@ -124,7 +124,7 @@ TEST_CASE(
             report = cut.update({&view, 1}, settings);
         }
         REQUIRE(evicting.empty());
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         for (int frame = 0; frame < 90; ++frame) {
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
@@ -161,7 +161,7 @@ TEST_CASE("a page that is kept after all while a jump is built is refined as any
         CutReport report = cut.update({&view, 1}, settings);
         kept += cut.state().bulk.phase != BulkPhase::idle;
         for (const Page& p : leaving) (void)cut_cancel_release(cut.cut, p.tile, p.page);
-        settings.visits = unlimited_items;
+        settings.visits = unlimited_work;
         for (int frame = 0; frame == 0 || (frame < 40 && !report.converged); ++frame)
             report = cut.update({&view, 1}, settings);
         CAPTURE(round, settings.error_px);
@@ -204,7 +204,7 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         const std::uint32_t first = cut.state().pages.page_groups[p.tile * pack.terrain.pages_per_tile() + p.page];
         REQUIRE((first == no_index || cut.state().pages.state[first / max_page_groups].active == 0));
         (void)unload_page(paged.terrain, p.tile, p.page);
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         REQUIRE(cut.update({&view, 1}, settings).converged);
         REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) ==
                 "");

@@ -64,7 +64,7 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
                 const std::string wrong = check_frame(cut, terrain, report, settings);
                 if (!wrong.empty()) REQUIRE(wrong == "");
                 REQUIRE(report.activations + report.deactivations <= 1);
-                if (!report.converged) REQUIRE((report.exhausted == cut_budget_items));
+                if (!report.converged) REQUIRE((report.exhausted == cut_budget_work));
                 steps += report.activations + report.deactivations;
             }
             CAPTURE(round, leg, frame, report.waiting);
@@ -117,13 +117,13 @@ TEST_CASE(
                 default: view = moved(random, view, random_step_m(random, terrain));
                 }
                 settings.items = pick(random, 0, 5) == 0
-                                     ? unlimited_items
+                                     ? unlimited_work
                                      : static_cast<std::uint32_t>(std::pow(10.0, uniform(random, 0, 4))) - 1;
                 const CutReport report = cut.update({&view, 1}, settings);
                 CAPTURE(round, leg, frame, settings.error_px, settings.items);
                 REQUIRE(check_frame(cut, terrain, report, settings) == "");
-                REQUIRE((report.exhausted & ~cut_budget_items) == 0);
-                if (!report.converged) REQUIRE(report.exhausted == cut_budget_items);
+                REQUIRE((report.exhausted & ~cut_budget_work) == 0);
+                if (!report.converged) REQUIRE(report.exhausted == cut_budget_work);
                 lagging += !report.converged;
             }
             settings.items = 2000;
@@ -158,7 +158,7 @@ TEST_CASE("a frame that reports converged keeps the screen bound, with its corne
                 pick(random, 0, 3) ? moved(random, view, random_step_m(random, terrain)) : random_view(random, terrain);
             settings.error_px = random_threshold(random);
             settings.corner_safe = pick(random, 0, 1) == 1;
-            settings.items = pick(random, 0, 1) ? unlimited_items : 5000;
+            settings.items = pick(random, 0, 1) ? unlimited_work : 5000;
             if (!cut.update({&view, 1}, settings).converged) continue;
             const double bound_px = settings.error_px / (settings.corner_safe ? corner_factor(view) : 1);
             const MeasuredError error = measure_error(terrain, cut.mesh(), view);

@@ -161,7 +161,7 @@ TEST_CASE("with hysteresis too, views that come, go and change places leave ever
             if (pick(random, 0, 9) == 0)
                 settings.hysteresis = pick(random, 0, 2) ? std::pow(10.0, uniform(random, -2, 1)) : 0;
             settings.corner_safe = pick(random, 0, 9) == 0;
-            settings.items = pick(random, 0, 1) ? unlimited_items : 50;
+            settings.items = pick(random, 0, 1) ? unlimited_work : 50;
             const CutReport report = cut.update(views, settings);
             CAPTURE(round, change, views.size(), settings.error_px, settings.hysteresis);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");

@@ -45,7 +45,7 @@ TEST_CASE("of several views, each gets what it wants: at rest the cut is the tar
             }
             if (pick(random, 0, 5) == 0) settings.error_px = random_threshold(random);
             const bool limited = pick(random, 0, 2) == 0;
-            settings.items = limited ? static_cast<std::uint32_t>(pick(random, 0, 500)) : unlimited_items;
+            settings.items = limited ? static_cast<std::uint32_t>(pick(random, 0, 500)) : unlimited_work;
             const CutReport report = cut.update(views, settings);
             CAPTURE(round, frame, views.size(), settings.error_px, settings.items);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
@@ -96,7 +96,7 @@ TEST_CASE("with hysteresis the cut rests between the two targets, changes nothin
             default:
                 for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
             }
-            settings.items = pick(random, 0, 2) ? unlimited_items : 3000;
+            settings.items = pick(random, 0, 2) ? unlimited_work : 3000;
             CutReport report = cut.update(views, settings);
             CAPTURE(round, frame, settings.error_px, settings.hysteresis);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
@@ -112,7 +112,7 @@ TEST_CASE("with hysteresis the cut rests between the two targets, changes nothin
         }
         // There and back within what the hysteresis spans: of what came up none goes. An eye that moves by d, or a
         // threshold that changes, must not undo itself: the way back finds the same set, the second time too.
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         settings.hysteresis = 1;
         const double requested_px = settings.error_px;
         (void)settle(cut, views, settings);

@@ -79,7 +79,7 @@ TEST_CASE("at rest all that a view sees is refined as asked, nothing finer, and 
             for (const View& view : views) {
                 const Frustum frustum = make_frustum(view);
                 REQUIRE(measure_error(terrain, cut.mesh(), view, &frustum).max_px <=
-                        report.error_px_effective * (1 + 1e-6));
+                        report.error_bound_px * (1 + 1e-6));
             }
         }
     }
@@ -104,7 +104,7 @@ TEST_CASE("what comes into sight stands before it is seen: a head that turns at 
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
             CAPTURE(frame, morph, report.waiting, report.morphing);
-            REQUIRE(report.error_px_effective == settings.error_px);
+            REQUIRE(report.error_bound_px == settings.error_px);
             REQUIRE(report.morphing == 0);
             changes += report.activations;
             const Frustum frustum = make_frustum(view);
@@ -154,7 +154,7 @@ TEST_CASE("with time enough every frame of a flight keeps to its threshold, page
             const View view = make_view(eye, forward, {0, 1, 0}, 0.8, 640, 480, 1, 1e6);
             const CutReport report = frame == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             CAPTURE(round, frame, step_m / cell_m, report.waiting);
-            if (frame > 0) REQUIRE(report.error_px_effective == settings.error_px);
+            if (frame > 0) REQUIRE(report.error_bound_px == settings.error_px);
         }
     }
 }
@@ -178,14 +178,14 @@ TEST_CASE("where time ends a frame before all pages are looked at, what is claim
             CAPTURE(round, frame, settings.error_px, settings.offscreen_factor, report.waiting);
             REQUIRE(report.visits <= settings.visits);
             lagging += !report.converged;
-            if (report.error_px_effective >= unbounded_px) continue;
+            if (report.error_bound_px >= unbounded_px) continue;
             ++bounded;
             const Frustum frustum = make_frustum(view);
             const double shown_px = measure_error(terrain, cut.mesh(), view, &frustum).max_px;
-            REQUIRE(shown_px <= report.error_px_effective * (1 + 1e-6));
+            REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
             beyond += shown_px > settings.error_px * (1 + 1e-6);
         }
-        settings.visits = unlimited_items;
+        settings.visits = unlimited_work;
         REQUIRE(settle(cut, {&view, 1}, settings).converged);
         const VertexSet fine = target_set(terrain, terrain, {&view, 1}, settings.error_px);
         REQUIRE(contains(active_set(cut), seen_of(terrain, fine, {&view, 1})));

@@ -63,7 +63,7 @@ double rim_px(const Terrain& terrain, const std::vector<Triangle>& whole, const 
         for (std::size_t i = 0; i < 3; ++i)
             size = std::max(size, length(position(terrain, t[i]) - position(terrain, t[(i + 1) % 3])));
         for (const SampleIndex c : samples)
-            worst = std::max(worst, size * lambda_px(view) / length(position(terrain, c) - view.eye_m));
+            worst = std::max(worst, size * focal_length_px(view) / length(position(terrain, c) - view.eye_m));
     }
     return worst;
 }

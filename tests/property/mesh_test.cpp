@@ -182,7 +182,7 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
             settings.cull = false;
             settings.error_px = random_threshold(random);
             View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
-            const double q = lambda_px(view) / settings.error_px;
+            const double q = focal_length_px(view) / settings.error_px;
             const double reach =
                 static_cast<double>(data_of(terrain).vertex(v).radius_m) + data_of(terrain).vertex(v).error_m * q;
             // From the parent through the child to where the child is just not wanted: there the two are closest.
@@ -329,7 +329,7 @@ TEST_CASE("the corner-safe bound is the angular one, divided by what the image's
         const FrameReport report = method.update(view, settings);
         const MeasuredError error = measure_error(pack.terrain, method.mesh(), view);
         REQUIRE(within(error.max_px, settings.error_px / corner_factor(view)));
-        REQUIRE(report.error_px_effective == settings.error_px);
+        REQUIRE(report.error_bound_px == settings.error_px);
         settings.corner_safe = false;
         settings.error_px /= corner_factor(view);
         (void)plain.update(view, settings);
@@ -350,10 +350,10 @@ TEST_CASE("a vertical error at the image's corner is never larger in pixels than
         const double error_m = 1e-4 * depth; // small: the factor is the derivative's bound
         const auto pixel = [&](Vec3 q) {
             const double d = dot(q, view.forward);
-            return Vec3{lambda_px(view) * dot(q, right) / d, lambda_px(view) * dot(q, view.up) / d, 0};
+            return Vec3{focal_length_px(view) * dot(q, right) / d, focal_length_px(view) * dot(q, view.up) / d, 0};
         };
         const double moved = length(pixel(p + Vec3{0, error_m, 0}) - pixel(p));
-        const double angular = error_m * lambda_px(view) / length(p);
+        const double angular = error_m * focal_length_px(view) / length(p);
         REQUIRE(moved <= angular * corner_factor(view) * 1.001); // second order in error / depth
         // And in the worst corner it does need that much, but for a step of the factor: nothing is wasted.
         double most = 1;
@@ -361,7 +361,7 @@ TEST_CASE("a vertical error at the image's corner is never larger in pixels than
             for (const double y : {-ty, ty}) {
                 const Vec3 corner = (view.forward + right * x + view.up * y) * depth;
                 most = std::max(most, length(pixel(corner + Vec3{0, error_m, 0}) - pixel(corner)) /
-                                          (error_m * lambda_px(view) / length(corner)));
+                                          (error_m * focal_length_px(view) / length(corner)));
             }
         REQUIRE(corner_factor(view) <= 1.5 * most * 1.001);
     }
@@ -389,7 +389,7 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
             const FrameReport wish = free.update(view, settings);
             REQUIRE(check_mesh(terrain, method.mesh()) == "");
             REQUIRE(report.error_px_requested == settings.error_px);
-            REQUIRE(report.converged == (report.error_px_effective <= report.error_px_requested));
+            REQUIRE(report.converged == (report.error_bound_px <= report.error_px_requested));
             if (report.converged)
                 REQUIRE(report.triangles == wish.triangles);
             else

@@ -52,7 +52,7 @@ double largest_step_px(const Terrain& terrain, const View& view, const std::vect
     for (std::size_t i = 0; i < after.size(); ++i) {
         const auto at = static_cast<std::int32_t>(i);
         const Vec3 p{terrain.x_m(at % columns), after[i], terrain.z_m(at / columns)};
-        most = std::max(most, std::abs(after[i] - before[i]) * lambda_px(view) / length(p - view.eye_m));
+        most = std::max(most, std::abs(after[i] - before[i]) * focal_length_px(view) / length(p - view.eye_m));
     }
     return most;
 }
@@ -105,13 +105,13 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
         CutSettings settings;
         settings.error_px = 1;
         settings.morph = Morph::error;
-        const Flight morphed = fly(pack.terrain, ample, settings, unlimited_items, 700);
+        const Flight morphed = fly(pack.terrain, ample, settings, unlimited_work, 700);
         CAPTURE(round, morphed.changes);
         CHECK(morphed.changes > 20); // or nothing was tested
         CHECK(morphed.largest_px < 0.05);
         CHECK(morphed.most_morphing == 0);
         settings.morph = Morph::none;
-        CHECK(fly(pack.terrain, ample, settings, unlimited_items, 700).largest_px > 0.25); // the measure sees pops
+        CHECK(fly(pack.terrain, ample, settings, unlimited_work, 700).largest_px > 0.25); // the measure sees pops
     }
 }
 
@@ -144,9 +144,9 @@ TEST_CASE("where vertices morph a capacity that is spent moves the mesh in many 
         const View above = view_from_above(pack.terrain, 0.1);
         Cut cut(pack.terrain, scarce);
         scarce.vertices = cut.rebuild({&above, 1}, settings).vertices * pick(random, 20u, 60u) / 100 + 60;
-        const Flight popping = fly(pack.terrain, scarce, settings, unlimited_items, 600, 0.02);
+        const Flight popping = fly(pack.terrain, scarce, settings, unlimited_work, 600, 0.02);
         settings.morph = Morph::error;
-        const Flight morphed = fly(pack.terrain, scarce, settings, unlimited_items, 600, 0.02);
+        const Flight morphed = fly(pack.terrain, scarce, settings, unlimited_work, 600, 0.02);
         CAPTURE(round, scarce.vertices, popping.threshold_steps, morphed.threshold_steps, popping.largest_of_threshold);
         if (morphed.threshold_steps == 0) continue;
         ++governed;
@@ -200,22 +200,22 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const double nested = 1 + static_cast<double>(terrain.header().nesting);
         const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
         CutSettings settings;
-        settings.error_px = std::clamp(nested * nested * lambda_px(view) / start_q, 1e-3, 1e6);
+        settings.error_px = std::clamp(nested * nested * focal_length_px(view) / start_q, 1e-3, 1e6);
         settings.morph = Morph::error;
         Cut cut(terrain, ample_cut(terrain));
         (void)cut.update({&view, 1}, settings);
         const MorphView morph = cut_morph(cut.cut).view[0];
-        const double q_start = static_cast<double>(morph.q_start), q_full = static_cast<double>(morph.q_full);
+        const double start_per_error = static_cast<double>(morph.start_per_error), full_per_error = static_cast<double>(morph.full_per_error);
         CAPTURE(round, settings.error_px);
-        CHECK(std::abs(q_start / q_full / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
+        CHECK(std::abs(start_per_error / full_per_error / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
         int early = 0;
         constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
         for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
             for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
                 const SampleIndex c{x, y};
-                if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, q_start)) continue;
+                if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, start_per_error)) continue;
                 for (const SampleIndex end : diamond(data_of(terrain).tree, c).ends)
-                    early += !data_of(terrain).tree.is_corner(end) && distance_m(end) > reach_m(end, q_full) * rounding;
+                    early += !data_of(terrain).tree.is_corner(end) && distance_m(end) > reach_m(end, full_per_error) * rounding;
             }
         CHECK(early == 0);
     }
@@ -270,11 +270,11 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
                 const SampleIndex c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
                 const double height = data_of(terrain).height_m(c);
                 const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
-                const double error_px = std::abs(height - drawn[i]) * lambda_px(view) / length(p - view.eye_m);
+                const double error_px = std::abs(height - drawn[i]) * focal_length_px(view) / length(p - view.eye_m);
                 // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
                 const double rounding_px =
                     0x1p-21 * std::max(std::abs(terrain.header().max_m), std::abs(terrain.header().min_m)) *
-                    lambda_px(view) / length(p - view.eye_m);
+                    focal_length_px(view) / length(p - view.eye_m);
                 REQUIRE(error_px <= (view.error_px > 0 ? view.error_px : settings.error_px) + rounding_px);
             }
         }
@@ -308,7 +308,7 @@ TEST_CASE("pages are evicted without a jump when vertices morph, and with one wh
                     REQUIRE(cut_release_page(cut.cut, 0, page, released).ok());
                     if (released) break;
                     settings.now_s += settings.morph_s / frames_a_morph;
-                    settings.items = frame % 3 ? unlimited_items : 200;
+                    settings.items = frame % 3 ? unlimited_work : 200;
                     const CutReport report = cut.update({&view, 1}, settings);
                     CAPTURE(round, morphs, page, frame);
                     REQUIRE(check_cut(cut) == "");

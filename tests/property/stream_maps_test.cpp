@@ -101,7 +101,7 @@ std::uint32_t wanted_log2(const Streamed& on, const MapLayers& slots, std::uint3
     const auto beyond = [](double at, double low, double high) { return std::max({low - at, at - high, 0.0}); };
     const Vec3 apart{beyond(view.eye_m.x, box.x0, box.x1), beyond(view.eye_m.y, box.y0, box.y1),
                      beyond(view.eye_m.z, box.z0, box.z1)};
-    const double px_m = lambda_px(view) / std::max(length(apart), 1e-3);
+    const double px_m = focal_length_px(view) / std::max(length(apart), 1e-3);
     const double tile_m = static_cast<double>(std::max(t.spacing_x_m(), t.spacing_z_m())) * data_of(t).tree.side();
     for (std::uint32_t log2 = slots.tail_log2; log2 < slots.top_log2; ++log2)
         if (tile_m / ((1u << log2) - 1) * px_m <= texel_px) return log2;

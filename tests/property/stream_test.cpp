@@ -34,7 +34,7 @@ std::uint32_t random_slots(Random& random, const Terrain& full) {
 std::string check_promise(Streamed& on, const Terrain& full, std::span<const View> views, const CutReport& cut,
                           const StreamReport& stream, const CutSettings& settings) {
     if (cut.converged && !stream.converged) return "the cut has converged on a terrain that has not";
-    if (cut.waiting != 0 || cut.error_px_effective > std::max(settings.error_px, stream.missing_px)) return {};
+    if (cut.waiting != 0 || cut.error_bound_px > std::max(settings.error_px, stream.missing_px)) return {};
     const VertexSet active = active_set(on.cut);
     // Vertices that morph come early: two levels of nesting (fjell/cut.h).
     const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header().nesting);
@@ -86,7 +86,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         for (int frame = 0; frame < flight.frames; ++frame) {
             if (pick(random, 0, 7) == 0) views[0] = random_view(random, pack.terrain);
             for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
-            settings.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+            settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
             stream_settings.tests = pick(random, 0, 5) ? 1u << 16 : static_cast<std::uint32_t>(pick(random, 1, 99));
             settings.now_s = stream_settings.now_s += 1.0 / 60;
             client.act();
@@ -102,7 +102,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             seen.cancelled += stream.cancelled;
             seen.failed += stream_failures(on.stream).size();
         }
-        settings.items = unlimited_items;
+        settings.items = unlimited_work;
         stream_settings.tests = 1u << 16;
         StreamReport stream;
         CutReport report;
@@ -130,7 +130,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         REQUIRE(quiet == 20); // it does not push pages around for ever
         REQUIRE((stream.converged || (stream.exhausted & stream_page_slots) != 0));
         REQUIRE(report.converged == stream.converged);
-        if (!stream.converged) REQUIRE(report.error_px_effective == stream.missing_px);
+        if (!stream.converged) REQUIRE(report.error_bound_px == stream.missing_px);
     }
     return seen;
 }

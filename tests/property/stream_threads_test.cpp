@@ -194,7 +194,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
         if (pick(random, 0, 30) == 0)
             askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
         view = moved(random, view, random_step_m(random, full));
-        cut.items = pick(random, 0, 2) ? unlimited_items : static_cast<std::uint32_t>(pick(random, 0, 99));
+        cut.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
         (void)frame();
         const CutReport report = on.cut.update({&view, 1}, cut);
         if (i % checked_every == 0) {
@@ -209,7 +209,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     stop_reader();
     disk.sound = true;
     start_reader(false);
-    cut.items = unlimited_items;
+    cut.items = unlimited_work;
     (void)frame(); // takes over the last failures
     (void)stream_retry_failed(on.stream);
     CutReport report;

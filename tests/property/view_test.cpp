@@ -99,15 +99,15 @@ TEST_CASE("however wide a view is, no tile that it sees is left out") {
 
 TEST_CASE("a view's scale is that of its finer side, and its corner factor that of its farthest corner") {
     View view;
-    CHECK(lambda_px(view) == 869.1168824543142);
+    CHECK(focal_length_px(view) == 869.1168824543142);
     view.left = -2, view.right = 1, view.bottom = 0, view.top = 1, view.width_px = 3000, view.height_px = 1000;
-    CHECK(lambda_px(view) == 1000);
+    CHECK(focal_length_px(view) == 1000);
     CHECK(corner_factor(view) == 3.375); // sqrt(6), up to the next power of 1.5
     view.forward = {0, -1, 0}, view.up = {0, 0, -1};
     CHECK(corner_factor(view) == 6); // sqrt(5 * 6), but never more than 6
     view.forward = {0, 0, -1}, view.up = {0, 1, 0};
     view.width_px = 6000;
-    CHECK(lambda_px(view) == 2000);
+    CHECK(focal_length_px(view) == 2000);
     for (const auto side : {&View::left, &View::right, &View::bottom, &View::top}) {
         View bad = view;
         bad.*side = std::nan("");

@@ -73,7 +73,7 @@ TEST_CASE("a threshold makes the same mesh whether a view or the settings have i
             own.error_px = settings.error_px = random_threshold(random);
             others.error_px = random_threshold(random);
             settings.hysteresis = others.hysteresis = pick(random, 0, 1) ? 0.3 : 0;
-            settings.items = others.items = pick(random, 0, 1) ? unlimited_items : 300;
+            settings.items = others.items = pick(random, 0, 1) ? unlimited_work : 300;
             const bool rebuild = pick(random, 0, 3) == 0;
             const CutReport a =
                 rebuild ? by_settings.rebuild({&view, 1}, settings) : by_settings.update({&view, 1}, settings);
@@ -114,9 +114,9 @@ TEST_CASE("where capacities do not suffice the thresholds of all views rise alik
             report = cut.rebuild(views, settings);
         else
             for (int frame = 0; frame < 600; ++frame) report = cut.update(views, settings);
-        CAPTURE(round, rebuilt, views.size(), settings.error_px, report.error_px_effective, budget.vertices);
+        CAPTURE(round, rebuilt, views.size(), settings.error_px, report.error_bound_px, budget.vertices);
         REQUIRE(check_frame(cut, terrain, report, settings) == "");
-        const double ratio = report.error_px_effective / settings.error_px;
+        const double ratio = report.error_bound_px / settings.error_px;
         if (report.waiting == 0) {
             for (const View& view : views) {
                 const MeasuredError error = measure_error(terrain, cut.mesh(), view);
@@ -130,9 +130,9 @@ TEST_CASE("where capacities do not suffice the thresholds of all views rise alik
             const VertexSet now = active_set(cut);
             const double little = 1 + 1e-6;
             REQUIRE(contains(now, target_set(terrain, terrain, thresholds_over(1 / little, raised),
-                                             report.error_px_effective * little)));
+                                             report.error_bound_px * little)));
             REQUIRE(contains(
-                target_set(terrain, terrain, thresholds_over(little, raised), report.error_px_effective / little),
+                target_set(terrain, terrain, thresholds_over(little, raised), report.error_bound_px / little),
                 now));
             governed += ratio > 1;
         }
@@ -162,11 +162,11 @@ TEST_CASE("where no threshold suffices the view with the lowest one does not end
             report = cut.rebuild({&view, 1}, settings);
         else
             for (int frame = 0; frame < 2000; ++frame) report = cut.update({&view, 1}, settings);
-        CAPTURE(rebuilt, report.error_px_effective, report.vertices);
+        CAPTURE(rebuilt, report.error_bound_px, report.vertices);
         CHECK(report.blocked == 0);
-        CHECK(report.error_px_effective > 1e7);
+        CHECK(report.error_bound_px > 1e7);
         const MeasuredError error = measure_error(terrain, cut.mesh(), view);
-        CHECK(error.max_px <= view.error_px * report.error_px_effective / settings.error_px * (1 + 1e-9));
+        CHECK(error.max_px <= view.error_px * report.error_bound_px / settings.error_px * (1 + 1e-9));
     }
 }
 

@@ -139,7 +139,7 @@ Refined BlocksAndVertices::refine(const View& view, double error_px, std::uint32
     const Pass pass{static_cast<float>(view.eye_m.x),
                     static_cast<float>(view.eye_m.y),
                     static_cast<float>(view.eye_m.z),
-                    static_cast<float>(error_px / lambda_px(view)),
+                    static_cast<float>(error_px / focal_length_px(view)),
                     view.eye_m,
                     make_frustum(view)};
     projected_ = 0;

@@ -132,7 +132,7 @@ bool Cdlod::select(const Pass& pass, std::size_t l, std::int32_t x, std::int32_t
 }
 
 Refined Cdlod::refine(const View& view, double error_px, std::uint32_t) {
-    const double q = lambda_px(view) / error_px;
+    const double q = focal_length_px(view) / error_px;
     if (q != q_) set_ranges(q);
     patches_.clear();
     triangles_ = 0;

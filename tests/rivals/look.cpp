@@ -20,7 +20,7 @@ Vec3 place_of(const Ground& g, const Corner& c) {
 class Eye {
 public:
     Eye(const Ground& ground, const View& view)
-        : ground_(ground), eye_m_(view.eye_m), frustum_(make_frustum(view)), lambda_(lambda_px(view)) {}
+        : ground_(ground), eye_m_(view.eye_m), frustum_(make_frustum(view)), lambda_(focal_length_px(view)) {}
     [[nodiscard]] bool sees(const Vec3& place) const {
         for (int i = 0; i < 6; ++i)
             if (dot(frustum_.normal[i], place - eye_m_) < frustum_.offset[i]) return false;

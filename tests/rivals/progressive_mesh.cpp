@@ -248,7 +248,7 @@ std::uint32_t ProgressiveMesh::unsplit_from(const Eye& eye, std::uint32_t start,
 }
 
 Refined ProgressiveMesh::refine(const View& view, double error_px, std::uint32_t operations) {
-    const Eye eye{view.eye_m, make_frustum(view), lambda_px(view) / error_px};
+    const Eye eye{view.eye_m, make_frustum(view), focal_length_px(view) / error_px};
     std::uint32_t left = operations;
     bool behind = false;
     const auto refine_at = [&](std::uint32_t vertex) {

@@ -431,7 +431,7 @@ TEST_CASE("looking at a mesh agrees with the library's measure and with the grou
         const double nearest_m = length(Vec3{look.where.x * double(square.ground.spacing_x_m), 0,
                                              look.where.y * double(square.ground.spacing_z_m)} -
                                         Vec3{view.eye_m.x, 0, view.eye_m.z});
-        const double allowed_px = 0x1p-20 * largest_m * lambda_px(view) / std::max(nearest_m, 1e-3);
+        const double allowed_px = 0x1p-20 * largest_m * focal_length_px(view) / std::max(nearest_m, 1e-3);
         CAPTURE(round, error_px, look.error_px, measured_px, allowed_px);
         CHECK(std::abs(look.error_px - measured_px) <= allowed_px + 1e-3 * measured_px);
         for (int i = 0; i < 50; ++i) {

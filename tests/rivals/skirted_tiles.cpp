@@ -106,7 +106,7 @@ void SkirtedTiles::join(Tile& tile, std::int32_t tx, std::int32_t ty) {
 
 Refined SkirtedTiles::refine(const View& view, double error_px, std::uint32_t) {
     const Frustum frustum = make_frustum(view);
-    const double scale = error_px / lambda_px(view);
+    const double scale = error_px / focal_length_px(view);
     for (Tile& tile : tiles_) {
         const auto beside = [](double v, double a, double b) { return std::max({a - v, 0.0, v - b}); };
         const Vec3 &eye = view.eye_m, &low = tile.low, &high = tile.high;

@@ -92,11 +92,11 @@ inline CutReport settle(Cut& cut, std::span<const View> views, const CutSettings
     if (report.items != report.evaluations + report.activations + report.deactivations) return "items do not add up";
     if (report.items > settings.items) return "more items than allowed";
     if (report.error_px_requested != settings.error_px) return "the report asks for another threshold";
-    if (report.error_px_effective < report.error_px_requested)
+    if (report.error_bound_px < report.error_px_requested)
         return "the effective threshold is below the requested one";
     if (report.blocked > report.waiting) return "more is blocked than waits";
     const bool rests =
-        report.waiting == 0 && report.morphing == 0 && report.error_px_effective <= report.error_px_requested;
+        report.waiting == 0 && report.morphing == 0 && report.error_bound_px <= report.error_px_requested;
     if (report.converged != rests) return "converged does not say what the rest does";
     return {};
 }

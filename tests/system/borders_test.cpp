@@ -32,7 +32,7 @@ struct Place {
 };
 Place place_of(const View& view, double x_px, double y_px) {
     const Vec3 right = cross(view.forward, view.up);
-    const Vec3 ray = view.forward * lambda_px(view) + right * (x_px + 0.5 - width_px / 2.0) +
+    const Vec3 ray = view.forward * focal_length_px(view) + right * (x_px + 0.5 - width_px / 2.0) +
                      view.up * (height_px / 2.0 - y_px - 0.5);
     const double t = -view.eye_m.y / ray.y;
     return {(view.eye_m.x + t * ray.x) / border_spacing_m, (view.eye_m.z + t * ray.z) / border_spacing_m};
@@ -132,8 +132,8 @@ TEST_CASE("borders that would lie closer than six pixels are not drawn", "[pictu
     Scene scene(ground(2049, 2049), 7);
     const MeshView coarse = scene.refined(from_above(scene, 600'000, -90), 100);
     // A page is 64 x 30 m: below 6 pixels beyond 1,920 m x lambda / 6.
-    const View far_off = from_above(scene, 1920 * lambda_px(from_above(scene, 1000, -90)) / 5.5, -90);
-    const View nearer = from_above(scene, 1920 * lambda_px(far_off) / 20, -90);
+    const View far_off = from_above(scene, 1920 * focal_length_px(from_above(scene, 1000, -90)) / 5.5, -90);
+    const View nearer = from_above(scene, 1920 * focal_length_px(far_off) / 20, -90);
     const auto differs = [&](const View& view) {
         const Picture without = scene.draw(coarse, view), with = scene.draw(coarse, view, {.page_borders = true});
         return without.colour.rgb != with.colour.rgb;

@@ -70,7 +70,7 @@ struct Compared {
 Compared compare(const Scene& scene, const Picture& picture, const View& view, const gl::DrawOptions& drawing,
                  const io::FullHeights& heights) {
     const Terrain& terrain = scene.loaded.terrain;
-    const double lambda = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : lambda_px(view);
+    const double lambda = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : focal_length_px(view);
     const Vec3 eye = drawing.error_eye_m.value_or(view.eye_m), right = cross(view.forward, view.up);
     Compared result;
     const auto every = test::rounds<std::uint32_t>(31, 7); // pixel
@@ -79,8 +79,8 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
         const double d = picture.distance_m[i];
         if (std::isinf(d)) continue;
         const std::uint8_t* const is = picture.colour.pixel(x, y);
-        const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / lambda_px(view)) +
-                         view.up * ((height_px / 2.0 - y - 0.5) / lambda_px(view));
+        const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / focal_length_px(view)) +
+                         view.up * ((height_px / 2.0 - y - 0.5) / focal_length_px(view));
         ++result.pixels;
         result.blue += close(is, gl::error_rgb(0));
         result.white += close(is, gl::error_rgb(2));
@@ -234,8 +234,8 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
         std::size_t shown = 0, elsewhere = 0;
         for (std::uint32_t i = 0; i < width_px * height_px; ++i) {
             const std::uint32_t x = i % width_px, y = i / width_px;
-            const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / lambda_px(view)) +
-                             view.up * ((height_px / 2.0 - y - 0.5) / lambda_px(view));
+            const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / focal_length_px(view)) +
+                             view.up * ((height_px / 2.0 - y - 0.5) / focal_length_px(view));
             const Vec3 at = view.eye_m + ray * static_cast<double>(plain.distance_m[i]);
             const bool beside = std::abs(at.x / 30 - planted.x) <= 1.01 && std::abs(at.z / 30 - planted.y) <= 1.01;
             const std::uint8_t* const is = wrong.pixel(x, y);

@@ -202,7 +202,7 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         if (frame % 250 == 0)
             settings.error_px = std::pow(10.0, frame % 1500 < 750 ? uniform(random, 1, 2) : uniform(random, -2, 0));
         settings.hysteresis = frame % 400 < 200 ? 0 : 0.2;
-        settings.items = frame % 300 < 200 ? 3000 : unlimited_items;
+        settings.items = frame % 300 < 200 ? 3000 : unlimited_work;
         settings.budget_us = frame % 600 < 100 ? 50 : 0;
         settings.corner_safe = frame % 2000 >= 1500;
         settings.offscreen_factor = frame % 900 < 450 ? 1 : 6;
@@ -332,7 +332,7 @@ TEST_CASE("10,000 frames neither allocate, lock, enter the kernel, touch a new p
     CHECK(found.system_calls == 0);
     CHECK(found.page_faults == 0);
     // And they had something to do, all of it.
-    CHECK(seen.exhausted == (cut_budget_vertices | cut_budget_items | cut_budget_time));
+    CHECK(seen.exhausted == (cut_budget_vertices | cut_budget_work | cut_budget_time));
     CAPTURE(seen.activations, seen.deactivations, seen.governed, seen.converged);
     CHECK(seen.activations > 100'000);
     CHECK(seen.deactivations > 100'000);

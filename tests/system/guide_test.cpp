@@ -50,7 +50,7 @@ std::vector<float> shader_positions(const Terrain& terrain, const CutMesh& cut, 
     for (std::uint32_t i = 0; i < cut.frame.views; ++i) {
         const MorphView& v = cut.frame.view[i];
         eye[i][0] = v.eye_x, eye[i][1] = v.eye_y, eye[i][2] = v.eye_z;
-        q[i][0] = v.q_start, q[i][1] = v.q_full;
+        q[i][0] = v.start_per_error, q[i][1] = v.full_per_error;
     }
     const auto views = static_cast<GLint>(cut.frame.views);
     glUniform1i(at("morph_views"), views);
@@ -136,15 +136,15 @@ TEST_CASE("the guide's shader gives every vertex the height of morphed_height_m(
     std::vector<MorphVertex> later(cut.morph.begin(), cut.morph.end());
     const auto shifted = [](float then_s) { return std::fmod(then_s + 1023.625f, morph_clock_s); };
     for (MorphVertex& m : later)
-        if (m.activated_s != long_active_s) m.activated_s = shifted(m.activated_s);
+        if (m.activated_s != activated_long_ago_s) m.activated_s = shifted(m.activated_s);
     CutMesh wrapped = cut;
     wrapped.morph = later;
     wrapped.frame.now_s = shifted(cut.frame.now_s);
     // Some twelve roundings of numbers up to the diagonal on the way to a share of the band, whose width is error_m
-    // times q_start - q_full; the height moves by at most error_m over it. Then a few of the height itself.
+    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height itself.
     const MorphView& v = cut.frame.view[0];
     const double diagonal_m = std::hypot(terrain.extent_x_m(), terrain.extent_z_m());
-    const double bound_m = 0x1p-24 * (12 * 2 * diagonal_m / double{v.q_start - v.q_full} + 6 * 3000);
+    const double bound_m = 0x1p-24 * (12 * 2 * diagonal_m / double{v.start_per_error - v.full_per_error} + 6 * 3000);
     for (const CutMesh& mesh : {cut, wrapped}) {
         const std::vector<float> positions = shader_positions(terrain, mesh, *scene.target);
         double largest_m = 0;
@@ -154,7 +154,7 @@ TEST_CASE("the guide's shader gives every vertex the height of morphed_height_m(
             const float expected = morphed_height_m(terrain, vertex, mesh.morph[slot], mesh.frame);
             largest_m = std::max(largest_m, std::abs(double{positions[3 * slot + 1]} - double{expected}));
             between +=
-                std::abs(expected - vertex.height_m) > 0.1f && std::abs(expected - mesh.morph[slot].flat_m) > 0.1f;
+                std::abs(expected - vertex.height_m) > 0.1f && std::abs(expected - mesh.morph[slot].morph_from_m) > 0.1f;
             before += mesh.morph[slot].activated_s > mesh.frame.now_s;
         }
         INFO("largest " << largest_m << " m, bound " << bound_m << " m");

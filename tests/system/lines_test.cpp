@@ -53,8 +53,8 @@ Seen project(const View& view, Vec3 p) {
     Seen seen;
     seen.distance_m = seen.least_m = seen.most_m = dot(d, view.forward);
     if (seen.distance_m < view.near_m * 1.001) return seen;
-    seen.x = width_px / 2.0 + lambda_px(view) * dot(d, cross(view.forward, view.up)) / seen.distance_m;
-    seen.y = height_px / 2.0 - lambda_px(view) * dot(d, view.up) / seen.distance_m;
+    seen.x = width_px / 2.0 + focal_length_px(view) * dot(d, cross(view.forward, view.up)) / seen.distance_m;
+    seen.y = height_px / 2.0 - focal_length_px(view) * dot(d, view.up) / seen.distance_m;
     seen.visible = seen.x > 2 && seen.y > 2 && seen.x < width_px - 2 && seen.y < height_px - 2;
     return seen;
 }
@@ -185,7 +185,7 @@ TEST_CASE("what a mountain hides of a line is dimmed and dashed when asked for",
         return sum;
     };
     const auto none = redder(0), some = redder(0.3f), all = redder(1);
-    const double length_px = 6000 / 9000.0 * lambda_px(view);
+    const double length_px = 6000 / 9000.0 * focal_length_px(view);
     CHECK(none.first == 0);
     CHECK(static_cast<double>(some.first) > length_px / 2); // half of it, two pixels high or more
     CHECK(static_cast<double>(some.first) < length_px * 2);
@@ -230,10 +230,10 @@ TEST_CASE("a ball is three great circles where they are expected", "[picture]") 
         for (std::uint32_t y = 0; y < height_px; ++y)
             for (std::uint32_t x = 0; x < width_px; ++x) {
                 if (!differ(plain.colour, drawn, x, y)) continue;
-                const Vec3 ray = normalised(view.forward * lambda_px(view) + right * (x + 0.5 - width_px / 2.0) +
+                const Vec3 ray = normalised(view.forward * focal_length_px(view) + right * (x + 0.5 - width_px / 2.0) +
                                             view.up * (height_px / 2.0 - y - 0.5));
                 const Vec3 to = centre - view.eye_m;
-                stray += length(to) > radius_m && length(cross(to, ray)) > radius_m + 2 * length(to) / lambda_px(view);
+                stray += length(to) > radius_m && length(cross(to, ray)) > radius_m + 2 * length(to) / focal_length_px(view);
             }
         CAPTURE(round);
         CHECK(stray == 0);

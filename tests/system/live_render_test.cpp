@@ -136,7 +136,7 @@ TEST_CASE("the shader places morphing vertices where morphed_height_m() says", "
     OwnMesh placed = copy_of(live.mesh);
     std::size_t half_way = 0;
     for (std::size_t i = 0; i < placed.vertices.size(); ++i) {
-        const float full = placed.vertices[i].height_m, flat = live.morph[i].flat_m;
+        const float full = placed.vertices[i].height_m, flat = live.morph[i].morph_from_m;
         placed.vertices[i].height_m =
             morphed_height_m(scene.loaded.terrain, placed.vertices[i], live.morph[i], live.frame);
         half_way +=

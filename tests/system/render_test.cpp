@@ -38,7 +38,7 @@ namespace {
 // >> d), and the vertex' position, the two products of clip space and the rasteriser's interpolation take fewer
 // than 16. A pixel within one pixel of displacement agrees in both directions. The share is of the pixels that are
 // terrain in either picture; sky alone would only flatter it.
-bool agrees(const Picture& a, const Picture& b, std::int32_t x, std::int32_t y, double lambda_px) {
+bool agrees(const Picture& a, const Picture& b, std::int32_t x, std::int32_t y, double focal_length_px) {
     const auto at = [](std::int32_t px, std::int32_t py) {
         return static_cast<std::size_t>(py) * width_px + static_cast<std::size_t>(px);
     };
@@ -57,7 +57,7 @@ bool agrees(const Picture& a, const Picture& b, std::int32_t x, std::int32_t y, 
         }
     const double d = a.distance_m[at(x, y)];
     if (std::isinf(d)) return sky;
-    const double tolerance = d / lambda_px + d / (1 << 20);
+    const double tolerance = d / focal_length_px + d / (1 << 20);
     return terrain && d >= least - tolerance && d <= most + tolerance;
 }
 
@@ -66,14 +66,14 @@ struct Agreement {
     [[nodiscard]] double share() const { return static_cast<double>(within) / static_cast<double>(pixels); }
 };
 
-Agreement compare(const Picture& a, const Picture& b, double lambda_px) {
+Agreement compare(const Picture& a, const Picture& b, double focal_length_px) {
     Agreement result;
     for (std::int32_t y = 0; y < static_cast<std::int32_t>(height_px); ++y)
         for (std::int32_t x = 0; x < static_cast<std::int32_t>(width_px); ++x) {
             const std::size_t p = static_cast<std::size_t>(y) * width_px + static_cast<std::size_t>(x);
             if (std::isinf(a.distance_m[p]) && std::isinf(b.distance_m[p])) continue;
             ++result.pixels;
-            if (agrees(a, b, x, y, lambda_px) && agrees(b, a, x, y, lambda_px)) ++result.within;
+            if (agrees(a, b, x, y, focal_length_px) && agrees(b, a, x, y, focal_length_px)) ++result.within;
         }
     return result;
 }
@@ -91,8 +91,8 @@ void check_against_full_resolution(Scene& scene, const char* terrain, const std:
         const Picture reference = scene.draw(full.view(), v.view);
         const MeshView fine = scene.refined(v.view, 0.5);
         const std::size_t triangles = fine.indices.size() / 3;
-        const Agreement good = compare(scene.draw(fine, v.view), reference, lambda_px(v.view));
-        const Agreement bad = compare(scene.draw(scene.refined(v.view, 20), v.view), reference, lambda_px(v.view));
+        const Agreement good = compare(scene.draw(fine, v.view), reference, focal_length_px(v.view));
+        const Agreement bad = compare(scene.draw(scene.refined(v.view, 20), v.view), reference, focal_length_px(v.view));
         std::printf("%s, %s: %zu triangles at 0.5 px; within 1 px of full resolution: %.4f%% of %llu terrain pixels "
                     "(at 20 px: %.2f%%)\n",
                     terrain, v.name, triangles, 100 * good.share(), static_cast<unsigned long long>(good.pixels),
@@ -169,7 +169,7 @@ TEST_CASE("the strip and the list of one frame give the same picture", "[picture
                 colour += std::abs(list.colour.rgb[i] - strip.colour.rgb[i]) > 2;
             CHECK(coverage == 0);
             CHECK(colour == 0);
-            const Agreement agreement = compare(strip, list, lambda_px(view));
+            const Agreement agreement = compare(strip, list, focal_length_px(view));
             CHECK(agreement.within == agreement.pixels);
         }
 }
@@ -272,8 +272,8 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
             const int level = 2 * static_cast<int>(terrain.header().tile_log2) -
                               static_cast<int>(std::lround(std::log2(doubled_area)));
             const double d = dot(centre, view.forward);
-            const double x = width_px / 2.0 + lambda_px(view) * dot(centre, right) / d;
-            const double y = height_px / 2.0 - lambda_px(view) * dot(centre, view.up) / d;
+            const double x = width_px / 2.0 + focal_length_px(view) * dot(centre, right) / d;
+            const double y = height_px / 2.0 - focal_length_px(view) * dot(centre, view.up) / d;
             if (doubled_area < 4 || x < 1 || y < 1 || x >= width_px - 1 || y >= height_px - 1) continue;
             const std::uint8_t* pixel =
                 picture.colour.pixel(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));

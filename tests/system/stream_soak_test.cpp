@@ -186,14 +186,14 @@ TEST_CASE("thousands of frames over a pack ten times larger than its pools: memo
     on.rest();
     CHECK_FALSE(on.streamed.converged);
     CHECK((on.streamed.exhausted & stream_page_slots) != 0);
-    CHECK(on.updated.error_px_effective == on.streamed.missing_px);
+    CHECK(on.updated.error_bound_px == on.streamed.missing_px);
     CHECK(on.at_target() == "");
     on.refine.error_px = 16;
     on.view = scene.near_ground(700, 700, 20'000);
     on.rest();
     CHECK(on.streamed.converged);
     CHECK(on.updated.converged);
-    CHECK(on.updated.error_px_effective == on.refine.error_px);
+    CHECK(on.updated.error_bound_px == on.refine.error_px);
     CHECK(on.at_target() == "");
     CHECK(on.check() == "");
 }
@@ -239,7 +239,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         CHECK(on.failures.size() > 5);
         CHECK_FALSE(on.streamed.converged);
         CHECK_FALSE(on.updated.converged);
-        CHECK(on.updated.error_px_effective > on.refine.error_px);
+        CHECK(on.updated.error_bound_px > on.refine.error_px);
         overwrite(path, 0, whole);
         on.rest();
         CHECK(on.streamed.pages_read == read); // not before it is told to
@@ -274,7 +274,7 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         on.view = scene.near_ground(350, 350, 3000);
         on.rest();
         std::uint32_t elsewhere = 0;
-        CAPTURE(round, tile, page, on.streamed.missing_px, on.updated.error_px_effective, on.updated.waiting);
+        CAPTURE(round, tile, page, on.streamed.missing_px, on.updated.error_bound_px, on.updated.waiting);
         REQUIRE(on.failures.size() == 1);
         CHECK(on.failures.begin()->first == std::tuple(ChunkKind::geometry, tile, page));
         CHECK(on.failures.begin()->second == 1);

@@ -129,7 +129,7 @@ TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in 
     FjellView seen = fjell_view_default();
     std::memcpy(&seen.eye_m, &view, sizeof view);
     CHECK(same(fjell_make_frustum(&seen), make_frustum(view)));
-    CHECK(fjell_lambda_px(&seen) == lambda_px(view));
+    CHECK(fjell_focal_length_px(&seen) == focal_length_px(view));
     CHECK(fjell_corner_factor(&seen) == corner_factor(view));
     CHECK(fjell_validate_view(&seen).code == FJELL_OK);
     seen.top = seen.bottom;

@@ -29,7 +29,7 @@ void check_same(const FjellCutReport& c, const CutReport& cpp) {
     CHECK(c.waiting == cpp.waiting);
     CHECK(c.exhausted == cpp.exhausted);
     CHECK(c.error_px_requested == cpp.error_px_requested);
-    CHECK(c.error_px_effective == cpp.error_px_effective);
+    CHECK(c.error_bound_px == cpp.error_bound_px);
     CHECK(c.threshold_px == cpp.threshold_px);
     CHECK(c.converged == cpp.converged);
     CHECK(c.vertex_slots.used == cpp.vertex_slots.used);
@@ -135,8 +135,8 @@ TEST_CASE("the defaults of C are those of C++, and so are all messages and names
     CHECK(cut.struct_size == sizeof cut);
     CHECK(cut.error_px == CutSettings{}.error_px);
     CHECK(!cut.corner_safe);
-    CHECK(cut.items == unlimited_items);
-    CHECK(cut.visits == unlimited_items);
+    CHECK(cut.items == unlimited_work);
+    CHECK(cut.visits == unlimited_work);
     CHECK(cut.morph == FJELL_MORPH_NONE);
     CHECK(cut.morph_s == CutSettings{}.morph_s);
     const FjellRefineSettings refine = fjell_refine_settings_default();

@@ -99,7 +99,7 @@ void check_place(ProbedTerrain& terrain, Probe& probe, double x, double y) {
     CHECK(std::find(levels.begin(), levels.end(), probe.ground->mesh->level) != levels.end());
     CHECK(probe.ground->mesh->error_px <= 3.001); // what the session was asked to keep
     CHECK(probe.ground->mesh->error_px ==
-          Approx(lambda_px(terrain.view) / g.distance_m * std::abs(probe.ground->mesh->height_m - g.position_m.y)));
+          Approx(focal_length_px(terrain.view) / g.distance_m * std::abs(probe.ground->mesh->height_m - g.position_m.y)));
 }
 
 } // namespace

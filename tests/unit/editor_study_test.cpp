@@ -32,7 +32,7 @@ Flown flown(std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         flight::FrameEntry e;
         e.update_us = i == 0 ? 1e6 : 100;
-        e.error_px_requested = e.error_px_effective = 1;
+        e.error_px_requested = e.error_bound_px = 1;
         f.frames.push_back(e);
         f.poses.push_back({{static_cast<double>(i), 0, 0}, {0, 0, -1}, {0, 1, 0}});
     }
@@ -62,11 +62,11 @@ Route two_points() {
 TEST_CASE("a run's places hold the dearest frame, the largest error and every budget of their stretch") {
     Flown f = flown(2001); // four frames to a place, or three
     f.frames[1500].update_us = 900;
-    f.frames[1498].error_px_effective = 7;
+    f.frames[1498].error_bound_px = 7;
     f.frames[1499].exhausted = flight::exhausted_items;
     f.frames[300].update_us = 500;
     f.frames[330].update_us = 499; // near the last: the same hill
-    f.frames[800].error_px_effective = 3;
+    f.frames[800].error_bound_px = 3;
     const FlownRun run = make_run(f.frames, f.poses);
     CHECK(run.frames == 2000); // without the first
     CHECK(run.max_us == 900);

@@ -69,7 +69,7 @@ bool alike(const Seen& a, const Seen& b) {
         same = same && std::memcmp(&a.frame.view[i], &b.frame.view[i], sizeof(MorphView)) == 0;
     return same && r.items == q.items && r.visits == q.visits && r.activations == q.activations &&
            r.deactivations == q.deactivations && r.waiting == q.waiting && r.blocked == q.blocked &&
-           r.morphing == q.morphing && r.error_px_effective == q.error_px_effective && r.converged == q.converged &&
+           r.morphing == q.morphing && r.error_bound_px == q.error_bound_px && r.converged == q.converged &&
            r.vertices_changed == q.vertices_changed && r.triangles_changed == q.triangles_changed;
 }
 
@@ -81,7 +81,7 @@ void change_settings(Random& random, CutSettings& s) {
     if (pick(random, 0, 19) == 0) s.hysteresis = pick(random, 0, 1) * 0.3;
     if (pick(random, 0, 19) == 0) s.corner_safe = !s.corner_safe;
     if (pick(random, 0, 19) == 0) s.offscreen_factor = pick(random, 0, 1) ? 1 : uniform(random, 1, 20);
-    if (pick(random, 0, 9) == 0) s.items = pick(random, 0, 1) ? unlimited_items : std::uint32_t(pick(random, 0, 600));
+    if (pick(random, 0, 9) == 0) s.items = pick(random, 0, 1) ? unlimited_work : std::uint32_t(pick(random, 0, 600));
     if (pick(random, 0, 9) == 0) s.budget_us = pick(random, 0, 1) ? 0 : uniform(random, 0.1, 60);
     s.now_s += pick(random, 0, 29) ? 1.0 / 60 : uniform(random, -5, 900);
 }
@@ -194,7 +194,7 @@ TEST_CASE(
         const std::size_t views = text.rfind("\"views\":[[");
         text.replace(views, text.find("]]", views) + 2 - views, view.str());
         const View back = parse_recording(text, "r.json").frames[0].views[0];
-        REQUIRE(lambda_px(back) == lambda);
+        REQUIRE(focal_length_px(back) == lambda);
         REQUIRE((back.width_px == width && back.far_m == 1e6));
         const double half_height = height / (2 * lambda); // as version 2 had it
         REQUIRE((back.bottom == -back.top && back.left == -back.right));

@@ -62,8 +62,8 @@ TEST_CASE("up is up in the picture, and right is right") {
     REQUIRE((middle && up && east));
     CHECK(middle->x == Approx(400));
     CHECK(middle->y == Approx(300));
-    CHECK(up->y == Approx(300 - lambda_px(view) / 10));
-    CHECK(east->x == Approx(400 + lambda_px(view) / 10));
+    CHECK(up->y == Approx(300 - focal_length_px(view) / 10));
+    CHECK(east->x == Approx(400 + focal_length_px(view) / 10));
     CHECK_FALSE(project(view, {0, 0, 10}));
     CHECK(from_glm(to_glm({1, 2, 3})).y == 2);
 }

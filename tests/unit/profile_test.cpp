@@ -119,7 +119,7 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(d.method == Method::incremental);
     CHECK(d.cut_budget.vertices == CutBudget{}.vertices);
     CHECK(d.cut_budget.triangles == CutBudget{}.triangles);
-    CHECK(d.cut.items == unlimited_items);
+    CHECK(d.cut.items == unlimited_work);
     CHECK(d.cut.budget_us == 0);
     CHECK(d.cut.morph == Morph::none);
     const Profile p = parse_profile(
@@ -160,7 +160,7 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(settings.budget_us == 99.5);
     CHECK(settings.now_s == 1.5);
     CHECK(parse_profile("[refine]\nmorph = \"error\"\n", "p.toml").cut.morph == Morph::error);
-    CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_items);
+    CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_work);
     CHECK(d.stream_budget.map_bytes == StreamBudget{}.map_bytes);
     CHECK(d.stream.map_bytes == StreamSettings{}.map_bytes);
     const Profile s = parse_profile(
@@ -284,7 +284,7 @@ TEST_CASE("a flight's CSV names exhausted budgets and leaves unmeasured errors e
     a.vertices = 5;
     a.exhausted = exhausted_vertices | exhausted_indices;
     a.error_px_requested = 1;
-    a.error_px_effective = 1.5;
+    a.error_bound_px = 1.5;
     FrameEntry b;
     b.converged = b.settled = true;
     b.verified_px = 0.25;
@@ -415,7 +415,7 @@ TEST_CASE("a frame that waited has the work of all its updates and the state of 
     add_poll(frame, FrameEntry{});
     CHECK(frame.polls == 3);
     CHECK(frame.items == 11);
-    CHECK(frame.item_limit == unlimited_items); // the third had no limit
+    CHECK(frame.item_limit == unlimited_work); // the third had no limit
     CHECK(frame.update_us == 30);
     CHECK(frame.upload_bytes == 110);
     CHECK(frame.stream.pages_inserted == 5);
@@ -432,7 +432,7 @@ TEST_CASE("each method's exhausted capacities keep their names") {
     recursive.exhausted = budget_vertices | budget_indices;
     CHECK(budget_names(entry_of(recursive).exhausted) == std::vector<std::string>{"vertices", "indices"});
     CutReport cut;
-    cut.exhausted = cut_budget_vertices | cut_budget_triangles | cut_budget_items | cut_budget_time;
+    cut.exhausted = cut_budget_vertices | cut_budget_triangles | cut_budget_work | cut_budget_time;
     CHECK(budget_names(entry_of(cut, {}).exhausted) ==
           std::vector<std::string>{"vertices", "triangles", "items", "time"});
     cut.exhausted = cut_budget_triangles;

@@ -50,8 +50,8 @@ struct Scene {
           s(cut.state()), walk{[this] { return check_cut(cut); }} {
         settings.error_px = 1;
         const View near = view_from_above(pack.terrain, 0.05), far = view_from_above(pack.terrain, 20);
-        update(near, unlimited_items);
-        update(far, unlimited_items);
+        update(near, unlimited_work);
+        update(far, unlimited_work);
         update(near, 400);
         settings.morph = Morph::time;
         for (int frame = 0; frame < 3; ++frame) update(near, 200);
@@ -152,7 +152,7 @@ TEST_CASE(
           "a queue holds work, and nobody will look at it");
     plant(walk, ticks_of(l, head), std::uint16_t{5}, "a group is scheduled, and in a queue");
 
-    scene.update(view_from_above(scene.pack.terrain, 0.05), unlimited_items);
+    scene.update(view_from_above(scene.pack.terrain, 0.05), unlimited_work);
     const std::uint32_t calm = scene.lane([&](const GroupState& b, std::uint32_t bit) {
         const auto group = static_cast<std::uint32_t>(&b - s.pages.groups);
         return b.queue == unqueued && ticks_of(l, group) != unscheduled && !is_due(l, group / max_page_groups) &&

@@ -50,7 +50,7 @@ void draw(const fjell::io::LoadedPack& loaded, const std::string& path) {
     if (error.empty()) error = fjell::gl::write_png(picture, path);
     if (!error.empty()) throw Failure(3, error);
     std::printf("%u triangles, no sample off by more than %.2f px\n", report.triangles_drawn,
-                report.error_px_effective);
+                report.error_bound_px);
 }
 
 } // namespace

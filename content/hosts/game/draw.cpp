@@ -105,7 +105,7 @@ void Drawer::set_morph(const fjell::MorphFrame& frame, const fjell::View& view) 
         eye[i][0] = float(m.eye_x - view.eye_m.x);
         eye[i][1] = float(m.eye_y - view.eye_m.y);
         eye[i][2] = float(m.eye_z - view.eye_m.z);
-        q[i][0] = m.q_start, q[i][1] = m.q_full;
+        q[i][0] = m.start_per_error, q[i][1] = m.full_per_error;
     }
     glUniform1i(at("morph_views"), GLint(views));
     glUniform3fv(at("morph_eye_m"), GLsizei(views), eye[0]);

@@ -15,7 +15,7 @@ std::string text_of(fjell::Status status) {
 fjell::View focus(fjell::Vec3 place_m, double reach_m, double accuracy_m) {
     fjell::View view;
     view.eye_m = place_m;
-    view.error_px = fjell::lambda_px(view) * accuracy_m / reach_m; // so large accuracy_m is from reach_m away
+    view.error_px = fjell::focal_length_px(view) * accuracy_m / reach_m; // so large accuracy_m is from reach_m away
     return view;
 }
 

@@ -107,7 +107,7 @@ void Ground::place(const fjell::CutMesh& cut, fjell::Vec3 scene_origin_m, fjell:
         set(pass, "morph_eye_m",
             {static_cast<float>(m.eye_x - eye_m.x), static_cast<float>(m.eye_y - eye_m.y),
              static_cast<float>(m.eye_z - eye_m.z), 0});
-        set(pass, "morph", {m.q_start, m.q_full, frame.now_s, frame.morph_s});
+        set(pass, "morph", {m.start_per_error, m.full_per_error, frame.now_s, frame.morph_s});
     };
     for (Ogre::Technique* technique : material_->getTechniques()) {
         set_pass(*technique->getPass(0));

@@ -80,22 +80,22 @@ void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, con
     const fjell::MeshVertex& vertex = cut.mesh.vertices[slot];
     const fjell::MorphVertex& morph = cut.morph[slot];
     const double exact_m = double(fjell::morphed_height_m(terrain, vertex, morph, cut.frame));
-    const double full_m = double(vertex.height_m), rise_m = double(morph.flat_m) - full_m;
+    const double full_m = double(vertex.height_m), rise_m = double(morph.morph_from_m) - full_m;
     // Some twelve roundings of numbers up to the diagonal on the way to a share of the band, whose width is error_m
-    // times q_start - q_full; the height moves by at most error_m over it. Then a few of the height itself.
+    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height itself.
     const fjell::MorphView& eye = cut.frame.view[0];
-    const double band = double(eye.q_start) - double(eye.q_full);
+    const double band = double(eye.start_per_error) - double(eye.full_per_error);
     const double diagonal_m = std::hypot(double(terrain.extent_x_m()), double(terrain.extent_z_m()));
     const double floats_m = eps * (24 * diagonal_m / band + 8 * (std::abs(full_m) + rebase_m));
     const double away_m = fjell::length(
         fjell::Vec3{double(terrain.x_m(vertex.column)), exact_m, double(terrain.z_m(vertex.row))} - view.eye_m);
-    const double off_m = drawn_m - exact_m, px = fjell::lambda_px(view) / away_m;
+    const double off_m = drawn_m - exact_m, px = fjell::focal_length_px(view) / away_m;
     const double error_m = double(morph.error_m), radius_m = double(morph.radius_m);
     const double out_m =
-        std::max(radius_m * 0x1p-11, 0x1p-10) + std::max(error_m * 0x1p-11, 0x1p-10) * double(eye.q_start);
+        std::max(radius_m * 0x1p-11, 0x1p-10) + std::max(error_m * 0x1p-11, 0x1p-10) * double(eye.start_per_error);
     const double steps = error_m > 0 ? std::min(1.0, out_m / (error_m * band)) : 1;
     double ahead_m = floats_m + std::abs(rise_m) * (steps + 0x1p-10), behind_m = floats_m;
-    if (morph.activated_s != fjell::long_active_s) { // by time, up to so much ahead or behind
+    if (morph.activated_s != fjell::activated_long_ago_s) { // by time, up to so much ahead or behind
         const double late =
             double(fjell::compact_late_s) / std::max(double(cut.frame.morph_s - fjell::compact_late_s), 1e-3);
         ahead_m += std::abs(rise_m) * std::min(1.0, late);
@@ -109,7 +109,7 @@ void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, con
         break_promise(text("a vertex is drawn %.5f m nearer to its full height than morphed_height_m() says, between "
                            "%.5f and %.5f m are allowed (%.5f px)",
                            towards_full_m, -behind_m, ahead_m, std::abs(off_m) * px));
-    between_ += std::abs(exact_m - full_m) > 0.1 && std::abs(exact_m - double(morph.flat_m)) > 0.1;
+    between_ += std::abs(exact_m - full_m) > 0.1 && std::abs(exact_m - double(morph.morph_from_m)) > 0.1;
     ++vertices_;
 }
 
@@ -134,7 +134,7 @@ void Check::vertices(const fjell::Terrain& terrain, const fjell::CutMesh& cut, c
 // ray: through the pixel's centre, 1 along the direction of sight. depth: near / how far along it; 0: sky.
 void Check::pixel(const fjell::View& view, fjell::Vec3 ray, double depth, double allowed_px) {
     ++pixels_;
-    const double lambda = fjell::lambda_px(view), long_ray = fjell::length(ray);
+    const double lambda = fjell::focal_length_px(view), long_ray = fjell::length(ray);
     const double cell_m = std::hypot(double(whole_.spacing_x_m()), double(whole_.spacing_z_m()));
     const double half_quantum_m = double(whole_.header().quantum_m) / 2;
     const double along_m = depth > 0 ? view.near_m / depth : 1e6;
@@ -185,7 +185,7 @@ Check::Copies Check::copies(const fjell::CutMesh& cut) {
 
 void Check::picture(const fjell::CutMesh& cut, const fjell::CutReport& report, const fjell::View& view,
                     const Probe& probe) {
-    const double allowed_px = report.error_px_effective + report.threshold_px * fjell::compact_share(cut.frame.view[0]);
+    const double allowed_px = report.error_bound_px + report.threshold_px * fjell::compact_share(cut.frame.view[0]);
     const fjell::Vec3 right = fjell::cross(view.forward, view.up);
     for (std::uint32_t y = 4; y < view.height_px; y += 8)
         for (std::uint32_t x = 4; x < view.width_px; x += 8) {

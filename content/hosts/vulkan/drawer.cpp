@@ -273,8 +273,8 @@ void Drawer::write_block(const fjell::CutMesh& cut, const fjell::View& view, con
         const fjell::MorphView& m = morph.view[i];
         const auto eye = origin.relative(from_scene({double(m.eye_x), double(m.eye_y), double(m.eye_z)}));
         std::copy(eye.begin(), eye.end(), block.morph_eye_m[i]);
-        block.morph_q[i][0] = m.q_start;
-        block.morph_q[i][1] = m.q_full;
+        block.morph_q[i][0] = m.start_per_error;
+        block.morph_q[i][1] = m.full_per_error;
     }
     std::memcpy(frame().block.mapped, &block, sizeof block);
 }

@@ -101,7 +101,7 @@ public:
                   {"chunk_triangles", budget_.segment_triangles},
                   {"views", budget_.views},
                   {"workers", budget_.workers},
-                  {"items", c.items == unlimited_items ? 0 : c.items},
+                  {"items", c.items == unlimited_work ? 0 : c.items},
                   {"budget_us", c.budget_us}}}};
     }
 

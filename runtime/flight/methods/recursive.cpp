@@ -37,7 +37,7 @@ public:
         entry.vertex_slots = {report.vertices, 0, static_cast<std::uint32_t>(drawn.vertices.size())};
         entry.index_slots.used = static_cast<std::uint32_t>(drawn.indices.size());
         entry.index_slots.capacity = profile.budget.indices;
-        entry.error_px_effective = std::max(entry.error_px_effective, terrain_.missing_px()); // not in the report
+        entry.error_bound_px = std::max(entry.error_bound_px, terrain_.missing_px()); // not in the report
         return entry;
     }
     [[nodiscard]] CutMesh mesh() const override { return {.mesh = recursive_mesh(method_), .morph = {}, .frame = {}}; }

@@ -26,12 +26,12 @@ struct CompactVertex {
     std::uint16_t column, row;   // the low 16 bits: who draws knows the tile, and so the rest
     float height_m;              // as it is
     std::uint16_t rise;          // an IEEE half: from the full height to the flat one; rounded towards 0
-    std::uint16_t activated;     // when, in compact_steps_s-ths of a second, rounded up; or compact_long_active
+    std::uint16_t activated;     // when, in compact_steps_s-ths of a second, rounded up; or compact_activated_long_ago
     std::uint16_t error, radius; // 5 bits of exponent and 11 of mantissa, from 2^-10 m on; rounded up
 };
 static_assert(sizeof(CompactVertex) == 16, "CompactVertex is uploaded: change terrain.glsl of content/hosts/vulkan");
 
-inline constexpr std::uint16_t compact_long_active = 0xffff; // long_active_s
+inline constexpr std::uint16_t compact_activated_long_ago = 0xffff; // activated_long_ago_s
 inline constexpr float compact_steps_s = 64;                 // 65,536 steps are a turn of the cut's clock
 inline constexpr float compact_late_s = 0x1p-5f; // a vertex rises up to so much later: shaders take it off morph_s
 static_assert(morph_clock_s * compact_steps_s == 65536);
@@ -49,7 +49,7 @@ void compact_vertices(std::span<const MeshVertex> vertices, std::span<const Morp
 void compact_indices(std::span<const std::uint32_t> indices, std::span<std::uint16_t> to);
 
 // So much of the threshold, at most, is a vertex that morphs by distance off on screen: 0.6% at the nesting of most
-// packs. Add it to CutReport::error_px_effective, in shares of CutReport::threshold_px. Metres below 2^-10 aside.
+// packs. Add it to CutReport::error_bound_px, in shares of CutReport::threshold_px. Metres below 2^-10 aside.
 [[nodiscard]] double compact_share(const MorphView& view);
 
 // What a shader makes of the fields, in metres.

@@ -72,7 +72,7 @@ enum class Morph : std::uint8_t {
     time   // the same, and every vertex takes morph_s: for cameras that move far in a frame
 };
 
-inline constexpr std::uint32_t unlimited_items = 0xffffffff;
+inline constexpr std::uint32_t unlimited_work = 0xffffffff;
 
 inline constexpr double max_offscreen_factor = 100;
 
@@ -81,9 +81,9 @@ struct CutSettings {
     double error_px = 1;                   // the threshold (kappa), 0.001 to 1e6, of views without their own
     double hysteresis = 0;                 // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false;              // bound pixels in the image's corners too
-    std::uint32_t items = unlimited_items; // work that this frame may do
+    std::uint32_t items = unlimited_work; // work that this frame may do
     // Groups, units of building and looks at pages: replays a frame that budget_us ended.
-    std::uint32_t visits = unlimited_items;
+    std::uint32_t visits = unlimited_work;
     double budget_us = 0; // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
@@ -104,7 +104,7 @@ Status validate(const CutSettings& settings);
 enum CutBudgetBit : std::uint32_t {
     cut_budget_vertices = 1u << 0,  // CutBudget::vertices
     cut_budget_triangles = 1u << 1, // CutBudget::triangles
-    cut_budget_items = 1u << 2,     // CutSettings::items
+    cut_budget_work = 1u << 2,     // CutSettings::items
     cut_budget_time = 1u << 3       // CutSettings::budget_us
 };
 // The field that a single bit stands for, e.g. "CutBudget::vertices".
@@ -136,7 +136,7 @@ struct CutReport {
     // the eye or as the near plane, if that is farther; hundreds or thousands of times the threshold, and measure.h's
     // unbounded_px at most. Thresholds of all views rise alike: where View::error_px is set, these are for it times
     // View::error_px / error_px_requested.
-    double error_px_requested = 0, error_px_effective = 0, threshold_px = 0;
+    double error_px_requested = 0, error_bound_px = 0, threshold_px = 0;
     bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
@@ -178,26 +178,26 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
 // Cancels cut_release_page(): the page stays.
 Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page);
 
-inline constexpr float long_active_s = -1e30f; // so long ago that any vertex has reached its height
+inline constexpr float activated_long_ago_s = -1e30f; // so long ago that any vertex has reached its height
 // The cut's own clock, of activated_s and MorphFrame::now_s, counts from its first update and starts again at 0 after
 // so many seconds: floats hold its steps of 2^-14 s exactly. An age is morph_age_s().
 inline constexpr float morph_clock_s = 1024;
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.
 struct MorphVertex {
-    float flat_m;      // height on the hypotenuse it splits: where it starts
+    float morph_from_m;      // height on the hypotenuse it splits: where it starts
     float error_m;     // its own
     float radius_m;    // of its sphere
-    float activated_s; // on the cut's clock, when it was activated, if late; otherwise long_active_s
+    float activated_s; // on the cut's clock, when it was activated, if late; otherwise activated_long_ago_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
 
 // What the vertex shader needs beside them. A vertex has morphed in by t = (start - d) / (start - full), t from 0 to 1,
-// where d is the distance from the eye to its full height, start = radius_m + error_m * q_start, full = radius_m +
-// error_m * q_full. Of several views the largest t counts. By time t is at most morph_age_s() / morph_s.
+// where d is the distance from the eye to its full height, start = radius_m + error_m * start_per_error, full = radius_m +
+// error_m * full_per_error. Of several views the largest t counts. By time t is at most morph_age_s() / morph_s.
 struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
-    float q_start, q_full;
+    float start_per_error, full_per_error;
 };
 // The shader's inputs of a frame, the same for all vertices.
 struct MorphFrame {
@@ -207,7 +207,7 @@ struct MorphFrame {
     float now_s = 0, morph_s = 1; // now_s: on the cut's clock
 };
 // How long ago something was on the cut's clock. What was activated more than half a turn of the clock ago is
-// long_active_s.
+// activated_long_ago_s.
 [[nodiscard]] constexpr float morph_age_s(float now_s, float then_s) {
     const float age_s = now_s - then_s;
     return age_s < 0 ? age_s + morph_clock_s : age_s;

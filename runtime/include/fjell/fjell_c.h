@@ -123,7 +123,7 @@ FjellStatus fjell_make_view(FjellVec3 eye_m, FjellVec3 forward, FjellVec3 up, do
                             uint32_t height_px, double near_m, double far_m, FjellView* view);
 FjellStatus fjell_validate_view(const FjellView* view);
 FjellFrustum fjell_make_frustum(const FjellView* view);
-double fjell_lambda_px(const FjellView* view);
+double fjell_focal_length_px(const FjellView* view);
 double fjell_corner_factor(const FjellView* view);
 
 // --- fjell/cut.h ---

@@ -298,7 +298,7 @@ typedef struct FjellCutBudget {
 
 typedef uint8_t FjellMorph;
 enum { FJELL_MORPH_NONE, FJELL_MORPH_ERROR, FJELL_MORPH_TIME };
-#define FJELL_UNLIMITED_ITEMS 0xffffffff
+#define FJELL_UNLIMITED_WORK 0xffffffff
 #define FJELL_MAX_OFFSCREEN_FACTOR 100.0
 
 typedef struct FjellCutSettings {
@@ -320,7 +320,7 @@ typedef uint32_t FjellCutBudgetBit;
 enum {
     FJELL_CUT_BUDGET_VERTICES = 1u << 0,
     FJELL_CUT_BUDGET_TRIANGLES = 1u << 1,
-    FJELL_CUT_BUDGET_ITEMS = 1u << 2,
+    FJELL_CUT_BUDGET_WORK = 1u << 2,
     FJELL_CUT_BUDGET_TIME = 1u << 3
 };
 
@@ -341,7 +341,7 @@ typedef struct FjellCutReport {
     uint32_t blocked;
     uint32_t morphing;
     uint32_t exhausted;
-    double error_px_requested, error_px_effective, threshold_px;
+    double error_px_requested, error_bound_px, threshold_px;
     bool converged;
     bool rebuilt;
     FjellBudgetUse vertex_slots, triangle_slots;
@@ -354,11 +354,11 @@ typedef struct FjellLiveCut {
     uint64_t identity;
 } FjellLiveCut;
 
-#define FJELL_LONG_ACTIVE_S (-1e30f)
+#define FJELL_ACTIVATED_LONG_AGO_S (-1e30f)
 #define FJELL_MORPH_CLOCK_S 1024.0f
 
 typedef struct FjellMorphVertex {
-    float flat_m;
+    float morph_from_m;
     float error_m;
     float radius_m;
     float activated_s;
@@ -366,7 +366,7 @@ typedef struct FjellMorphVertex {
 
 typedef struct FjellMorphView {
     float eye_x, eye_y, eye_z;
-    float q_start, q_full;
+    float start_per_error, full_per_error;
 } FjellMorphView;
 
 typedef struct FjellMorphFrame {
@@ -411,7 +411,7 @@ typedef struct FjellCompactVertex {
     uint16_t error, radius;
 } FjellCompactVertex;
 
-#define FJELL_COMPACT_LONG_ACTIVE 0xffff
+#define FJELL_COMPACT_ACTIVATED_LONG_AGO 0xffff
 #define FJELL_COMPACT_STEPS_S 64.0f
 #define FJELL_COMPACT_LATE_S 0x1p-5f
 
@@ -450,7 +450,7 @@ typedef struct FjellFrameReport {
     uint32_t buffer_clearings;
     uint32_t restarts;
     uint32_t exhausted;
-    double error_px_requested, error_px_effective;
+    double error_px_requested, error_bound_px;
     bool converged;
 } FjellFrameReport;
 

@@ -63,7 +63,7 @@ struct FrameReport {
     std::uint32_t buffer_clearings = 0;
     std::uint32_t restarts = 0;                            // passes thrown away because a capacity did not suffice
     std::uint32_t exhausted = 0;                           // BudgetBits
-    double error_px_requested = 0, error_px_effective = 0; // requested: the view's own, or that of the settings
+    double error_px_requested = 0, error_bound_px = 0; // requested: the view's own, or that of the settings
     bool converged = false;                                // effective == requested
 };
 

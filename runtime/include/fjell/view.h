@@ -48,13 +48,13 @@ struct View {
 };
 
 // Pixels a unit of tangent: height_px / (top - bottom); where pixels are narrower than high, those of the width.
-[[nodiscard]] constexpr double lambda_px(const View& view) {
+[[nodiscard]] constexpr double focal_length_px(const View& view) {
     const double high = view.height_px / (view.top - view.bottom), wide = view.width_px / (view.right - view.left);
     return wide > high * (1 + 1e-12) ? wide : high; // as square as rounding lets them be: one number, not two
 }
 
 // The view's own threshold where it has one, or that of the settings.
-[[nodiscard]] constexpr double view_error_px(const View& view, double settings_px) {
+[[nodiscard]] constexpr double view_max_error_px(const View& view, double settings_px) {
     return view.error_px > 0 ? view.error_px : settings_px;
 }
 

@@ -42,9 +42,9 @@ FjellFrustum fjell_make_frustum(const FjellView* view) {
     const In in(view);
     return to_c(in.ok ? make_frustum(in.value) : Frustum{});
 }
-double fjell_lambda_px(const FjellView* view) {
+double fjell_focal_length_px(const FjellView* view) {
     const In in(view);
-    return in.ok ? lambda_px(in.value) : 0;
+    return in.ok ? focal_length_px(in.value) : 0;
 }
 double fjell_corner_factor(const FjellView* view) {
     const In in(view);

@@ -371,7 +371,7 @@ private:
     }
     void flatten(std::uint32_t v, VertexKind kind, std::int32_t i, std::int32_t j, std::uint32_t a, std::uint32_t c) {
         const SampleIndex at = site_coord({at_.z, kind, at_.i0 + i, at_.j0 + j});
-        mesh_.morph[v].flat_m = flat_height(pages_.grid, mesh_, v, at, at_.z, kind == VertexKind::centre, a, c);
+        mesh_.morph[v].morph_from_m = flat_height(pages_.grid, mesh_, v, at, at_.z, kind == VertexKind::centre, a, c);
         if (b.beside) mesh_.dirty_vertices.mark(v); // it may have been placed in an earlier frame
     }
 

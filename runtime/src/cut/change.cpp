@@ -162,15 +162,15 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const SampleIndex at = s.pages.grid.terrain->tree.sample(site_coord(site));
     s.mesh.vertices[slot] = {at.x, at.y, v.y};
     s.mesh.hole[slot] = is_void(record_of(s.pages, vertex));
-    s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, long_active_s};
+    s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, activated_long_ago_s};
     if (morphing) {
-        s.mesh.morph[slot].flat_m = flat_height(s.pages.grid, s.mesh, slot, site_coord(site), site.z,
+        s.mesh.morph[slot].morph_from_m = flat_height(s.pages.grid, s.mesh, slot, site_coord(site), site.z,
                                                 site.kind == VertexKind::centre, ends[0], ends[1]);
         // What comes into sight is refined before it is seen: at once, or it would still morph when it is.
         if (s.visibility.now.count == 0 || seen(s.views, v))
             s.mesh.morph[slot].activated_s =
                 activation_time_s(s.views, s.morphing, s.frame, v.x, v.y, v.z, v.error_m, v.radius_m);
-        if (s.mesh.morph[slot].activated_s != long_active_s)
+        if (s.mesh.morph[slot].activated_s != activated_long_ago_s)
             note_late(s.pages, s.morphing, vertex / group_lanes / max_page_groups);
     }
     s.mesh.dirty_vertices.mark(slot);

@@ -18,8 +18,8 @@ constexpr double grow = 1 + 0x1p-18;
 // bounded in the same units, whatever their own thresholds are.
 double unit_px(const Views& views, const Frame& frame, std::uint32_t view) {
     const View& v = views.view[view];
-    const double own = view_error_px(v, frame.settings.error_px) / frame.settings.error_px;
-    return lambda_px(v) / own * (frame.settings.corner_safe ? corner_factor(v) : 1);
+    const double own = view_max_error_px(v, frame.settings.error_px) / frame.settings.error_px;
+    return focal_length_px(v) / own * (frame.settings.corner_safe ? corner_factor(v) : 1);
 }
 
 double pixels(double unit_px, double error_m, double apart_m) {

@@ -24,7 +24,7 @@ void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_
 // sample that a view shows may be to its eye. Coarse, but finite, and nothing has to be known of the cut. O(1) a view.
 [[nodiscard]] double any_mesh_px(const CutState& s);
 
-// No less than the largest error on screen of what waits or morphs by time, as if it were error_px_effective;
+// No less than the largest error on screen of what waits or morphs by time, as if it were error_bound_px;
 // unbounded_px at most. 0: nothing does. offscreen_too: also of pages that are called off-screen. O(awake pages).
 [[nodiscard]] double error_bound_px(CutState& s, bool offscreen_too);
 

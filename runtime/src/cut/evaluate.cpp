@@ -345,7 +345,7 @@ void place_picked_lanes(const Criterion& c, const PickedLanes& b, MeshVertex* ve
             auto height = hn::Undefined(d), error = height, radius = height;
             read_picked(c, b, lane, x, y, record, error_code, height, error, radius);
             hn::StoreInterleaved3(x, y, hn::BitCast(di, height), di, words + std::size_t{lane} * 3);
-            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, long_active_s), d,
+            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d,
                                   floats + std::size_t{lane} * 4);
         }
 }
@@ -410,7 +410,7 @@ std::uint32_t place_whole_rows(const Criterion& c, const PageRows* planes, std::
         read_record(d, c, hn::Load(di, all.record + n), planes[0].base, planes[0].unit_m, error_code, height, error,
                     radius);
         hn::StoreInterleaved3(hn::Load(di, all.x + n), hn::Load(di, all.y + n), hn::BitCast(di, height), di, words);
-        hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, long_active_s), d, floats);
+        hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d, floats);
     };
     std::uint32_t n = 0;
     for (; n + lanes <= all.count; n += lanes)

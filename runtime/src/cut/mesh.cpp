@@ -74,10 +74,10 @@ std::uint16_t half_towards_zero(double value) {
 }
 
 std::uint16_t steps_up(float activated_s) {
-    // Between 0 and a turn, or long_active_s; what is neither has been active for long.
-    if (!(activated_s >= 0 && activated_s <= morph_clock_s)) return compact_long_active;
+    // Between 0 and a turn, or activated_long_ago_s; what is neither has been active for long.
+    if (!(activated_s >= 0 && activated_s <= morph_clock_s)) return compact_activated_long_ago;
     const auto steps = static_cast<std::uint16_t>(static_cast<std::uint32_t>(std::ceil(activated_s * compact_steps_s)));
-    return steps == compact_long_active ? std::uint16_t{0} : steps; // a step later
+    return steps == compact_activated_long_ago ? std::uint16_t{0} : steps; // a step later
 }
 
 } // namespace
@@ -91,7 +91,7 @@ void compact_vertices(std::span<const MeshVertex> vertices, std::span<const Morp
         to[i] = {static_cast<std::uint16_t>(vertex.column),
                  static_cast<std::uint16_t>(vertex.row),
                  vertex.height_m,
-                 half_towards_zero(double{morph.flat_m} - double{vertex.height_m}),
+                 half_towards_zero(double{morph.morph_from_m} - double{vertex.height_m}),
                  steps_up(morph.activated_s),
                  length_up(morph.error_m),
                  length_up(morph.radius_m)};
@@ -103,13 +103,13 @@ void compact_indices(std::span<const std::uint32_t> indices, std::span<std::uint
     for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<std::uint16_t>(indices[i]);
 }
 
-// Rounding moves start = radius + error * q_start out by start / 2048 at most, which is start / 2048 / (error *
-// (q_start - q_full)) of the way. The height moves by error over the whole way. A metre at distance d is q_full / d
-// thresholds, and d is at least radius + error * q_full, which is at least start * q_full / q_start. The product:
-// q_start / (q_start - q_full) / 2048. Beside it, a 1024th for the flat height.
+// Rounding moves start = radius + error * start_per_error out by start / 2048 at most, which is start / 2048 / (error *
+// (start_per_error - full_per_error)) of the way. The height moves by error over the whole way. A metre at distance d is full_per_error / d
+// thresholds, and d is at least radius + error * full_per_error, which is at least start * full_per_error / start_per_error. The product:
+// start_per_error / (start_per_error - full_per_error) / 2048. Beside it, a 1024th for the flat height.
 double compact_share(const MorphView& view) {
-    const double band = double{view.q_start} - double{view.q_full};
-    return band > 0 ? 0x1p-11 * double{view.q_start} / band + 0x1p-10 : 0; // without a band nothing morphs by distance
+    const double band = double{view.start_per_error} - double{view.full_per_error};
+    return band > 0 ? 0x1p-11 * double{view.start_per_error} / band + 0x1p-10 : 0; // without a band nothing morphs by distance
 }
 
 float compact_rise_m(std::uint16_t rise) {

@@ -17,7 +17,7 @@ float morph_fraction(const MorphFrame& frame, float x, float y, float z, float e
         const MorphView& v = frame.view[i];
         const float dx = x - v.eye_x, dy = y - v.eye_y, dz = z - v.eye_z;
         const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const float start = radius_m + error_m * v.q_start, full = radius_m + error_m * v.q_full;
+        const float start = radius_m + error_m * v.start_per_error, full = radius_m + error_m * v.full_per_error;
         const float t = start > full ? (start - distance) / (start - full) : distance < start ? 1.0f : 0.0f;
         most = std::max(most, std::min(t, 1.0f));
     }
@@ -32,15 +32,15 @@ constexpr float unseen_px = 0.01f;
 float activation_time_s(const Views& views, Morphing& morphing, const Frame& frame, float x, float y, float z,
                         float error_m, float radius_m) {
     const MorphFrame& now = morphing.now;
-    if (now.morph == Morph::none) return long_active_s;
+    if (now.morph == Morph::none) return activated_long_ago_s;
     if (now.morph == Morph::error) {
         // Late: the frame before would have shown it above its edge already.
         const float before = morph_fraction(morphing.before, x, y, z, error_m, radius_m);
         if (before * static_cast<float>(frame.report.threshold_px * views.largest_ratio) <= unseen_px)
-            return long_active_s;
+            return activated_long_ago_s;
     }
     if (morphing.late_count == morphing.ring_size)
-        return long_active_s; // cannot be: a slot each; but no reason to fail
+        return activated_long_ago_s; // cannot be: a slot each; but no reason to fail
     morphing.late_s[(morphing.first_late + morphing.late_count++) % morphing.ring_size] = now.now_s;
     morphing.clock.timed_ticks = morphing.clock.ticks;
     return now.now_s;
@@ -75,11 +75,11 @@ void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_befor
     const auto pass = [&](std::uint32_t first, std::uint32_t end) {
         for (std::uint32_t slot = first; slot < std::min(end, mesh.fresh_vertex); ++slot) {
             MorphVertex& m = mesh.morph[slot];
-            if (m.activated_s == long_active_s ||
+            if (m.activated_s == activated_long_ago_s ||
                 morph_age_s(morphing.clock.now_s(), m.activated_s) * static_cast<float>(ticks_a_second) <
                     static_cast<float>(longest_gap_ticks))
                 continue;
-            m.activated_s = long_active_s;
+            m.activated_s = activated_long_ago_s;
             mesh.dirty_vertices.mark(slot);
         }
     };
@@ -93,8 +93,8 @@ void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std:
     const std::uint32_t slot = pages.vertex_slot[vertex];
     MeshVertex& v = mesh.vertices[slot];
     MorphVertex& m = mesh.morph[slot];
-    const float edge_m = m.flat_m;
-    m.flat_m = morphed_height_m(pages.grid.handle, v, m, morphing.now);
+    const float edge_m = m.morph_from_m;
+    m.morph_from_m = morphed_height_m(pages.grid.handle, v, m, morphing.now);
     v.height_m = edge_m;
     m.error_m = 1e30f; // by distance it has arrived
     m.radius_m = 0;
@@ -151,7 +151,7 @@ void flatten_all(const Pages& pages, Mesh& mesh) {
             const SampleIndex at = site_coord(site);
             const Diamond split = diamond(pages.grid.terrain->tree, at);
             const std::uint32_t slot = pages.vertex_slot[vertex];
-            mesh.morph[slot].flat_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
+            mesh.morph[slot].morph_from_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
                                                   slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
             mesh.dirty_vertices.mark(slot);
         }
@@ -168,7 +168,7 @@ float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphV
     if (found == nullptr) return v.height_m;
     float t = morph_fraction(frame, found->x_m(v.column), v.height_m, found->z_m(v.row), m.error_m, m.radius_m);
     t = std::min(t, morph_age_s(frame.now_s, m.activated_s) / frame.morph_s);
-    return m.flat_m + (v.height_m - m.flat_m) * std::clamp(t, 0.0f, 1.0f);
+    return m.morph_from_m + (v.height_m - m.morph_from_m) * std::clamp(t, 0.0f, 1.0f);
 }
 
 } // namespace fjell

@@ -71,7 +71,7 @@ inline void open_gate(Work& work) {
     return (mesh.hole[slot] & morphs_out_bit) != 0;
 }
 
-// activated_s of a vertex that is activated now: long_active_s, unless it must morph by time.
+// activated_s of a vertex that is activated now: activated_long_ago_s, unless it must morph by time.
 [[nodiscard]] float activation_time_s(const Views& views, Morphing& morphing, const Frame& frame, float x, float y,
                                       float z, float error_m, float radius_m);
 
@@ -90,11 +90,11 @@ void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // 
 
 // Moves the clock on to the host's time.
 void advance_clock(Morphing& morphing, const Frame& frame, bool first);
-// Before the clock's numbers return, what was activated the last time round becomes long_active_s: a cursor passes over
+// Before the clock's numbers return, what was activated the last time round becomes activated_long_ago_s: a cursor passes over
 // all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still show.
 void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before);
 
-// Computes flat_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).
+// Computes morph_from_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).
 void flatten_all(const Pages& pages, Mesh& mesh);
 
 } // namespace fjell

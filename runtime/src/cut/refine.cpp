@@ -399,7 +399,7 @@ bool work_off(CutState& s) {
     PageVisits visits(s);
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     s.frame.lagging = s.frame.lagging || s.views.jumped;
-    const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_items;
+    const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_work;
     while (s.frame.report.items < s.frame.item_limit) {
         const bool any_due = visits.any();
         if (any_due && s.frame.examined < most_examined) {
@@ -425,7 +425,7 @@ bool work_off(CutState& s) {
 void refine(CutState& s) {
     if (work_off(s) && waiting_groups(s.work) != blocked_groups(s.work) &&
         (s.frame.report.exhausted & cut_budget_time) == 0)
-        s.frame.report.exhausted |= cut_budget_items;
+        s.frame.report.exhausted |= cut_budget_work;
 }
 
 } // namespace fjell

@@ -183,7 +183,7 @@ void make_corners(const Grid& grid, Mesh& mesh) {
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
         mesh.vertices[slot] = {at.x, at.y, height_m};
-        mesh.morph[slot] = {height_m, 0, 0, long_active_s};
+        mesh.morph[slot] = {height_m, 0, 0, activated_long_ago_s};
         mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
         mesh.dirty_vertices.mark(slot);
     };

@@ -108,7 +108,7 @@ void finish(CutState& s) {
     report_waiting(s, overlooking);
     govern(s.pages.grid, s.views, s.governor, s.frame, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
-    r.error_px_effective = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
+    r.error_bound_px = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
 }
 
 // What the host has not taken is kept for it.
@@ -206,7 +206,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState& s = *found;
     if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
-    s.frame.item_limit = s.frame.settings.visits = unlimited_items;
+    s.frame.item_limit = s.frame.settings.visits = unlimited_work;
     s.frame.settings.budget_us = 0;
     s.frame.report.rebuilt = true;
     CutReport& r = s.frame.report;
@@ -300,7 +300,7 @@ const char* budget_field(CutBudgetBit bit) {
     switch (bit) {
     case cut_budget_vertices: return "CutBudget::vertices";
     case cut_budget_triangles: return "CutBudget::triangles";
-    case cut_budget_items: return "CutSettings::items";
+    case cut_budget_work: return "CutSettings::items";
     case cut_budget_time: break;
     }
     return "CutSettings::budget_us";

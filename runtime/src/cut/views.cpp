@@ -117,7 +117,7 @@ void take_views(const Grid& grid, Views& views, Morphing& morphing, const Frame&
         offscreen.reach[i] = make_reach(view, offscreen_px);
         offscreen.keep[i] = make_reach(view, offscreen_px / (1 + settings.hysteresis));
         morphing.now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
-                                static_cast<float>(lambda_px(view) / full_px)};
+                                static_cast<float>(focal_length_px(view) / full_px)};
         views.view[i] = view;
         views.frustum[i] = make_frustum(view);
         views.largest_ratio = std::max(views.largest_ratio, threshold_ratio(view, settings));

@@ -161,7 +161,7 @@ void set_offscreen(Pages& pages, Work& work, std::uint32_t slot, std::uint8_t of
 } // namespace
 
 double offscreen_factor(const Frame& frame, const View& view, double threshold_px) {
-    const double highest = quarter_tangent * lambda_px(view) / threshold_px;
+    const double highest = quarter_tangent * focal_length_px(view) / threshold_px;
     return std::clamp(highest, 1.0, frame.settings.offscreen_factor);
 }
 

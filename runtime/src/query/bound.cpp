@@ -64,7 +64,7 @@ template <typename Vertices>
 class Bound {
 public:
     Bound(const TerrainData& terrain, const Vertices& vertices, const View& view, bool corner_safe, double at_least_px)
-        : t_(terrain), vertices_(vertices), view_(view), frustum_(make_frustum(view)), lambda_(lambda_px(view)),
+        : t_(terrain), vertices_(vertices), view_(view), frustum_(make_frustum(view)), lambda_(focal_length_px(view)),
           corner_safe_(corner_safe), trusted_(terrain.header.estimate == ErrorEstimate::max), px_(at_least_px) {
         const PackHeader& h = terrain.header;
         const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));

@@ -209,12 +209,12 @@ struct Quarter {
         q.square.bound = below(t, std::min(samples[0].error, samples[1].error));
         return q;
     }
-    const double flat_m = error_m(t, below(t, code)) + spread_m(t, s, centre);
+    const double morph_from_m = error_m(t, below(t, code)) + spread_m(t, s, centre);
     for (int i = 0; i < 2; ++i) {
         q.flat[i] = cut_by_rim(t, nw, half) || !samples[i].loaded;
         if (q.flat[i]) { // all of the triangle over that side of the square
             q.half[i] = {centre, {own, s.corners[i == 0 ? k ^ 1 : k ^ 2]}, any_error};
-            q.error_m[i] = flat_m;
+            q.error_m[i] = morph_from_m;
         } else {
             q.half[i] = {sides[i], {own, centre}, below(t, samples[i].error)};
         }

@@ -27,7 +27,7 @@ struct Accumulator {
                 if (dot(frustum->normal[i], eye_to_sample) < frustum->offset[i]) return;
         ++result.samples;
         const double error_m = std::max(std::abs(height - surface_m) - rounding_m, 0.0);
-        const double error_px = error_m * lambda_px(view) / std::max(length(eye_to_sample), 1e-9);
+        const double error_px = error_m * focal_length_px(view) / std::max(length(eye_to_sample), 1e-9);
         if (error_m > result.max_m) result.max_m = error_m, result.sample_m = at;
         if (error_px > result.max_px) result.max_px = error_px, result.sample_px = at;
     }

@@ -167,11 +167,11 @@ private:
     bool square(Reader& reader, const Square& s, Part part) {
         const Sample sample = reader.read(s.centre());
         if (!sample.loaded) {
-            const double flat_m = error_m(t, s.bound) + spread_m(t, s);
+            const double morph_from_m = error_m(t, s.bound) + spread_m(t, s);
             const Triangle half = s.half(0);
             in_halves(
                 half.ends[0].at, half.ends[1].at, part, [&](Point p) { return s.half_of(p); },
-                [&](int k, Part of) { push_flat(s.half(k), flat_m, of); });
+                [&](int k, Part of) { push_flat(s.half(k), morph_from_m, of); });
             return false;
         }
         // Planes bend when the square is split, but no sample leaves the range of its corners by more than the error.

@@ -190,7 +190,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     s.dirty_end = 0;
     report = {};
     report.frame = ++s.frame;
-    const double requested_px = view_error_px(view, settings.error_px);
+    const double requested_px = view_max_error_px(view, settings.error_px);
     report.error_px_requested = requested_px;
 
     const double corner = settings.corner_safe ? corner_factor(view) : 1;
@@ -211,7 +211,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     report.vertices = result.selected;
     report.triangles = result.triangles;
     report.tiles = result.tiles;
-    report.error_px_effective = threshold_px;
+    report.error_bound_px = threshold_px;
     report.converged = threshold_px <= requested_px;
     return {};
 }

@@ -223,7 +223,7 @@ void test_tile(StreamState& s, std::uint32_t index) {
     // Pixels that a metre takes, at the nearest point to any eye.
     double px_m = 0;
     for (std::uint32_t i = 0; i < s.view_count; ++i)
-        px_m = std::max(px_m, lambda_px(s.views[i]) / std::max(distance_m(box, s.views[i].eye_m), 1e-3));
+        px_m = std::max(px_m, focal_length_px(s.views[i]) / std::max(distance_m(box, s.views[i].eye_m), 1e-3));
     const TerrainData& t = *s.terrain;
     const double tile_m = static_cast<double>(std::max(t.spacing_x_m, t.spacing_z_m)) * t.tree.side();
     const bool visible = may_be_seen(s, box);

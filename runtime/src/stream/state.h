@@ -64,7 +64,7 @@ inline constexpr std::uint32_t watches_per_slot = 5;
 // An eye that pages are wanted for: of a view, or where its motion will bring it.
 struct WantedEye {
     double x, y, z;
-    double lambda_px; // times what the settings and the view's own threshold add to it
+    double focal_length_px; // times what the settings and the view's own threshold add to it
     bool predicted;
 };
 

@@ -79,7 +79,7 @@ void test(StreamState& s, std::uint32_t watch) {
         // The eye is rounded to float there: a few units in the last place.
         const double pad = (std::abs(eye.x) + std::abs(eye.y) + std::abs(eye.z)) * 0x1p-22;
         const double apart = distance_m(w, {eye.x, eye.y, eye.z}) - w.radius_m * grow - pad,
-                     reach = w.error_m * grow * eye.lambda_px;
+                     reach = w.error_m * grow * eye.focal_length_px;
         const double px = apart > 0 ? std::min(reach / apart, most_px) : most_px;
         if (px > threshold) wants |= eye.predicted ? 2 : 1;
         most = std::max(most, px);
@@ -166,12 +166,12 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
         const Vec3 eye = views[i].eye_m;
         if (i >= s.view_count) s.last_eye[i] = eye, s.last_speed[i] = s.speed[i] = {};
         // A view with its own threshold is one that magnifies as much more as its threshold is lower.
-        const double own = cut.error_px / view_error_px(views[i], cut.error_px);
-        const double lambda = lambda_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1) * own;
+        const double own = cut.error_px / view_max_error_px(views[i], cut.error_px);
+        const double lambda = focal_length_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1) * own;
         for (std::uint32_t kind = 0; kind < kinds; ++kind) {
             const Vec3 at = kind == 0 ? eye : ahead(s, i, eye, seconds);
             WantedEye& e = s.eyes[i * kinds + kind];
-            all = all || e.lambda_px != lambda;
+            all = all || e.focal_length_px != lambda;
             way_m = std::max(way_m, length(at - Vec3{e.x, e.y, e.z}));
             e = {at.x, at.y, at.z, lambda, kind != 0};
         }

@@ -30,7 +30,7 @@ inline constexpr float reach_grow = 1.0f + 0x1p-20f;
 
 [[nodiscard]] inline Reach make_reach(const View& view, double threshold_px) {
     Reach r{static_cast<float>(view.eye_m.x), static_cast<float>(view.eye_m.y), static_cast<float>(view.eye_m.z),
-            static_cast<float>(lambda_px(view) / threshold_px), 0};
+            static_cast<float>(focal_length_px(view) / threshold_px), 0};
     // Half a unit in the last place of each coordinate, and no more is lost. Not measured: g++ 12 drops the rounding
     // from double(float(x)) where it vectorises, and what is left of the difference is nothing.
     const double largest = std::abs(view.eye_m.x) + std::abs(view.eye_m.y) + std::abs(view.eye_m.z);

@@ -104,17 +104,17 @@ void add_live_frames(Frames& frames) {
     const gltf::SnapshotInfo lagging = frames.add("lagging", cut, low, settings, report);
     CHECK(lagging.lagging);
     CHECK_FALSE(lagging.converged);
-    CHECK(lagging.error_px_effective > 2);
+    CHECK(lagging.error_bound_px > 2);
     CHECK(lagging.error_px == 2);
 
     CutBudget few = ample_cut(terrain);
     few.vertices = 4 * terrain.tile_count() + 200;
     Cut capped(terrain, few);
-    settings.items = unlimited_items;
+    settings.items = unlimited_work;
     for (int frame = 0; frame < 40; ++frame) report = capped.update({&view, 1}, settings);
     const gltf::SnapshotInfo full = frames.add("capped", capped, view, settings, report);
     CHECK_FALSE(full.converged);
-    CHECK(full.error_px_effective > 2);
+    CHECK(full.error_bound_px > 2);
 }
 
 void add_morphed_frames(Frames& frames) {

@@ -12,9 +12,9 @@
 // with horizon maps the share of the sky that each place sees is the material's occlusion texture. All textures of a
 // file are of one size. The camera is a glTF camera.
 //
-// scenes[0].extras.fjell, for checkers: error_px (as it was asked for), error_px_effective (no sample under the file's
+// scenes[0].extras.fjell, for checkers: error_px (as it was asked for), error_bound_px (no sample under the file's
 // mesh is farther from it on screen, the quantum's share apart; 1e7: no bound is known), corner_safe (it holds in
-// pixels of the picture too, not only angles), converged (nothing waits, and error_px_effective is no more than
+// pixels of the picture too, not only angles), converged (nothing waits, and error_bound_px is no more than
 // error_px), morphed (heights between two levels), lagging (work, pages or vertices that morph by time were waiting),
 // culled (what the camera does not see was not refined), quantum_m, viewport [w, h], fov_y_deg, eye [x, y, z],
 // spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns, rows], vertices and
@@ -56,9 +56,9 @@ namespace fjell::gltf {
 struct SnapshotInfo {
     View view;                     // as make_view() makes them: glTF's cameras look at the picture's middle
     double error_px = 1;           // as it was asked for, > 0
-    double error_px_effective = 1; // what this mesh keeps, > 0
+    double error_bound_px = 1; // what this mesh keeps, > 0
     bool corner_safe = false;
-    bool converged = false; // error_px_effective <= error_px, and nothing waits
+    bool converged = false; // error_bound_px <= error_px, and nothing waits
     bool morphed = false;   // heights are between two levels
     bool lagging = false;   // something waits
     bool culled = false;    // refined for what the camera sees only
@@ -96,7 +96,7 @@ struct [[nodiscard]] SnapshotResult {
     std::uint32_t tiles = 0;
     std::uint64_t vertices = 0, triangles = 0; // as in extras
     bool converged = false;
-    double error_px_effective = 0;
+    double error_bound_px = 0;
     std::uint32_t texture_px = 0;   // texels a side; 0: the pack has no colour
     std::uint32_t normal_px = 0;    // the same of the normal texture
     std::uint32_t occlusion_px = 0; // and of the occlusion: of packs with horizon maps
