@@ -55,7 +55,7 @@ bool looks_the_same(const OverviewSource& now, const OverviewSource& source) {
     if (!now.pack || !source.pack) return now.pack == source.pack;
     const gl::LayerSettings &a = now.settings, &b = source.settings;
     return now.pack->pack().header.directory_hash == source.pack->pack().header.directory_hash &&
-           now.layers == source.layers && (!now.layers || (a.on == b.on && a.tint == b.tint && a.control == b.control));
+           now.layers == source.layers && (!now.layers || (a.on == b.on && a.tint == b.tint && a.splat == b.splat));
 }
 
 // What shows in panels alone. Everything else may show in the terrain's picture.

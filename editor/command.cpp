@@ -213,7 +213,7 @@ Command bake(Words& w) {
                {"texture", [&](const std::string& v) { b.texture = v; }},
                {"ramp", [&](const std::string& v) { b.ramp = v; }},
                {"layers", [&](const std::string& v) { b.rules = v; }},
-               {"control", [&](const std::string& v) { b.control = v; }},
+               {"splat", [&](const std::string& v) { b.splat = v; }},
                {"horizons", [&](const std::string& v) { b.horizons = v; }},
                {"encoding", [&](const std::string& v) { b.encoding = v; }},
                {"bbox", [&](const std::string& v) { b.bbox = v; }},
@@ -277,7 +277,7 @@ std::vector<Verb> terrain_verbs() {
          }},
         {"bake",
          "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [zoffset=M] "
-         "[layers=RULES] [control=full|half|quarter] [horizons=none|half|quarter] "
+         "[layers=RULES] [splat=full|half|quarter] [horizons=none|half|quarter] "
          "[encoding=none|terrarium|terrain-rgb] [bbox=W,S,E,N] [order=planar|hz|linear] "
          "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},

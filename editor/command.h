@@ -200,7 +200,7 @@ struct BakePack {
     std::string texture, ramp;
     double spacing_m = 0, height_scale = 1, height_offset_m = 0; // spacing 0: the file's own
     std::string order, nodata, voids, crs;                       // as fjell-bake has them; empty: its defaults
-    std::string rules, control;                                  // its --layers, and how fine these maps are
+    std::string rules, splat;                                  // its --layers, and how fine these maps are
     std::string horizons, encoding, bbox;                        // and these of its options
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)

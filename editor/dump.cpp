@@ -57,7 +57,7 @@ json bake_json(const BakeDraft& d) {
             {"output", d.pack.output},
             {"texture", d.pack.texture},
             {"rules", d.pack.rules},
-            {"control", d.pack.control},
+            {"splat", d.pack.splat},
             {"horizons", d.pack.horizons},
             {"rule_count", f.rules},
             {"layers", layers_of(f)},

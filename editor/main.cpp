@@ -42,7 +42,7 @@ bool parse_options(int argc, char** argv, Options& options) {
     auto* const materials = app.add_option("--materials", options.materials,
                                            "what near ground is drawn with: a file of fjell-bake materials");
     app.add_option("--layers", options.layers,
-                   "and where, unless the pack's control maps say: rules (content/materials/rules/*.json)")
+                   "and where, unless the pack's splat maps say: rules (content/materials/rules/*.json)")
         ->needs(materials);
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
     app.add_option("--frames", options.frames, "quits after so many frames")->check(io::whole_within(1, 1'000'000'000));

@@ -61,7 +61,7 @@ private:
     void run_stages();
     void make_maps(const BakePlan& plan, const HeightStores& heights);
     void make_horizons(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
-    void make_control(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
+    void make_splat(const BakePlan& plan, const HeightStores& heights, TexelStore& texels);
     void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer);
     struct Below { // what a step is made from
         const HeightStores& heights;
@@ -146,7 +146,7 @@ void Bake::run_stages() {
 
     const Clock::time_point maps_start = Clock::now();
     make_maps(plan, heights);
-    summary_.seconds_textures = seconds_since(maps_start) - summary_.seconds_horizons - summary_.seconds_control;
+    summary_.seconds_textures = seconds_since(maps_start) - summary_.seconds_horizons - summary_.seconds_splat;
 
     // ---- vertices: the finest step from the heights, each further one from what the step before has left
     const Clock::time_point errors_start = Clock::now();
@@ -190,7 +190,7 @@ void Bake::run_stages() {
     summary_.seconds_read = times.seconds_read;
     summary_.seconds_textures = times.seconds_textures;
     summary_.seconds_horizons = times.seconds_horizons;
-    summary_.seconds_control = times.seconds_control;
+    summary_.seconds_splat = times.seconds_splat;
     summary_.seconds_errors = times.seconds_errors;
     write_pack(context_, plan.header, *spool_, summary_);
     summary_.seconds_write = seconds_since(write_start);
@@ -264,9 +264,9 @@ constexpr StageId far_mip_stage(MapKind kind, std::uint32_t mip) {
 }
 
 void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
-    constexpr MapKind kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::control};
+    constexpr MapKind kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::splat};
     constexpr Stage near_stages[map_kind_count] = {Stage::near_maps, Stage::near_maps, Stage::near_horizons,
-                                                   Stage::near_control};
+                                                   Stage::near_splat};
     TexelStore texels[map_kind_count];
     Digest* const left = checkpoint_.state.stores.texels;
     for (const MapKind kind : kinds)
@@ -282,7 +282,7 @@ void Bake::make_maps(const BakePlan& plan, const HeightStores& heights) {
         for (const int kind : {0, 1}) left[kind] = texels[kind].digest(); // neighbours both write what they share
     });
     if (plan.maps.horizon_log2 != 0) make_horizons(plan, heights, texels[static_cast<int>(MapKind::horizon)]);
-    if (plan.maps.control_log2 != 0) make_control(plan, heights, texels[static_cast<int>(MapKind::control)]);
+    if (plan.maps.splat_log2 != 0) make_splat(plan, heights, texels[static_cast<int>(MapKind::splat)]);
     for (const MapKind kind : kinds) make_far_mips(plan, kind, std::move(texels[static_cast<int>(kind)]));
 }
 
@@ -306,17 +306,17 @@ void Bake::make_horizons(const BakePlan& plan, const HeightStores& heights, Texe
     summary_.seconds_horizons = seconds_since(start);
 }
 
-void Bake::make_control(const BakePlan& plan, const HeightStores& heights, TexelStore& texels) {
+void Bake::make_splat(const BakePlan& plan, const HeightStores& heights, TexelStore& texels) {
     const Clock::time_point start = Clock::now();
-    stage({Stage::near_control}, [&] {
+    stage({Stage::near_splat}, [&] {
         reads_input_ = true; // rasters
         std::optional<Wetness> wetness;
-        if (context_.control.wants_wetness()) wetness = make_wetness(context_, sum_squares(context_, heights.heights));
-        make_near_control(context_, plan, heights, wetness ? &*wetness : nullptr, {texels, *spool_});
+        if (context_.splat.wants_wetness()) wetness = make_wetness(context_, sum_squares(context_, heights.heights));
+        make_near_splat(context_, plan, heights, wetness ? &*wetness : nullptr, {texels, *spool_});
         reads_input_ = false;
-        checkpoint_.state.stores.texels[static_cast<int>(MapKind::control)] = texels.digest();
+        checkpoint_.state.stores.texels[static_cast<int>(MapKind::splat)] = texels.digest();
     });
-    summary_.seconds_control = seconds_since(start);
+    summary_.seconds_splat = seconds_since(start);
 }
 
 // finer: texels of the last near mip.

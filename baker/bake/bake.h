@@ -30,8 +30,8 @@ struct BakeOptions {
     std::string reading;   // how the source was read, for the pack's notes (pack/notes.h); empty: they do not say
     std::uint32_t max_texture_log2 = 10;
     int horizon_spacing = 0; // samples from texel to texel of horizon maps, nearly: 2 or 4; 0: none
-    std::string layers_path; // rules of control maps (maps/control.h); empty: none
-    int control_spacing = 2; // samples from texel to texel of control maps, nearly: 1, 2 or 4
+    std::string layers_path; // rules of splat maps (maps/splat.h); empty: none
+    int splat_spacing = 2; // samples from texel to texel of splat maps, nearly: 1, 2 or 4
     int compression = -3;    // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
 
     // How.
@@ -61,14 +61,14 @@ struct BakeSummary {
     RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0,
                   horizon_bytes = 0, // those of the textures that are horizon maps
-        control_bytes = 0;           // and control maps
+        splat_bytes = 0;           // and splat maps
     bool resumed = false;            // some stages were complete from an earlier run
     std::uint64_t enough_bytes = 0;  // of memory, for a bake that worked in files; 0: it did not, or had to, or they
                                      // are more than half of this machine's
     bool work_damaged = false;       // an earlier run's work was not as it had left it, and all was done anew
-    // Read, filled and measured; colour and normal maps; horizon maps; control maps; vertices; assembled and on the
+    // Read, filled and measured; colour and normal maps; horizon maps; splat maps; vertices; assembled and on the
     // disk; everything.
-    double seconds_read = 0, seconds_textures = 0, seconds_horizons = 0, seconds_control = 0, seconds_errors = 0,
+    double seconds_read = 0, seconds_textures = 0, seconds_horizons = 0, seconds_splat = 0, seconds_errors = 0,
            seconds_write = 0, seconds_total = 0;
 };
 

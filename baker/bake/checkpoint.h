@@ -23,7 +23,7 @@ enum class Stage : std::uint32_t {
     near_maps,
     levels,
     near_horizons,
-    near_control,
+    near_splat,
     far_mips,
     finest_step,
     coarser_steps,

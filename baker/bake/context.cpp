@@ -34,7 +34,7 @@ std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps
     const double tiles = static_cast<double>(tree.tiles_x) * tree.tiles_y;
     const double heights = samples * (sizeof(float) + sizeof(std::uint8_t)); // with holes marked
     const double colour = texels_of(tree, maps.colour_log2), normal = texels_of(tree, maps.normal_log2),
-                 horizon = texels_of(tree, maps.horizon_log2), control = texels_of(tree, maps.control_log2);
+                 horizon = texels_of(tree, maps.horizon_log2), splat = texels_of(tree, maps.splat_log2);
 
     // Filling voids: heights as they were read, filled ones, and the pyramid of means.
     const double filling = heights + samples * sizeof(float) * sum_of_mips;
@@ -48,11 +48,11 @@ std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps
     const double horizon_texels =
         horizon * sizeof(std::uint16_t) * horizon_planes / std::pow(4.0, near_mips - 1) * 1.25;
     const double horizon_chunks = 0.5 * horizon_planes * horizon * sum_of_mips * not_compressed;
-    // Control maps: the same 16 channels on the way, 8 bytes a texel. They come last.
-    const double control_texels = control * sizeof(std::uint16_t) * static_cast<double>(channels(MapKind::control)) /
+    // Splat maps: the same 16 channels on the way, 8 bytes a texel. They come last.
+    const double splat_texels = splat * sizeof(std::uint16_t) * static_cast<double>(channels(MapKind::splat)) /
                                   std::pow(4.0, near_mips - 1) * 1.25;
-    const double control_chunks = control_texel_bytes * control * sum_of_mips * not_compressed;
-    const double all_chunks = map_chunks + horizon_chunks + control_chunks;
+    const double splat_chunks = splat_texel_bytes * splat * sum_of_mips * not_compressed;
+    const double all_chunks = map_chunks + horizon_chunks + splat_chunks;
     // Vertices: places and centres of the step above the finest one, its unsaturated errors, records of mixed pages.
     const bool linear = order == PageOrder::linear;
     const int mixed_log2 = linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0);
@@ -63,11 +63,11 @@ std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps
     const PageLayout pages{tree.tile_log2, order};
     const double entries = tiles *
                            (pages.pages_per_tile() + mip_count(maps.colour_log2) + mip_count(maps.normal_log2) +
-                            mip_count(maps.horizon_log2) + mip_count(maps.control_log2)) *
+                            mip_count(maps.horizon_log2) + mip_count(maps.splat_log2)) *
                            sizeof(ChunkEntry);
     return static_cast<std::uint64_t>(
         std::max({filling, heights + texels + map_chunks + entries,
-                  heights + texels + levels + horizon_texels + control_texels + all_chunks + entries,
+                  heights + texels + levels + horizon_texels + splat_texels + all_chunks + entries,
                   heights + steps + mixed + all_chunks + page_chunks + entries}));
 }
 
@@ -90,8 +90,8 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
     return open_images(options.texture_paths, frame_of(source));
 }
 
-ControlPlan control_of(const BakeOptions& options) {
-    return options.layers_path.empty() ? ControlPlan{} : read_control(options.layers_path);
+SplatPlan splat_of(const BakeOptions& options) {
+    return options.layers_path.empty() ? SplatPlan{} : read_splat(options.layers_path);
 }
 
 std::uint32_t map_log2(double texels_a_side, const BakeOptions& options) {
@@ -106,17 +106,17 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       regions(tree, options.region_cells), part(the_part), pages{tree.tile_log2, options.order},
       threads(resolve_threads(options.threads)),
       mixed_log2(options.order == PageOrder::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
-      folder(out_path), image(images_of(source, options)), control(control_of(options)),
-      control_images(open_control_images(control, frame_of(source))),
+      folder(out_path), image(images_of(source, options)), splat(splat_of(options)),
+      splat_images(open_splat_images(splat, frame_of(source))),
       // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
       colour_log2(map_log2(image ? tree.side() * image->pixels_per_sample() : tree.side() / 2.0, options)),
       normal_log2(map_log2(tree.side(), options)),
       horizon_log2(
           options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
-      control_log2(
-          control.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.control_spacing), options)),
+      splat_log2(
+          splat.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.splat_spacing), options)),
       enough_bytes(
-          (work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, control_log2}) + base_bytes) / 3 *
+          (work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, splat_log2}) + base_bytes) / 3 *
           4),
       // Work files that an earlier run has left are gone on with.
       in_memory(part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
@@ -171,13 +171,13 @@ std::string BakeContext::identity() const {
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1], source.origin_m[0],
                        source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt, o.horizon_spacing,
                        image ? image->identity() : "") +
-           control_identity();
+           splat_identity();
 }
 
-std::string BakeContext::control_identity() const {
-    if (control.rules.empty()) return {};
-    std::string text = fmt::format("layers {} {}\n", options.control_spacing, control.text);
-    for (const auto& raster : control_images) text += raster->identity();
+std::string BakeContext::splat_identity() const {
+    if (splat.rules.empty()) return {};
+    std::string text = fmt::format("layers {} {}\n", options.splat_spacing, splat.text);
+    for (const auto& raster : splat_images) text += raster->identity();
     return text;
 }
 

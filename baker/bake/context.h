@@ -9,7 +9,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "baker/maps/image.h"
 #include "baker/store/store.h"
 #include "tree/order.h"
@@ -21,7 +21,7 @@ namespace fjell::baker {
 
 // log2 of texels a side of a tile's maps; 0: none.
 struct MapSizes {
-    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, control_log2 = 0;
+    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, splat_log2 = 0;
 };
 
 // The most bytes that all stores of a bake and the pack's compressed chunks take at once, whatever the heights are:
@@ -76,7 +76,7 @@ public:
     [[nodiscard]] bool leaves_out() const { return leaves_out_; }
 
 private:
-    [[nodiscard]] std::string control_identity() const;
+    [[nodiscard]] std::string splat_identity() const;
     bool leaves_out_ = false;
     std::vector<std::int64_t> kept_;
     std::vector<std::uint32_t> kept_tiles_;
@@ -95,9 +95,9 @@ public:
 
     WorkFolder folder;
     const std::unique_ptr<ImageSource> image; // or none
-    const ControlPlan control;                // without rules: none
-    const ControlImages control_images;
-    const std::uint32_t colour_log2, normal_log2, horizon_log2, control_log2; // texels a side of mip 0; 0: no such map
+    const SplatPlan splat;                // without rules: none
+    const SplatImages splat_images;
+    const std::uint32_t colour_log2, normal_log2, horizon_log2, splat_log2; // texels a side of mip 0; 0: no such map
     const std::uint64_t enough_bytes;                                         // of memory, for all stores to lie there
     const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
 };

@@ -15,7 +15,7 @@ MapPlan plan_maps(const BakeContext& context, const HeightStatistics& heights) {
     maps.colour_log2 = context.colour_log2;
     maps.normal_log2 = context.normal_log2;
     maps.horizon_log2 = context.horizon_log2;
-    maps.control_log2 = context.control_log2;
+    maps.splat_log2 = context.splat_log2;
     const std::string& path = context.options.ramp_path;
     const double least_m = static_cast<double>(heights.least_m), most_m = static_cast<double>(heights.most_m);
     maps.ramp = path.empty() ? default_ramp(least_m, most_m) : absolute(read_ramp(path), least_m, most_m);
@@ -54,8 +54,8 @@ PackHeader make_header(const BakeContext& context, const HeightStatistics& heigh
     h.colour_log2 = plan.maps.colour_log2;
     h.normal_log2 = plan.maps.normal_log2;
     h.horizon_log2 = plan.maps.horizon_log2;
-    h.control_log2 = plan.maps.control_log2;
-    h.layer_bytes = static_cast<std::uint32_t>(context.control.stored_names().size());
+    h.splat_log2 = plan.maps.splat_log2;
+    h.layer_bytes = static_cast<std::uint32_t>(context.splat.stored_names().size());
     h.crs_bytes = static_cast<std::uint32_t>(source.crs_wkt.size());
     return h;
 }

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "baker/read/gdal_file.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -181,14 +181,14 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"layers",
          Of::files,
          &Recipe::layers,
-         "control maps: which materials lie where, by rules over the ground, rasters of classes and painted images "
-         "(JSON, content/materials/control)",
+         "splat maps: which materials lie where, by rules over the ground, rasters of classes and painted images "
+         "(JSON, content/materials/splat)",
          {},
          true},
-        {"control",
+        {"splat",
          Of::pack,
-         &Recipe::control,
-         "texels of control maps: full, half (default) or quarter of the samples' density",
+         &Recipe::splat,
+         "texels of splat maps: full, half (default) or quarter of the samples' density",
          {"full", "half", "quarter"}},
         {"crs", Of::reading, &Recipe::crs,
          "auto (default: what is in degrees is reprojected to a projection that suits it), none, or a projected CRS to "
@@ -333,12 +333,12 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.tile_log2 = tile_log2(recipe.tile.value_or("auto"));
     o.estimate = word_at(recipe.estimate, "estimate", o.estimate);
     o.order = word_at(recipe.order, "order", o.order);
-    constexpr int horizon_spacings[] = {0, 2, 4}, control_spacings[] = {1, 2, 4};
+    constexpr int horizon_spacings[] = {0, 2, 4}, splat_spacings[] = {1, 2, 4};
     o.horizon_spacing = horizon_spacings[word_at(recipe.horizons, "horizons", 0)];
     o.layers_path = recipe.layers.value_or("");
-    if (recipe.control && o.layers_path.empty())
-        throw Failure(2, "--control says how fine control maps are; give their rules with --layers");
-    o.control_spacing = control_spacings[word_at(recipe.control, "control", 1)];
+    if (recipe.splat && o.layers_path.empty())
+        throw Failure(2, "--splat says how fine splat maps are; give their rules with --layers");
+    o.splat_spacing = splat_spacings[word_at(recipe.splat, "splat", 1)];
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
     o.texture_paths = recipe.texture;
@@ -355,7 +355,7 @@ std::vector<std::string> files_read(const Recipe& recipe) {
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {
         all.push_back(*recipe.layers);
-        for (const ControlRaster& raster : read_control(*recipe.layers).rasters)
+        for (const SplatRaster& raster : read_splat(*recipe.layers).rasters)
             add(raster_files(raster.path, "a raster"));
     }
     return all;

@@ -13,7 +13,7 @@
 
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "baker/maps/horizon.h"
 #include "baker/maps/image.h"
 #include "baker/maps/wetness.h"
@@ -177,7 +177,7 @@ namespace {
 
 ChunkKind chunk_of(MapKind kind) {
     constexpr ChunkKind chunks[map_kind_count] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon,
-                                                  ChunkKind::control};
+                                                  ChunkKind::splat};
     return chunks[static_cast<std::size_t>(kind)];
 }
 
@@ -196,7 +196,7 @@ void store_texels(TexelStore& store, const Window& at, MapKind kind, const Texel
 
 TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind kind, std::uint32_t mip) {
     const Window grid = maps.grid(kind, mip);
-    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "control"};
+    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "splat"};
     return context.open<std::uint16_t>(names[static_cast<std::size_t>(kind)] + std::to_string(mip),
                                        std::int64_t{grid.columns} * static_cast<std::int64_t>(channels(kind)),
                                        grid.rows);
@@ -357,7 +357,7 @@ void make_near_horizons(const BakeContext& context, const BakePlan& plan, const 
                       });
 }
 
-// The stage that makes control maps: wetness of a coarse grid, where rules ask for it, then near mips tile by tile.
+// The stage that makes splat maps: wetness of a coarse grid, where rules ask for it, then near mips tile by tile.
 
 namespace {
 
@@ -373,10 +373,10 @@ int square_log2(const WetnessGrid& grid) {
 // Readers of all rasters, opened once a thread.
 class ReaderSets {
 public:
-    explicit ReaderSets(const ControlImages& images) : images_(images) {}
-    [[nodiscard]] ControlReaders take() {
+    explicit ReaderSets(const SplatImages& images) : images_(images) {}
+    [[nodiscard]] SplatReaders take() {
         const std::lock_guard hold(lock_);
-        ControlReaders readers;
+        SplatReaders readers;
         if (free_.empty()) {
             for (const auto& image : images_) readers.push_back(image->reader());
             return readers;
@@ -385,15 +385,15 @@ public:
         free_.pop_back();
         return readers;
     }
-    void give(ControlReaders readers) {
+    void give(SplatReaders readers) {
         const std::lock_guard hold(lock_);
         free_.push_back(std::move(readers));
     }
 
 private:
-    const ControlImages& images_;
+    const SplatImages& images_;
     std::mutex lock_;
-    std::vector<ControlReaders> free_;
+    std::vector<SplatReaders> free_;
 };
 
 } // namespace
@@ -444,40 +444,40 @@ Wetness found_wetness(const BakeContext& context, std::vector<float> index) {
     return Wetness::found(grid_of(context), std::move(index));
 }
 
-void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const Wetness* wetness, const ControlOutput& out) {
-    ControlGround ground{
-        context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::control), wetness};
+void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                       const Wetness* wetness, const SplatOutput& out) {
+    SplatGround ground{
+        context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::splat), wetness};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
     // Shares of points, of each raster too, texels of them and of their mips; heights; strips of pixels.
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,
                  samples = context.tree.side() + 120.0;
-    const auto rasters = static_cast<double>(context.control.rasters.size());
+    const auto rasters = static_cast<double>(context.splat.rasters.size());
     const auto tile_bytes =
-        static_cast<std::uint64_t>(points * points * max_control_names * (10 + 4 * rasters) + samples * samples * 4) +
+        static_cast<std::uint64_t>(points * points * max_splat_names * (10 + 4 * rasters) + samples * samples * 4) +
         (std::uint64_t{6} << 20);
-    ReaderSets sets(context.control_images);
+    ReaderSets sets(context.splat_images);
     const auto make_tile = [&](std::uint64_t u) {
         const std::uint32_t tile = context.tile_at(u);
-        const Window at = points_for_map(plan.maps, MapKind::control, tile);
-        const Window seen = heights_for_control(ground, at);
+        const Window at = points_for_map(plan.maps, MapKind::splat, tile);
+        const Window seen = heights_for_splat(ground, at);
         Buffer<float> heights_m(seen.area());
         heights.heights.read(seen, heights_m.data(), seen.columns);
-        ControlReaders readers = sets.take();
+        SplatReaders readers = sets.take();
         const TexelPlanes shares =
-            control_shares(context.control, ground, at, {heights_m.data(), context.control_images, readers});
+            splat_shares(context.splat, ground, at, {heights_m.data(), context.splat_images, readers});
         sets.give(std::move(readers));
         heights_m = {};
-        const std::vector<MipTexels> mips = near_mips_from(plan.maps, MapKind::control, tile, shares);
+        const std::vector<MipTexels> mips = near_mips_from(plan.maps, MapKind::splat, tile, shares);
         ChunkBatch batch;
         for (std::uint32_t mip = 0; mip < mips.size(); ++mip)
-            batch.add({ChunkKind::control, tile, mip}, mips[mip].blocks, context.options.compression);
+            batch.add({ChunkKind::splat, tile, mip}, mips[mip].blocks, context.options.compression);
         if (out.texels.exists())
-            store_texels(out.texels, plan.maps.texels(MapKind::control, near_mips - 1, tile), MapKind::control,
+            store_texels(out.texels, plan.maps.texels(MapKind::splat, near_mips - 1, tile), MapKind::splat,
                          mips.back().texels);
         out.spool.append(std::move(batch));
     };
-    context.run_units({"control maps", context.tile_count(), context.workers_for(tile_bytes),
+    context.run_units({"splat maps", context.tile_count(), context.workers_for(tile_bytes),
                        context.samples() / static_cast<double>(context.tile_count())},
                       make_tile);
 }
@@ -672,7 +672,7 @@ void append_corners(const BakeContext& context, const BakePlan& plan, const Mixe
     }
     ChunkBatch batch;
     batch.add({ChunkKind::corners, 0, 0}, std::as_bytes(std::span(corners)), context.options.compression);
-    const std::string layers = context.control.stored_names();
+    const std::string layers = context.splat.stored_names();
     if (!layers.empty())
         batch.add({ChunkKind::layers, 0, 0}, std::as_bytes(std::span(layers)), context.options.compression);
     if (plan.header.crs_bytes)
@@ -736,7 +736,7 @@ void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entrie
         if (kind == ChunkKind::crs || kind == ChunkKind::layers) continue;
         (i < maps ? summary.geometry_bytes : summary.texture_bytes) += entries[i].stored_bytes;
         if (kind == ChunkKind::horizon) summary.horizon_bytes += entries[i].stored_bytes;
-        if (kind == ChunkKind::control) summary.control_bytes += entries[i].stored_bytes;
+        if (kind == ChunkKind::splat) summary.splat_bytes += entries[i].stored_bytes;
     }
     summary.directory_bytes = maps * sizeof(ChunkEntry) + sizeof(PackHeader);
 }

@@ -99,7 +99,7 @@ struct HorizonOutput {
 void make_near_horizons(const BakeContext& context, const BakePlan& plan, const HorizonInput& in,
                         const HorizonOutput& out);
 
-// ---- control maps: near mips, from the heights, rasters and a coarse grid of all of them
+// ---- splat maps: near mips, from the heights, rasters and a coarse grid of all of them
 
 // Sums of the heights of squares of samples, which are cells of the grid of wetness or parts of one.
 struct SquareSums {
@@ -112,13 +112,13 @@ struct SquareSums {
 [[nodiscard]] Wetness make_wetness(const BakeContext& context, const SquareSums& all);
 [[nodiscard]] Wetness found_wetness(const BakeContext& context, std::vector<float> index);
 
-struct ControlOutput {
+struct SplatOutput {
     TexelStore& texels; // as of HorizonOutput
     ChunkSink& spool;
 };
 // wetness: null: no rule asks for it.
-void make_near_control(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const Wetness* wetness, const ControlOutput& out);
+void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                       const Wetness* wetness, const SplatOutput& out);
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
 

@@ -24,7 +24,7 @@ struct Mip {
     std::uint32_t side = 0, channels = 0;
     std::vector<std::uint8_t> codes;     // interleaved
     std::vector<std::uint8_t> tolerance; // a texel
-    std::vector<std::byte> stored;       // of a control map: its texels
+    std::vector<std::byte> stored;       // of a splat map: its texels
 
     [[nodiscard]] std::size_t at(std::uint32_t x, std::uint32_t y) const { return std::size_t{y} * side + x; }
     [[nodiscard]] int code(std::size_t texel, std::uint32_t c) const { return codes[texel * channels + c]; }
@@ -38,7 +38,7 @@ std::uint32_t log2_of(const PackHeader& h, ChunkKind kind) {
     case ChunkKind::colour: return h.colour_log2;
     case ChunkKind::normal: return h.normal_log2;
     case ChunkKind::horizon: return h.horizon_log2;
-    default: return h.control_log2;
+    default: return h.splat_log2;
     }
 }
 
@@ -47,24 +47,24 @@ const char* name_of(ChunkKind kind) {
     case ChunkKind::colour: return "colour";
     case ChunkKind::normal: return "normal";
     case ChunkKind::horizon: return "horizon";
-    default: return "control";
+    default: return "splat";
     }
 }
 
-// Of control texels: a channel a material. Weights are rounded, and what a fifth material had went to the other four,
+// Of splat texels: a channel a material. Weights are rounded, and what a fifth material had went to the other four,
 // none of which had less: where the fourth has nothing, nothing was left out.
-void decode_control(const std::vector<std::byte>& texels, std::size_t names, Mip& mip) {
+void decode_splat(const std::vector<std::byte>& texels, std::size_t names, Mip& mip) {
     for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
-        const std::byte* const from = texels.data() + i * control_texel_bytes;
+        const std::byte* const from = texels.data() + i * splat_texel_bytes;
         std::uint8_t* const to = mip.codes.data() + i * mip.channels;
         int last = 0;
-        for (std::size_t k = 0; k < control_layers; ++k) {
+        for (std::size_t k = 0; k < splat_layers; ++k) {
             last = std::to_integer<int>(from[2 * k]);
-            const std::size_t layer = std::to_integer<std::size_t>(from[2 * k + 1]) % max_control_names;
+            const std::size_t layer = std::to_integer<std::size_t>(from[2 * k + 1]) % max_splat_names;
             to[layer] = static_cast<std::uint8_t>(to[layer] + last);
         }
         const int hidden =
-            last > 0 && names > control_layers ? static_cast<int>(names - control_layers) * (last + 1) : 0;
+            last > 0 && names > splat_layers ? static_cast<int>(names - splat_layers) * (last + 1) : 0;
         mip.tolerance[i] = static_cast<std::uint8_t>(std::min(3 + hidden, 255));
     }
 }
@@ -83,8 +83,8 @@ Mip decode(const PackHeader& header, const ReadChunk& read, ChunkId id, std::siz
     read(id, blocks);
     mip.codes.resize(std::size_t{mip.side} * mip.side * mip.channels);
     mip.tolerance.resize(std::size_t{mip.side} * mip.side);
-    if (id.kind == ChunkKind::control) {
-        decode_control(blocks, names, mip);
+    if (id.kind == ChunkKind::splat) {
+        decode_splat(blocks, names, mip);
         mip.stored = std::move(blocks);
         return mip;
     }
@@ -120,12 +120,12 @@ public:
             read({ChunkKind::layers, 0, 0}, text);
             names = io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()}).size();
         }
-        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon, ChunkKind::control})
+        for (const ChunkKind kind : {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon, ChunkKind::splat})
             check_kind(kind);
         if (colour_borders) report.colour_border_mean = colour_sum / static_cast<double>(colour_borders);
         if (normal_borders) report.normal_border_mean = normal_sum / static_cast<double>(normal_borders);
         if (horizon_borders) report.horizon_border_mean = horizon_sum / static_cast<double>(horizon_borders);
-        report.border_texels = colour_borders + normal_borders + horizon_borders + control_borders;
+        report.border_texels = colour_borders + normal_borders + horizon_borders + splat_borders;
         return report;
     }
 
@@ -153,7 +153,7 @@ private:
                 Mip mip = decode(pack.header, read, place, names);
                 report.texels += mip.tolerance.size();
                 if (kind == ChunkKind::normal) check_lengths(mip);
-                if (kind == ChunkKind::control) check_texels(mip);
+                if (kind == ChunkKind::splat) check_texels(mip);
                 if (level > 0) check_tent(finer, mip);
                 if (has_west) compare(east[level], border(mip, 0, 0, 0, 1), "west");
                 Border& above = south[std::size_t{level} * tiles_x + column];
@@ -172,25 +172,25 @@ private:
                 b.codes.push_back(mip.codes[mip.at(x, y) * mip.channels + c]);
             b.tolerance.push_back(mip.tolerance[mip.at(x, y)]);
             if (mip.stored.empty()) continue;
-            const auto texel = mip.stored.begin() + static_cast<std::ptrdiff_t>(mip.at(x, y) * control_texel_bytes);
-            b.stored.insert(b.stored.end(), texel, texel + control_texel_bytes);
+            const auto texel = mip.stored.begin() + static_cast<std::ptrdiff_t>(mip.at(x, y) * splat_texel_bytes);
+            b.stored.insert(b.stored.end(), texel, texel + splat_texel_bytes);
         }
         return b;
     }
 
     // Nothing was compressed: equal bit for bit.
     void compare_stored(const Border& theirs, const Border& ours, const char* side) {
-        control_borders += ours.tolerance.size();
+        splat_borders += ours.tolerance.size();
         for (std::size_t i = 0; i < ours.tolerance.size(); ++i)
-            if (!std::equal(&ours.stored[i * control_texel_bytes],
-                            &ours.stored[i * control_texel_bytes] + control_texel_bytes,
-                            &theirs.stored[i * control_texel_bytes]))
+            if (!std::equal(&ours.stored[i * splat_texel_bytes],
+                            &ours.stored[i * splat_texel_bytes] + splat_texel_bytes,
+                            &theirs.stored[i * splat_texel_bytes]))
                 note(report.border_violations,
                      fmt::format("texel {} of the {} border is not the neighbour's", i, side));
     }
 
     void compare(const Border& theirs, const Border& ours, const char* side) {
-        if (place.kind == ChunkKind::control) return compare_stored(theirs, ours, side);
+        if (place.kind == ChunkKind::splat) return compare_stored(theirs, ours, side);
         const bool colour = place.kind == ChunkKind::colour, horizon = place.kind == ChunkKind::horizon;
         const std::size_t channels = ours.codes.size() / ours.tolerance.size();
         double& sum = colour ? colour_sum : horizon ? horizon_sum : normal_sum;
@@ -216,9 +216,9 @@ private:
         for (std::size_t i = 0; i < mip.tolerance.size(); ++i) {
             int sum = 0, before = 255;
             bool good = true;
-            for (std::size_t k = 0; k < control_layers; ++k) {
-                const int weight = std::to_integer<int>(mip.stored[i * control_texel_bytes + 2 * k]);
-                const auto layer = std::to_integer<std::size_t>(mip.stored[i * control_texel_bytes + 2 * k + 1]);
+            for (std::size_t k = 0; k < splat_layers; ++k) {
+                const int weight = std::to_integer<int>(mip.stored[i * splat_texel_bytes + 2 * k]);
+                const auto layer = std::to_integer<std::size_t>(mip.stored[i * splat_texel_bytes + 2 * k + 1]);
                 good &= weight <= before && (weight == 0 ? layer == 0 : layer < names);
                 sum += before = weight;
             }
@@ -279,7 +279,7 @@ private:
     MapsReport report;
     ChunkId place;
     double colour_sum = 0, normal_sum = 0, horizon_sum = 0;
-    std::uint64_t colour_borders = 0, normal_borders = 0, horizon_borders = 0, control_borders = 0;
+    std::uint64_t colour_borders = 0, normal_borders = 0, horizon_borders = 0, splat_borders = 0;
     std::size_t names = 0; // of materials
 };
 

@@ -13,7 +13,7 @@ struct MapsReport {
     std::uint64_t texels = 0, border_texels = 0;
     std::uint64_t border_violations = 0; // neighbours' decoded border texels differ by more than their blocks may
     std::uint64_t mip_violations = 0;    // a texel is no tent over the finer mip, whatever compression did to either
-    std::uint64_t weight_violations = 0; // a control texel whose weights or materials cannot be
+    std::uint64_t weight_violations = 0; // a splat texel whose weights or materials cannot be
     std::uint64_t length_violations = 0; // a normal longer than 1, compression allowed for
     // Of the differences at borders, in codes.
     double colour_border_mean = 0, normal_border_mean = 0, horizon_border_mean = 0;

@@ -119,7 +119,7 @@ json info_json(const PackFile& file) {
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},
            {"normal_texels", h.normal_log2 ? 1u << h.normal_log2 : 0},
            {"horizon_texels", h.horizon_log2 ? 1u << h.horizon_log2 : 0},
-           {"control_texels", h.control_log2 ? 1u << h.control_log2 : 0},
+           {"splat_texels", h.splat_log2 ? 1u << h.splat_log2 : 0},
            {"layers", layer_names(file)},
            {"packs", file.packs()},
            {"tiles_held", tiles_of(h)},

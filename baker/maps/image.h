@@ -72,7 +72,7 @@ struct Frame {
 // Throws Failure: no such file, no image, images that do not go together, or that do not meet the terrain.
 [[nodiscard]] std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground);
 
-// A raster that says what lies where, for control maps: nothing is mixed when it is warped. Classes: whole numbers of 8
+// A raster that says what lies where, for splat maps: nothing is mixed when it is warped. Classes: whole numbers of 8
 // or 16 bits in the first band, which a reader gives as low byte, high byte, 0, alpha. Without georeference it must
 // have the terrain's proportions. Throws Failure as open_images().
 enum class RasterUse : std::uint8_t { picture, paint, classes };

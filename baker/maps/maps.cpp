@@ -11,7 +11,7 @@
 
 #include "baker/maps/base_mip.h"
 #include "baker/maps/blocks.h"
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "compiler.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
@@ -138,15 +138,15 @@ Buffer<std::byte> compress_horizons(const TexelPlanes& planes, const Window& til
     return blocks;
 }
 
-Buffer<std::byte> control_texels(const TexelPlanes& planes, const Window& tile) {
-    Buffer<std::byte> texels(tile.area() * control_texel_bytes);
+Buffer<std::byte> splat_texels(const TexelPlanes& planes, const Window& tile) {
+    Buffer<std::byte> texels(tile.area() * splat_texel_bytes);
     std::byte* to = texels.data();
-    float shares[max_control_names];
+    float shares[max_splat_names];
     for (std::int32_t y = tile.y; y < tile.y + tile.rows; ++y)
-        for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x, to += control_texel_bytes) {
-            for (std::size_t c = 0; c < max_control_names; ++c)
+        for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x, to += splat_texel_bytes) {
+            for (std::size_t c = 0; c < max_splat_names; ++c)
                 shares[c] = planes.row(static_cast<int>(c), y)[x - planes.at.x];
-            store_control_texel(shares, to);
+            store_splat_texel(shares, to);
         }
     return texels;
 }
@@ -154,7 +154,7 @@ Buffer<std::byte> control_texels(const TexelPlanes& planes, const Window& tile) 
 // Blocks of the tile's own texels; planes may hold more around them.
 Buffer<std::byte> compress(MapKind kind, const TexelPlanes& planes, const Window& tile) {
     if (kind == MapKind::horizon) return compress_horizons(planes, tile);
-    if (kind == MapKind::control) return control_texels(planes, tile);
+    if (kind == MapKind::splat) return splat_texels(planes, tile);
     const bool colour = kind == MapKind::colour;
     const auto side = static_cast<std::size_t>(tile.columns), across = side / 4;
     const std::size_t row_bytes = across * (colour ? colour_block_bytes : normal_block_bytes);
@@ -220,7 +220,7 @@ std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint
 } // namespace
 
 std::uint32_t MapPlan::log2_side(MapKind kind) const {
-    const std::uint32_t log2[map_kind_count] = {colour_log2, normal_log2, horizon_log2, control_log2};
+    const std::uint32_t log2[map_kind_count] = {colour_log2, normal_log2, horizon_log2, splat_log2};
     return log2[static_cast<std::size_t>(kind)];
 }
 

@@ -1,4 +1,4 @@
-// Materials: colour, normal, horizon and control maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a
+// Materials: colour, normal, horizon and splat maps of tiles, with mips, block-compressed (thesis 6.1: an image, or a
 // ramp over height).
 //
 // Mip m of a map with N = 2^log2 texels a side has n = N >> m; the smallest has 4. Texel centres of the first and last
@@ -24,10 +24,10 @@ namespace fjell::baker {
 
 inline constexpr std::uint32_t near_mips = 3;
 
-enum class MapKind : std::uint8_t { colour, normal, horizon, control };
+enum class MapKind : std::uint8_t { colour, normal, horizon, splat };
 inline constexpr std::size_t map_kind_count = 4;
 inline constexpr MapKind all_map_kinds[map_kind_count] = {MapKind::colour, MapKind::normal, MapKind::horizon,
-                                                          MapKind::control};
+                                                          MapKind::splat};
 
 class ImageSource; // colour_files / image.h: an ortho-image of any size and CRS, read by windows
 class ImageReader; // one a thread
@@ -37,7 +37,7 @@ struct MapPlan {
     Tree tree;
     double spacing_m[2] = {1, 1};
     // Texels a side of mip 0, at least 2; 0: none.
-    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, control_log2 = 0;
+    std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, splat_log2 = 0;
     std::optional<Ramp> ramp;           // in metres; also where the image has no pixels
     const ImageSource* image = nullptr; // or none
 
@@ -55,16 +55,16 @@ struct MapPlan {
 [[nodiscard]] Window heights_for_maps(const MapPlan& plan, std::uint32_t tile);
 
 // Texels between two mips: 16 bits a channel, row by row; colour 3 channels (linear light), normal 2, horizon and
-// control 16.
+// splat 16.
 using Texels = Buffer<std::uint16_t>; // not cleared
 [[nodiscard]] constexpr std::size_t channels(MapKind kind) {
     return kind == MapKind::colour ? 3 : kind == MapKind::normal ? 2 : 16;
 }
 
-static_assert(horizon_planes == 16 && max_control_names == 16);
+static_assert(horizon_planes == 16 && max_splat_names == 16);
 
 struct MipTexels {
-    Buffer<std::byte> blocks; // BC1, BC5, BC4 or control texels, as the pack stores it before zstd
+    Buffer<std::byte> blocks; // BC1, BC5, BC4 or splat texels, as the pack stores it before zstd
     Texels texels;            // plan.texels(kind, mip, tile).area() * channels(kind)
 };
 
@@ -82,7 +82,7 @@ struct NearMaps {
 [[nodiscard]] NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const HeightWindow& heights,
                                  ImageReader* reader);
 
-// The same mips of a horizon or control map: first which points they are made from (horizon.h, control.h), in a grid of
+// The same mips of a horizon or splat map: first which points they are made from (horizon.h, splat.h), in a grid of
 // every (1 << stride_log2())-th sample, then the work.
 [[nodiscard]] Window points_for_map(const MapPlan& plan, MapKind kind, std::uint32_t tile);
 [[nodiscard]] std::vector<MipTexels> near_mips_from(const MapPlan& plan, MapKind kind, std::uint32_t tile,

@@ -71,7 +71,7 @@ std::vector<ChunkId> chunk_sequence(const PackHeader& header) {
     add_maps(ChunkKind::colour, header.colour_log2);
     add_maps(ChunkKind::normal, header.normal_log2);
     add_maps(ChunkKind::horizon, header.horizon_log2);
-    add_maps(ChunkKind::control, header.control_log2);
+    add_maps(ChunkKind::splat, header.splat_log2);
     if (header.crs_bytes) sequence.push_back({ChunkKind::crs, 0, 0});
     if (header.layer_bytes) sequence.push_back({ChunkKind::layers, 0, 0});
     return sequence;

@@ -137,18 +137,18 @@ ShardCost cost_of(const ShardPlan& plan, const Recipe& recipe) {
         return normals -
                std::min(normals, static_cast<std::uint32_t>(std::bit_width(static_cast<unsigned>(spacing)) - 1));
     };
-    const bool horizons = options.horizon_spacing != 0, control = !options.layers_path.empty();
+    const bool horizons = options.horizon_spacing != 0, splat = !options.layers_path.empty();
     const auto all =
         static_cast<double>(work_bytes(tree, options.order,
                                        {normals - 1, normals, horizons ? coarser(options.horizon_spacing) : 0,
-                                        control ? coarser(options.control_spacing) : 0}));
-    // Horizons and control maps at every second sample; docs/notes/horizons.md and materials.md. At every n-th it is
+                                        splat ? coarser(options.splat_spacing) : 0}));
+    // Horizons and splat maps at every second sample; docs/notes/horizons.md and materials.md. At every n-th it is
     // less, but not by n^2.
     constexpr double map_rate = 4e6;
     ShardCost cost;
     cost.seconds = largest / shard_rate;
     if (horizons) cost.seconds += largest / (map_rate * options.horizon_spacing / 2);
-    if (control) cost.seconds += largest / (map_rate * options.control_spacing / 2);
+    if (splat) cost.seconds += largest / (map_rate * options.splat_spacing / 2);
     cost.merge_seconds = samples / std::ldexp(1.0, 2 * plan.rounds) / merge_rate + samples * 1.5 / 400e6;
     cost.disk_bytes = all + samples * 4;
     cost.largest_shard_bytes = cost.disk_bytes * largest / samples;

@@ -10,7 +10,7 @@ namespace fjell::baker {
 
 bool needs_all_heights(const BakeOptions& options) {
     return options.horizon_spacing != 0 ||
-           (!options.layers_path.empty() && read_control(options.layers_path).wants_wetness());
+           (!options.layers_path.empty() && read_splat(options.layers_path).wants_wetness());
 }
 
 bool GroundSeen::note(const Window& w, const float* heights, std::ptrdiff_t stride) {

@@ -28,7 +28,7 @@ private:
 
 // Whether the whole's heights reach into everything, so that none may be left out: horizons and wetness.
 [[nodiscard]] inline bool needs_all_heights(const BakeContext& context) {
-    return context.horizon_log2 != 0 || context.control.wants_wetness();
+    return context.horizon_log2 != 0 || context.splat.wants_wetness();
 }
 // The same of a bake that is only planned. Reads its rules. Throws Failure 1: those are wrong.
 [[nodiscard]] bool needs_all_heights(const BakeOptions& options);

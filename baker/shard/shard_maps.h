@@ -1,5 +1,5 @@
 // What maps of a shard need of all of the terrain: coarse levels of the heights for horizons, and the grid of wetness
-// for control maps. Shards leave their own in the step `measure`, and find everyone's in the first of errors.
+// for splat maps. Shards leave their own in the step `measure`, and find everyone's in the first of errors.
 #pragma once
 
 #include <cstdint>

@@ -306,7 +306,7 @@ private:
         maps.colour_log2 = context_.colour_log2;
         maps.normal_log2 = context_.normal_log2;
         maps.horizon_log2 = context_.horizon_log2;
-        maps.control_log2 = context_.control_log2;
+        maps.splat_log2 = context_.splat_log2;
         return maps;
     }
 
@@ -447,7 +447,7 @@ void ShardRun::measure(const CheckpointState& found) {
         heights = find_heights(context_.horizon_log2 != 0 ? frame : 1);
     }
     if (context_.horizon_log2 != 0) ShardLevels(plan_, context_, shard_, frame).leave(heights, scratch_);
-    if (context_.control.wants_wetness()) leave_squares(context_, heights, scratch_);
+    if (context_.splat.wants_wetness()) leave_squares(context_, heights, scratch_);
     ParcelWriter facts;
     facts.put(measure_heights(context_, {heights, holes}));
     scratch_.write_parcel("facts", facts.bytes);
@@ -513,10 +513,10 @@ void ShardRun::near_maps(const BakePlan& plan, const HeightStores& heights, Chun
         record_.seam_bytes_read += levels.find();
         make_near_horizons(context_, plan, {heights, levels.reader()}, {texels[2], chunks});
     }
-    if (maps.control_log2 != 0) {
+    if (maps.splat_log2 != 0) {
         std::optional<Wetness> wetness;
-        if (context_.control.wants_wetness()) wetness = find_wetness(plan_, context_, record_.seam_bytes_read);
-        make_near_control(context_, plan, heights, wetness ? &*wetness : nullptr, {texels[3], chunks});
+        if (context_.splat.wants_wetness()) wetness = find_wetness(plan_, context_, record_.seam_bytes_read);
+        make_near_splat(context_, plan, heights, wetness ? &*wetness : nullptr, {texels[3], chunks});
     }
     for (const MapKind kind : all_map_kinds) leave_texels(maps, kind, mip, texels[static_cast<int>(kind)]);
 }
@@ -590,7 +590,7 @@ bool leaves_texels(const MapPlan& maps, MapKind kind, std::uint32_t mip) {
 }
 
 std::string texel_name(MapKind kind, std::uint32_t mip) {
-    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "control"};
+    constexpr const char* names[map_kind_count] = {"colour", "normal", "horizon", "splat"};
     return names[static_cast<std::size_t>(kind)] + std::to_string(mip);
 }
 

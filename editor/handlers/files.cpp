@@ -184,7 +184,7 @@ void give(BakeDraft& d, const GiveBakeFile& c) {
     fresh.inputs = {c.path};
     fresh.ramp = d.pack.ramp;
     fresh.rules = d.pack.rules;
-    fresh.control = d.pack.control;
+    fresh.splat = d.pack.splat;
     fresh.horizons = d.pack.horizons;
     d.pack = std::move(fresh);
     d.output_is_chosen = false;

@@ -15,7 +15,7 @@
 #include "baker/georeference/crs_label.h"
 #include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "baker/maps/wetness.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/source.h"
@@ -55,7 +55,7 @@ constexpr OptionWords option_words[] = {
     {"--encoding terrarium or terrain-rgb", "their encoding (More options)", BakeField::encoding},
     {"--encoding", "Encoding", BakeField::encoding},
     {"--bbox", "Extract", BakeField::bbox},
-    {"--control", "Rules", BakeField::rules},
+    {"--splat", "Rules", BakeField::rules},
 };
 
 // The number behind the first --void, or the word behind --nodata.
@@ -350,7 +350,7 @@ BakePack looked_at(const BakePack& pack) {
     p.tile = 0;
     p.order.clear();
     p.horizons.clear();
-    p.control.clear();
+    p.splat.clear();
     p.asks = false;
     return p;
 }
@@ -463,9 +463,9 @@ std::vector<float> part_of(const std::vector<float>& all, std::int32_t row_cells
 
 RulesLook look_at_rules(const std::string& path, const baker::HeightSource& source, std::uint32_t cells_x,
                         std::uint32_t cells_y, const std::vector<float>& heights_m) {
-    const baker::ControlPlan plan = baker::read_control(path);
+    const baker::SplatPlan plan = baker::read_splat(path);
     const std::vector<float> all = filled(heights_m);
-    baker::ControlGround ground{
+    baker::SplatGround ground{
         static_cast<std::int32_t>(cells_x), static_cast<std::int32_t>(cells_y), {1, 1}, 0, nullptr};
     baker::Frame frame = baker::frame_of(source);
     const double wide[2] = {source.columns / static_cast<double>(cells_x), source.rows / static_cast<double>(cells_y)};
@@ -481,12 +481,12 @@ RulesLook look_at_rules(const std::string& path, const baker::HeightSource& sour
         wetness.emplace(baker::wetness_grid(ground.columns, ground.rows, ground.spacing_m), all);
         ground.wetness = &*wetness;
     }
-    const baker::ControlImages images = baker::open_control_images(plan, frame);
-    baker::ControlReaders readers;
+    const baker::SplatImages images = baker::open_splat_images(plan, frame);
+    baker::SplatReaders readers;
     for (const auto& image : images) readers.push_back(image->reader());
     const baker::Window points{0, 0, ground.columns, ground.rows};
-    const std::vector<float> seen = part_of(all, ground.columns, baker::heights_for_control(ground, points));
-    const baker::TexelPlanes shares = baker::control_shares(plan, ground, points, {seen.data(), images, readers});
+    const std::vector<float> seen = part_of(all, ground.columns, baker::heights_for_splat(ground, points));
+    const baker::TexelPlanes shares = baker::splat_shares(plan, ground, points, {seen.data(), images, readers});
 
     RulesLook look;
     look.rules = plan.rules.size();

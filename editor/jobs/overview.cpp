@@ -112,7 +112,7 @@ private:
     int step_log2_ = 0;        // of samples that texels are about apart: finer pages are not read
     std::uint32_t wanted_ = 2; // texels a side, of a tile's colours
     std::uint32_t colour_mip_ = 0;
-    bool by_height_ = false, layered_ = false, mapped_ = false; // mapped: by control maps, not by rules
+    bool by_height_ = false, layered_ = false, mapped_ = false; // mapped: by splat maps, not by rules
     gl::GroundColour ground_colour_;
     io::AlignedMemory memory_;
     Terrain terrain_;
@@ -160,7 +160,7 @@ void Painter::choose_layers() {
             source_.pack->read_chunk({ChunkKind::layers, 0, 0}, raw_);
             names = io::layer_names({reinterpret_cast<const char*>(raw_.data()), raw_.size()});
         }
-        mapped_ = !names.empty() && source_.settings.control;
+        mapped_ = !names.empty() && source_.settings.splat;
         if (!mapped_ && layers.rules.empty()) return;
         layered_ = ground_colour_
                        .set(layers.materials, layers.rules, names, source_.settings,
@@ -226,15 +226,15 @@ void Painter::paint_layers(std::uint32_t tile) {
     const SampleIndex at = terrain_.tile_place(tile);
     gl::GroundTexels texels{side, at.x * tile_x_m_, at.y * tile_z_m_, tile_x_m_ / (side - 1), tile_z_m_ / (side - 1)};
     if (mapped_) {
-        std::uint32_t log2 = header_.control_log2, mip = 0;
+        std::uint32_t log2 = header_.splat_log2, mip = 0;
         for (; log2 > 2 && 1u << log2 > side; --log2) ++mip;
         try {
-            source_.pack->read_chunk({ChunkKind::control, tile, mip}, raw_);
+            source_.pack->read_chunk({ChunkKind::splat, tile, mip}, raw_);
         } catch (const io::Failure&) {
             return;
         }
-        texels.control = raw_;
-        texels.control_side = 1u << log2;
+        texels.splat = raw_;
+        texels.splat_side = 1u << log2;
     } else {
         patch_height_m_.resize(std::size_t{side} * side);
         patch_slope_deg_.resize(patch_height_m_.size());

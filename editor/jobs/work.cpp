@@ -60,7 +60,7 @@ baker::Recipe bake_recipe(const BakePack& b) {
     if (!b.voids.empty()) baker::parse_voids(b.voids, recipe.voids);
     if (!b.crs.empty()) recipe.crs = b.crs;
     if (!b.rules.empty()) recipe.layers = b.rules;
-    set_word(recipe.control, b.control, "control");
+    set_word(recipe.splat, b.splat, "splat");
     set_word(recipe.horizons, b.horizons, "horizons");
     set_word(recipe.encoding, b.encoding, "encoding");
     if (!b.bbox.empty()) recipe.bbox = baker::parse_bbox(b.bbox);

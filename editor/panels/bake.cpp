@@ -19,9 +19,9 @@
 namespace fjell::editor::bake_dialog {
 
 // Words of fjell-bake, in the order in which the form lists them.
-inline constexpr const char* control_names[] = {"full", "half", "quarter"};
+inline constexpr const char* splat_names[] = {"full", "half", "quarter"};
 inline constexpr const char* horizon_names[] = {"none", "half", "quarter"};
-inline constexpr int usual_control = 1; // fjell-bake's default
+inline constexpr int usual_splat = 1; // fjell-bake's default
 // 0 where the name is none of them.
 [[nodiscard]] std::size_t index_of(const std::string& name, std::span<const char* const> names);
 
@@ -51,7 +51,7 @@ void load(BakeForm& form, const BakeDraft& draft) {
     fields::copy(form.ramp, b.ramp);
     fields::copy(form.rules, b.rules);
     fields::copy(form.bbox, b.bbox);
-    form.control = b.control.empty() ? usual_control : static_cast<int>(index_of(b.control, control_names));
+    form.splat = b.splat.empty() ? usual_splat : static_cast<int>(index_of(b.splat, splat_names));
     form.horizons = static_cast<int>(index_of(b.horizons, horizon_names));
     form.encoding = static_cast<int>(index_of(b.encoding, encoding_names));
     fields::copy(form.voids, b.voids);
@@ -76,7 +76,7 @@ BakePack pack_of(const BakeForm& form) {
     b.order = order_names[form.order];
     b.nodata = form.nodata == 0 ? "" : nodata_names[form.nodata];
     b.rules = form.rules;
-    if (!b.rules.empty()) b.control = control_names[form.control];
+    if (!b.rules.empty()) b.splat = splat_names[form.splat];
     b.horizons = form.horizons == 0 ? "" : horizon_names[form.horizons];
     b.encoding = form.encoding == 0 ? "" : encoding_names[form.encoding];
     b.bbox = form.bbox;
@@ -292,12 +292,12 @@ void draw_form(BakeForm& form, const State& state, Commands& commands) {
                      "Colours by height and slope where there is no image (JSON, as in content/ramps).", state,
                      commands);
     (void)path_field("Rules", form, BakeField::rules, form.rules, "none",
-                     "Rules for control maps: which materials lie where, by height, slope, curvature, aspect, wetness "
-                     "and noise, by rasters and paint (JSON, as in content/materials/control).",
+                     "Rules for splat maps: which materials lie where, by height, slope, curvature, aspect, wetness "
+                     "and noise, by rasters and paint (JSON, as in content/materials/splat).",
                      state, commands);
     ImGui::BeginDisabled(form.rules[0] == '\0');
-    fields::choice("Control maps", "bake", "control", form.control, control_names,
-                   "How fine the rules' control maps are: full has a texel for each sample, half one for 2 x 2 "
+    fields::choice("Splat maps", "bake", "splat", form.splat, splat_names,
+                   "How fine the rules' splat maps are: full has a texel for each sample, half one for 2 x 2 "
                    "samples, quarter one for 4 x 4.");
     ImGui::EndDisabled();
     fields::choice(
@@ -314,7 +314,7 @@ namespace {
 constexpr double bytes_a_sample[] = {1.3, 3.0}; // of packs: smooth large fields, rough small ones; with maps
 constexpr double samples_a_second = 6e6, warped_a_second = 3e6; // on two cores; about
 // What maps add a sample, in the order of their names: docs/notes/horizons.md and materials.md.
-constexpr double control_bytes[] = {9.9, 2.6, 0.7}, control_a_second[] = {2e6, 6e6, 2e7};
+constexpr double splat_bytes[] = {9.9, 2.6, 0.7}, splat_a_second[] = {2e6, 6e6, 2e7};
 constexpr double horizon_bytes[] = {0, 2.7, 0.7}, horizons_a_second[] = {0, 6e6, 1.3e7};
 constexpr float picture_em = 10.5F; // high
 
@@ -419,10 +419,10 @@ void draw_facts(const BakeDraft& draft) {
 
 namespace {
 
-// What control maps and horizons add to the pack, a sample.
+// What splat maps and horizons add to the pack, a sample.
 double maps_bytes(const BakePack& b) {
     double bytes = 0;
-    if (!b.rules.empty()) bytes += control_bytes[index_of(b.control, control_names)];
+    if (!b.rules.empty()) bytes += splat_bytes[index_of(b.splat, splat_names)];
     if (!b.horizons.empty()) bytes += horizon_bytes[index_of(b.horizons, horizon_names)];
     return bytes;
 }
@@ -430,7 +430,7 @@ double maps_bytes(const BakePack& b) {
 double seconds_a_sample(const BakeDraft& d) {
     const BakePack& b = d.pack;
     double seconds = 1 / (d.facts.reprojected_from.empty() ? samples_a_second : warped_a_second);
-    if (!b.rules.empty()) seconds += 1 / control_a_second[index_of(b.control, control_names)];
+    if (!b.rules.empty()) seconds += 1 / splat_a_second[index_of(b.splat, splat_names)];
     if (!b.horizons.empty()) seconds += 1 / horizons_a_second[index_of(b.horizons, horizon_names)];
     return seconds;
 }

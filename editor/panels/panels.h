@@ -49,7 +49,7 @@ struct BakeForm {
     fields::PathText input = "", output = "", texture = "", ramp = "", rules = "", voids = "", crs = "", bbox = "";
     std::vector<std::string> more; // heights, beside the first
     bool output_is_chosen = false;
-    int tile = 0, order = 0, nodata = 0, control = 1, horizons = 0, encoding = 0;
+    int tile = 0, order = 0, nodata = 0, splat = 1, horizons = 0, encoding = 0;
     double spacing_m = 0, height_scale = 1, height_offset_m = 0;
     BakePack sent;
     BakeField browsing = BakeField::none; // for this one's file

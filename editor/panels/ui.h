@@ -70,7 +70,7 @@ void record_marks(bool on);                                          // starts a
 // The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the
 // pointer, and not again after a click before the pointer has left.
 void tip(const char* text);
-inline void control(const char* group, const char* name, const char* about) { // both
+inline void splat(const char* group, const char* name, const char* about) { // both
     mark(group, name);
     tip(about);
 }

@@ -20,7 +20,7 @@ struct GroundLayers {
     io::Materials materials;
     std::vector<gl::LayerRule> rules;
 };
-// rules: empty: none; then only packs with control maps have layers.
+// rules: empty: none; then only packs with splat maps have layers.
 [[nodiscard]] GroundLayers read_ground_layers(const std::string& materials, const std::string& rules);
 
 } // namespace fjell::flight

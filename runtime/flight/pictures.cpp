@@ -56,7 +56,7 @@ void set_layers(gl::Renderer& renderer, const GroundLayers& layers, const Sessio
     const std::vector<std::string> names = names_of_layers(*session.file);
     if (names.empty() && layers.rules.empty())
         throw Failure(1, session.loaded.path +
-                             ": has no control map that says where materials lie; give rules too, "
+                             ": has no splat map that says where materials lie; give rules too, "
                              "--layers content/materials/rules/alpine.json, or bake it with --layers");
     if (const std::string error = renderer.set_layers(layers.materials, layers.rules, names); !error.empty())
         throw Failure(1, error);
@@ -71,10 +71,10 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
         slots.colour = stream_map_layers(session.streamed->stream(), MapKind::colour);
         slots.normal = stream_map_layers(session.streamed->stream(), MapKind::normal);
         slots.horizon = stream_map_layers(session.streamed->stream(), MapKind::horizon);
-        slots.control = stream_map_layers(session.streamed->stream(), MapKind::control);
+        slots.splat = stream_map_layers(session.streamed->stream(), MapKind::splat);
     }
     slots.horizons = options.profile.light.shadows;
-    slots.control_maps = options.layers && options.profile.layers.control;
+    slots.splat_maps = options.layers && options.profile.layers.splat;
     slots.light = options.profile.light;
     slots.material_bytes = options.profile.material_bytes;
     auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
@@ -90,7 +90,7 @@ std::string upload_mesh(gl::Renderer& renderer, const Session& session, const Fr
         if (error.empty())
             error = renderer.show_maps(
                 stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
-                stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::control));
+                stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::splat));
         if (!error.empty()) return error;
     }
     return session.method->upload(renderer);

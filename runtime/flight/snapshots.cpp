@@ -38,16 +38,16 @@ namespace {
 
 constexpr std::uint32_t largest_painted_px = 4096;
 
-// The control map of a tile at the mip whose texels are about as far apart as those that are painted.
-struct ControlMip {
+// The splat map of a tile at the mip whose texels are about as far apart as those that are painted.
+struct SplatMip {
     std::uint32_t level = 0, side = 0;
 };
-ControlMip control_mip(const PackHeader& h, std::uint32_t painted_side) {
-    const std::uint32_t mips = mip_count(h.control_log2);
+SplatMip splat_mip(const PackHeader& h, std::uint32_t painted_side) {
+    const std::uint32_t mips = mip_count(h.splat_log2);
     if (mips == 0) return {};
     std::uint32_t level = 0;
-    while (level + 1 < mips && 1u << (h.control_log2 - level) > painted_side) ++level;
-    return {level, 1u << (h.control_log2 - level)};
+    while (level + 1 < mips && 1u << (h.splat_log2 - level) > painted_side) ++level;
+    return {level, 1u << (h.splat_log2 - level)};
 }
 
 // Paints tile by tile; all texels are as far apart as the first tile's.
@@ -55,9 +55,9 @@ class Painter {
 public:
     Painter(const io::PackFile& file, const GroundPaint& paint)
         : file_(file), layers_(paint.layers), settings_(paint.settings), names_(names_of_layers(file)),
-          by_map_(!names_.empty() && settings_.control) {
+          by_map_(!names_.empty() && settings_.splat) {
         if (!by_map_ && layers_->rules.empty())
-            throw Failure(2, file.path() + ": has no control map that says where materials lie; give rules too, or "
+            throw Failure(2, file.path() + ": has no splat map that says where materials lie; give rules too, or "
                                            "export without layers (layers.on = false)");
     }
 
@@ -70,15 +70,15 @@ public:
         }
         gl::GroundTexels texels{t.side, t.x_m, t.z_m, t.step_x_m, t.step_z_m};
         if (by_map_) {
-            const ControlMip mip = control_mip(file_.pack().header, t.side);
-            file_.read_chunk({ChunkKind::control, t.tile, mip.level}, control_);
-            texels.control = control_;
-            texels.control_side = mip.side;
+            const SplatMip mip = splat_mip(file_.pack().header, t.side);
+            file_.read_chunk({ChunkKind::splat, t.tile, mip.level}, splat_);
+            texels.splat = splat_;
+            texels.splat_side = mip.side;
         }
         texels.height_m = t.height_m;
         texels.slope_deg = t.slope_deg;
         texels.rgb = t.rgb;
-        if (!colour_.paint(texels)) throw Failure(1, file_.path() + ": control map: is of another size");
+        if (!colour_.paint(texels)) throw Failure(1, file_.path() + ": splat map: is of another size");
     }
 
 private:
@@ -88,7 +88,7 @@ private:
     std::vector<std::string> names_;
     bool by_map_, set_ = false;
     gl::GroundColour colour_;
-    std::vector<std::byte> control_;
+    std::vector<std::byte> splat_;
 };
 
 } // namespace

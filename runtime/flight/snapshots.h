@@ -22,7 +22,7 @@ namespace fjell::flight {
 // method a cut of its own, built from scratch; a frame of the recursive method has settled.
 [[nodiscard]] gltf::Snapshot take_converged(const Session& session);
 
-// What the pack's control maps call their materials; empty: it has none. Failure (1).
+// What the pack's splat maps call their materials; empty: it has none. Failure (1).
 [[nodiscard]] std::vector<std::string> names_of_layers(const io::PackFile& file);
 
 // What lies over the ground's colours where it is drawn; layers null, or not on: nothing.

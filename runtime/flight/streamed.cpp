@@ -14,7 +14,7 @@ using io::Failure;
 void StreamedPack::begin(const FlightOptions& options, Terrain& terrain, LiveCut cut) {
     StreamBudget budget = options.profile.stream_budget;
     budget.horizons = options.profile.light.shadows;
-    budget.control = options.layers && options.profile.layers.control;
+    budget.splat = options.layers && options.profile.layers.splat;
     memory_bytes_ = stream_bytes(file_->pack(), terrain, budget);
     memory_ = io::allocate(memory_bytes_);
     const Status s = create_stream(file_->pack(), terrain, cut, budget, {memory_.get(), memory_bytes_}, stream_);

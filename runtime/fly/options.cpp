@@ -67,7 +67,7 @@ void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
     auto* const materials = app.add_option("--materials", o.materials_path,
                                            "what near ground is drawn with: a file of fjell-bake materials");
     app.add_option("--layers", o.rules_path,
-                   "and where, unless the pack's control maps say: rules (content/materials/rules/*.json)")
+                   "and where, unless the pack's splat maps say: rules (content/materials/rules/*.json)")
         ->needs(materials);
     app.add_option("--light", f.light,
                    "KEY=VALUE[,KEY=VALUE]: sun, air, exposure, water: any key of [light] of a profile, as in "

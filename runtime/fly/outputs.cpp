@@ -78,7 +78,7 @@ void add_stream(json& j, const FlightOptions& o, const Session& session) {
     if (!session.streamed) return;
     const io::StreamReaderCounters r = session.streamed->reader();
     std::uint64_t map_bytes = 0;
-    for (const MapKind kind : {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::control})
+    for (const MapKind kind : {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::splat})
         map_bytes += map_layer_bytes(stream_map_layers(session.streamed->stream(), kind), kind);
     j["pages_requested"] = r.pages;
     j["textures_requested"] = r.mips;

@@ -142,9 +142,9 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
     block.index = static_cast<std::int32_t>(index);
     block.tile = static_cast<std::int32_t>(tile);
     std::int32_t* const layers[map_kinds] = {&block.colour_layer, &block.normal_layer, &block.horizon_layer,
-                                             &block.control_layer};
+                                             &block.splat_layer};
     std::int32_t* const arrays[map_kinds] = {&block.colour_array, &block.normal_array, &block.horizon_array,
-                                             &block.control_array};
+                                             &block.splat_array};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         const MapArrays& of = maps.kind[kind];
         *arrays[kind] = -1;
@@ -159,7 +159,7 @@ TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) co
         return static_cast<std::int32_t>(of.slots.top_log2 - of.tiles[tile].side_log2);
     };
     if (block.horizon_array >= 0) block.horizon_mip = first_mip(maps.kind[2]);
-    if (block.control_array >= 0) block.control_mip = first_mip(maps.kind[3]);
+    if (block.splat_array >= 0) block.splat_mip = first_mip(maps.kind[3]);
     block.tint = packed_tint(column, row);
     return block;
 }
@@ -256,8 +256,8 @@ void Renderer::State::set_layers(const View& view, const DrawOptions& now, Frame
     put(block.layers, now.layers.distance_m, now.layers.tint, now.layers.relief, fine_m);
     // Noise moves places by half a texel, but no further than its own patches are wide.
     const double cells = std::ldexp(1.0, static_cast<int>(header.tile_log2)),
-                 texels = std::ldexp(1.0, static_cast<int>(header.control_log2)), half = 0.5 / texels, most_m = 30;
-    put(block.control, texels, mip_count(header.control_log2), std::min(half, most_m / (cells * spacing_x_m)),
+                 texels = std::ldexp(1.0, static_cast<int>(header.splat_log2)), half = 0.5 / texels, most_m = 30;
+    put(block.splat, texels, mip_count(header.splat_log2), std::min(half, most_m / (cells * spacing_x_m)),
         std::min(half, most_m / (cells * spacing_z_m)));
 }
 

@@ -98,7 +98,7 @@ Repeating noise_of(const std::vector<std::uint8_t>& noise, double period_m, doub
 // At a place, 0 to 1.
 struct Noises {
     float patches, spots;
-    std::array<float, 2> sway; // of places in control maps
+    std::array<float, 2> sway; // of places in splat maps
 };
 
 struct Share {
@@ -121,7 +121,7 @@ void make_whole(Strongest& most) {
 struct Painter {
     std::vector<Material> materials;
     std::vector<LayerRule> rules;
-    std::vector<std::int32_t> of_name; // the material of each of the control maps' names; -1: water
+    std::vector<std::int32_t> of_name; // the material of each of the splat maps' names; -1: water
     Repeating patches, spots;
     float tint = 0;
 
@@ -153,18 +153,18 @@ Strongest Painter::of_rules(double height_m, double slope_deg, const Noises& noi
 
 // x, y: 0 to 1 in the square.
 Strongest Painter::of_map(const GroundTexels& texels, double x, double y, const Noises& noises, float& covered) const {
-    const std::uint32_t side = texels.control_side;
+    const std::uint32_t side = texels.splat_side;
     const double px = std::clamp(x, 0.0, 1.0) * (side - 1), py = std::clamp(y, 0.0, 1.0) * (side - 1);
     const auto x0 = std::min(static_cast<std::uint32_t>(px), side - 2),
                y0 = std::min(static_cast<std::uint32_t>(py), side - 2);
     const auto along = static_cast<float>(px - x0), down = static_cast<float>(py - y0);
-    std::array<float, max_control_names> names{};
+    std::array<float, max_splat_names> names{};
     for (std::uint32_t tap = 0; tap < 4; ++tap) {
-        const std::size_t texel = (std::size_t{y0 + tap / 2} * side + x0 + tap % 2) * control_texel_bytes;
+        const std::size_t texel = (std::size_t{y0 + tap / 2} * side + x0 + tap % 2) * splat_texel_bytes;
         const float near = (tap % 2 != 0 ? along : 1 - along) * (tap / 2 != 0 ? down : 1 - down);
-        for (std::size_t i = 0; i < control_layers; ++i) {
-            const auto weight = static_cast<float>(texels.control[texel + 2 * i]) / 255;
-            names[static_cast<std::size_t>(texels.control[texel + 2 * i + 1]) % max_control_names] += near * weight;
+        for (std::size_t i = 0; i < splat_layers; ++i) {
+            const auto weight = static_cast<float>(texels.splat[texel + 2 * i]) / 255;
+            names[static_cast<std::size_t>(texels.splat[texel + 2 * i + 1]) % max_splat_names] += near * weight;
         }
     }
     covered = 0;
@@ -272,14 +272,14 @@ std::string GroundColour::set(const io::Materials& materials, std::span<const La
 
 bool GroundColour::paint(const GroundTexels& t) const {
     const std::size_t all = std::size_t{t.side} * t.side;
-    const bool by_map = !t.control.empty();
+    const bool by_map = !t.splat.empty();
     if (data_ == nullptr || t.side < 2 || t.rgb.size() != 3 * all) return false;
     if (by_map &&
-        (t.control_side < 2 || t.control.size() != std::size_t{t.control_side} * t.control_side * control_texel_bytes))
+        (t.splat_side < 2 || t.splat.size() != std::size_t{t.splat_side} * t.splat_side * splat_texel_bytes))
         return false;
     if (!by_map && (data_->rules.empty() || t.height_m.size() != all || t.slope_deg.size() != all)) return false;
-    // Noise moves places in a control map by half a texel, but no further than its own patches are wide.
-    const double most_m = 30, half = 0.5 / std::max(t.control_side, 1u), across = t.side - 1;
+    // Noise moves places in a splat map by half a texel, but no further than its own patches are wide.
+    const double most_m = 30, half = 0.5 / std::max(t.splat_side, 1u), across = t.side - 1;
     const double sway_x = std::min(half, most_m / (across * t.step_x_m)),
                  sway_y = std::min(half, most_m / (across * t.step_z_m));
     for (std::size_t i = 0; i < all; ++i) {

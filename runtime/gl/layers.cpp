@@ -215,13 +215,13 @@ namespace {
 
 // Every name must be a material, or some ground would show another one. Water need not: it is drawn by the light.
 std::string match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
-    if (in.names.size() > io::max_materials) return "the pack's control maps speak of more than 16 materials";
+    if (in.names.size() > io::max_materials) return "the pack's splat maps speak of more than 16 materials";
     std::string known;
     for (const io::MaterialRecord& r : in.materials.records) known += (known.empty() ? "" : ", ") + std::string(r.name);
     for (std::size_t i = 0; i < in.names.size(); ++i) {
         of_name[i] = in.materials.find(in.names[i]);
         if (of_name[i] < 0 && in.names[i] != water_layer)
-            return "the pack's control maps speak of \"" + in.names[i] + "\", and the materials are " + known +
+            return "the pack's splat maps speak of \"" + in.names[i] + "\", and the materials are " + known +
                    ": give materials with it, or bake the pack with other --layers";
     }
     return {};

@@ -34,8 +34,8 @@ struct LayersBlock {
     float turn[io::max_materials][4]; // a fine and a coarse texture's periods, east and south
     float mean[io::max_materials][4]; // linear rgb; share of the coarse texture
     RuleBlock rule[max_layer_rules];
-    std::int32_t count[4];                   // of rules; the control maps' name that is water
-    std::int32_t of_name[io::max_materials]; // the material of each of the control maps' names; -1: water
+    std::int32_t count[4];                   // of rules; the splat maps' name that is water
+    std::int32_t of_name[io::max_materials]; // the material of each of the splat maps' names; -1: water
 };
 static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rules + 1) * 16 + 4 * io::max_materials,
               "LayersBlock is uploaded: change the block `Layers` in shaders_layers.cpp with it");
@@ -49,7 +49,7 @@ static_assert(sizeof(LayersBlock) == (2 * io::max_materials + 5 * max_layer_rule
 struct LayersInput {
     const io::Materials& materials;
     std::span<const LayerRule> rules;
-    std::span<const std::string> names; // of control maps
+    std::span<const std::string> names; // of splat maps
 };
 
 // Empty, or why these cannot be drawn: of_name[i] is the material of names[i], -1 for water.

@@ -29,8 +29,8 @@ constexpr Format formats[map_kinds] = {{ChunkKind::colour, "colour map", "Render
                                         GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr, 1},
                                        {ChunkKind::horizon, "horizon map", "RendererOptions::horizon",
                                         GL_COMPRESSED_RED_RGTC1, horizon_block_bytes, nullptr, horizon_planes_across},
-                                       {ChunkKind::control, "control map", "RendererOptions::control", GL_RGBA16UI,
-                                        control_block_bytes, nullptr, 1, true}};
+                                       {ChunkKind::splat, "splat map", "RendererOptions::splat", GL_RGBA16UI,
+                                        splat_block_bytes, nullptr, 1, true}};
 
 std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;
@@ -209,7 +209,7 @@ std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], con
     const auto wanted = [&](std::uint32_t kind, bool wish) { return slots[kind].top_log2 != 0 || (wish && whole); };
     const std::uint32_t pack_log2[map_kinds] = {h.colour_log2, h.normal_log2,
                                                 wanted(2, options.horizons) ? h.horizon_log2 : 0,
-                                                wanted(3, options.control) ? h.control_log2 : 0};
+                                                wanted(3, options.splat) ? h.splat_log2 : 0};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         MapArrays& arrays = maps.kind[kind];
         std::fill(std::begin(arrays.array_of), std::end(arrays.array_of), -1);

@@ -1,4 +1,4 @@
-// The terrain's colour, normal, horizon and control maps on the GPU: an array texture for each size that tiles may
+// The terrain's colour, normal, horizon and splat maps on the GPU: an array texture for each size that tiles may
 // have.
 //
 // A tile has one layer of one of them, with all mips down to 4 x 4. Of a whole pack there is one size and a layer a
@@ -45,7 +45,7 @@ struct Maps {
 
 struct MapOptions {
     float anisotropy = 1;
-    bool horizons = true, control = true; // load a whole pack's
+    bool horizons = true, splat = true; // load a whole pack's
 };
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
 [[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options,

@@ -42,7 +42,7 @@ std::string light_defines(unsigned bits) {
     if ((bits & light_water) != 0) defines += "#define WATER\n";
     if ((bits & light_layers) != 0) defines += "#define LAYERS\n";
     if ((bits & light_shadows) != 0) defines += "#define SHADOWS\n";
-    if ((bits & light_control) != 0) defines += "#define CONTROL\n";
+    if ((bits & light_splat) != 0) defines += "#define SPLAT\n";
     if ((bits & light_lakes) != 0) defines += "#define LAKES\n";
     return defines;
 }
@@ -70,8 +70,8 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
                                            "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
     std::string before = arrays_define("COLOUR_MAPS", maps.kind[0]) + arrays_define("NORMAL_MAPS", maps.kind[1]) +
-                         arrays_define("HORIZON_MAPS", maps.kind[2]) + arrays_define("CONTROL_MAPS", maps.kind[3]) +
-                         "#define CONTROL_UNIT " + std::to_string(control_unit()) + "\n";
+                         arrays_define("HORIZON_MAPS", maps.kind[2]) + arrays_define("SPLAT_MAPS", maps.kind[3]) +
+                         "#define SPLAT_UNIT " + std::to_string(splat_unit()) + "\n";
     before += modes[static_cast<int>(mode)];
     if (all_there(mode)) before += "#define ALL_THERE\n";
     if (now.wireframe) before += "#define WIREFRAME\n";
@@ -155,8 +155,8 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     if (error.empty())
-        error = make_maps(pack, {options.colour, options.normal, options.horizon, options.control},
-                          {anisotropy, options.horizons, options.control_maps}, s.maps);
+        error = make_maps(pack, {options.colour, options.normal, options.horizon, options.splat},
+                          {anisotropy, options.horizons, options.splat_maps}, s.maps);
     if (error.empty()) error = s.prepare({.light = options.light});
     if (error.empty() && options.morph) error = s.scatter.create();
     if (!error.empty()) return nullptr;
@@ -217,9 +217,9 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
     light_bits = lighting.variant(now.light);
     if (now.layers.on && ground_layers.present() && now.mode == Mode::shaded && now.lit &&
         lighting.units > static_cast<int>(material_normal_unit)) {
-        const bool mapped = now.layers.control && ground_layers.names != 0 && maps.kind[3].sizes != 0 &&
-                            lighting.units >= static_cast<int>(control_unit() + maps.kind[3].sizes);
-        if (mapped || ground_layers.rules != 0) light_bits |= light_layers | (mapped ? light_control : 0);
+        const bool mapped = now.layers.splat && ground_layers.names != 0 && maps.kind[3].sizes != 0 &&
+                            lighting.units >= static_cast<int>(splat_unit() + maps.kind[3].sizes);
+        if (mapped || ground_layers.rules != 0) light_bits |= light_layers | (mapped ? light_splat : 0);
         if (mapped && ground_layers.lakes) light_bits |= light_lakes | light_water;
     }
     const auto horizons = static_cast<int>(maps.kind[2].sizes);
@@ -268,10 +268,10 @@ void Renderer::State::set_up(const Target& target, const DrawOptions& now) const
 }
 
 void Renderer::State::bind_maps(Mode mode) const {
-    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit, horizon_unit, control_unit()};
+    const unsigned first_unit[map_kinds] = {colour_unit, normal_unit, horizon_unit, splat_unit()};
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         // The GPU may not have such units.
-        if ((kind == 2 && (light_bits & light_shadows) == 0) || (kind == 3 && (light_bits & light_control) == 0))
+        if ((kind == 2 && (light_bits & light_shadows) == 0) || (kind == 3 && (light_bits & light_splat) == 0))
             continue;
         for (std::uint32_t i = 0; i < maps.kind[kind].sizes; ++i) {
             glBindTextureUnit(first_unit[kind] + i, maps.kind[kind].array[i].get());
@@ -464,10 +464,10 @@ std::string Renderer::upload(std::span<const MapCommand> commands) {
 }
 
 std::string Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
-                                std::span<const TileMap> horizon, std::span<const TileMap> control) {
+                                std::span<const TileMap> horizon, std::span<const TileMap> splat) {
     Maps& maps = state_->maps;
     for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal),
-                                      std::pair(horizon, MapKind::horizon), std::pair(control, MapKind::control)})
+                                      std::pair(horizon, MapKind::horizon), std::pair(splat, MapKind::splat)})
         if (std::string error = gl::show_maps(tiles, kind, maps); !error.empty()) return error;
     return {};
 }

@@ -38,7 +38,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 noise_scale, noise_at;
     vec4 to_rim;
     vec4 layers_at, layers;
-    vec4 shadow_plane, control, shadow;
+    vec4 shadow_plane, splat, shadow;
     vec4 relief;
 };
 
@@ -190,8 +190,8 @@ struct TileBlock {
     float mip[36];
     uint tint;
     int horizon_mip; // the pack's mip that is the array's first
-    ivec2 horizon, control; // layer, array
-    int control_mip;
+    ivec2 horizon, splat; // layer, array
+    int splat_mip;
 };
 layout(std430, binding = 0) readonly buffer Tiles { TileBlock tile_block[]; };
 #ifdef ERROR

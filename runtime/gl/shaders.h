@@ -49,7 +49,7 @@ struct FrameBlock {
     float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
     float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
     float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
-    float control[4]; // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
+    float splat[4]; // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
     float shadow[4];  // share of the second; sine of half the penumbra; texels a side of mip 0; mips
     float relief[4];  // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
 };
@@ -65,8 +65,8 @@ struct TileBlock {
     float mip[map_kinds][9];                                             // min_lod_grid()
     std::uint32_t tint;                                                  // of Mode::tiles: linear rgb, 10 bits each
     std::int32_t horizon_mip;                                            // the pack's mip that is the array's first
-    std::int32_t horizon_layer, horizon_array, control_layer, control_array;
-    std::int32_t control_mip; // as of horizons
+    std::int32_t horizon_layer, horizon_array, splat_layer, splat_array;
+    std::int32_t splat_mip; // as of horizons
     std::uint32_t reserved;   // an array's elements begin at multiples of 16
 };
 static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 184,
@@ -81,8 +81,8 @@ static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offs
 // overlay_shader() and terrain_main_shader(). Defines: COLOUR_MAPS and NORMAL_MAPS, how many array textures there are
 // of each, when there are any; SHADED, LEVELS, DISTANCE, TILES, MIPS, RESIDENCY or ERROR for the mode; WIREFRAME;
 // BORDERS; ALL_THERE: one array of each, layer = tile; with SHADED also LIT, and with that AIR: physical, DETAIL,
-// WATER, LAYERS, SHADOWS (with HORIZON_MAPS), CONTROL (with LAYERS, CONTROL_MAPS, and CONTROL_UNIT: the first of their
-// texture units), LAKES (with CONTROL and WATER: control maps speak of water).
+// WATER, LAYERS, SHADOWS (with HORIZON_MAPS), SPLAT (with LAYERS, SPLAT_MAPS, and SPLAT_UNIT: the first of their
+// texture units), LAKES (with SPLAT and WATER: splat maps speak of water).
 [[nodiscard]] const char* terrain_fragment_shader();
 [[nodiscard]] const char* light_shader();
 [[nodiscard]] const char* layers_shader(); // between the two

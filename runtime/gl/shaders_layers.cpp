@@ -19,8 +19,8 @@ layout(std140, binding = 1) uniform Layers {
     vec4 material_turn[16]; // periods of the fine and the coarse texture, east and south
     vec4 material_mean[16]; // linear rgb; share of the coarse texture
     Rule rule[16];
-    ivec4 rules; // their count; for LAKES the control map's name that is water
-    ivec4 of_name[4]; // the material of each of the control map's names
+    ivec4 rules; // their count; for LAKES the splat map's name that is water
+    ivec4 of_name[4]; // the material of each of the splat map's names
 };
 const float layer_period = 1.0 / 1024.0;
 // Of a place: even what is highest in it would lie below the others.
@@ -67,20 +67,20 @@ void strongest_rules(float height, float slope, vec2 noises, out ivec3 material,
     share = all > 0.0 ? share / all : vec3(1.0, 0.0, 0.0);
 }
 
-#ifdef CONTROL
-layout(binding = CONTROL_UNIT) uniform usampler2DArray control_map[CONTROL_MAPS];
+#ifdef SPLAT
+layout(binding = SPLAT_UNIT) uniform usampler2DArray splat_map[SPLAT_MAPS];
 
 // Adds what four texels of one mip say around a place: weights of names, four names a vector. Numbers cannot be
 // filtered, so weights are, by hand. The outermost texel centres lie on the border.
 void add_texels(vec2 at, ivec2 map, int mip, int lod, float share, inout vec4 names[4]) {
-    int last = int(control.x) >> mip;
+    int last = int(splat.x) >> mip;
     vec2 place = clamp(at, 0.0, 1.0) * float(last - 1);
     ivec2 first = clamp(ivec2(place), ivec2(0), ivec2(last - 2));
     vec2 along = place - vec2(first);
     int tap = 0;
     do {
         ivec2 beside = ivec2(tap & 1, tap >> 1);
-        uvec4 texel = texelFetch(control_map[map.y], ivec3(first + beside, map.x), lod);
+        uvec4 texel = texelFetch(splat_map[map.y], ivec3(first + beside, map.x), lod);
         vec2 nearness = mix(1.0 - along, along, vec2(beside));
         vec4 weight = vec4(texel & 255u) * (share * nearness.x * nearness.y / 255.0);
         uvec4 name = texel >> 8u;
@@ -101,23 +101,23 @@ void names_of_map(vec2 at, vec2 dx, vec2 dy, out vec4 names[4]) {
     float least = 0.0;
     int first_mip = 0;
 #else
-    ivec2 map = tile_block[surface.block].control;
+    ivec2 map = tile_block[surface.block].splat;
     if (map.y < 0) return;
     float least = finest_mip(3);
-    int first_mip = tile_block[surface.block].control_mip;
+    int first_mip = tile_block[surface.block].splat_mip;
 #endif
-    float mip = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9)), least, control.y - 1.0);
+    float mip = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9)), least, splat.y - 1.0);
     int finer = int(mip);
     float second = mip - float(finer);
     add_texels(at, map, finer, max(finer - first_mip, 0), 1.0 - second, names);
     if (second > 0.0) {
-        int coarser = min(finer + 1, int(control.y) - 1);
+        int coarser = min(finer + 1, int(splat.y) - 1);
         add_texels(at, map, coarser, max(coarser - first_mip, 0), second, names);
     }
 }
 
 // Noise moves places in the map, so that its texels do not show.
-vec2 swayed(vec2 in_tile, vec2 patches) { return in_tile + (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * control.zw; }
+vec2 swayed(vec2 in_tile, vec2 patches) { return in_tile + (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * splat.zw; }
 
 // The three materials that the map has most of here, and how much of the ground materials cover. wet: the share of
 // water, which is none of them.
@@ -238,8 +238,8 @@ Shaped shaped_material(int material, vec3 at, vec3 dx, vec3 dy, vec3 side, float
 // share of water, which far ground has too.
 float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, float metres) {
     vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
-#ifdef CONTROL
-    vec2 in_tile = surface.sample_at / float(1 << tile.x), texel_x = dFdx(in_tile) * control.x, texel_y = dFdy(in_tile) * control.x;
+#ifdef SPLAT
+    vec2 in_tile = surface.sample_at / float(1 << tile.x), texel_x = dFdx(in_tile) * splat.x, texel_y = dFdy(in_tile) * splat.x;
 #endif
     vec3 at = surface.position + layers_at.xyz;
     float wet = 0.0;
@@ -273,7 +273,7 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
     ivec3 material;
     vec3 share;
-#ifdef CONTROL
+#ifdef SPLAT
     vec4 names[4];
     names_of_map(swayed(in_tile, patches), texel_x, texel_y, names);
     fade *= strongest_of_map(names, noises, material, share, wet);

@@ -179,7 +179,7 @@ vec3 body_of_water(float rise) {
     return vec3(0.012, 0.045, 0.06) * (sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0)));
 }
 
-// A lake that the control map knows: how deep it is nobody knows, so no ground shows through.
+// A lake that the splat map knows: how deep it is nobody knows, so no ground shows through.
 vec3 on_lake(vec3 direction, float rise) {
     float calm;
     vec3 normal = wave_normal(surface.position, calm);

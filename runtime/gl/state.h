@@ -60,8 +60,8 @@ struct Renderer::State {
     bool drawn = false;                          // since the last upload
     DrawStats stats;
 
-    // The first texture unit of control maps: behind those of horizons.
-    [[nodiscard]] unsigned control_unit() const { return horizon_unit + maps.kind[2].sizes; }
+    // The first texture unit of splat maps: behind those of horizons.
+    [[nodiscard]] unsigned splat_unit() const { return horizon_unit + maps.kind[2].sizes; }
     // renderer.cpp
     // On the surface: a variant of the shader has them all.
     [[nodiscard]] static bool draws_lines(const DrawOptions& now) {

@@ -29,7 +29,7 @@ std::string chunk_name(ChunkId id) {
     case ChunkKind::normal: return of_tile("normal mip");
     case ChunkKind::horizon: return of_tile("horizon mip");
     case ChunkKind::layers: return "names of layers";
-    case ChunkKind::control: return of_tile("control mip");
+    case ChunkKind::splat: return of_tile("splat mip");
     case ChunkKind::crs: break;
     }
     return "CRS";

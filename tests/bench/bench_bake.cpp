@@ -377,7 +377,7 @@ int main(int argc, char** argv) {
             program(s, "", 1, {"--horizons", texel});
         });
     declare("program/mountains-4097-tiled/layers", [](auto& s) {
-        program(s, "", 1, {"--layers", FJELL_SOURCE_DIR "/content/materials/control/alpine.json"});
+        program(s, "", 1, {"--layers", FJELL_SOURCE_DIR "/content/materials/splat/alpine.json"});
     });
     declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1); });
     declare("program/plain-16385/256-MB", [](auto& s) { larger_than_memory(s, "256"); });

@@ -187,7 +187,7 @@ io::LoadedPack make_pack(Random& random, PageOrder order, const SeedPack& seed) 
     options.order = order;
     if (seed.log2 == 6 && seed.holes) options.horizon_spacing = 4;
     if (seed.log2 == 5 || seed.log2 == 6)
-        options.layers_path = FJELL_SOURCE_DIR "/content/materials/control/alpine.json";
+        options.layers_path = FJELL_SOURCE_DIR "/content/materials/splat/alpine.json";
     if (seed.log2 == 4) options.estimate = ErrorEstimate::midpoint;
     return bake_and_load(std::move(dem), options);
 }
@@ -249,7 +249,7 @@ void make_recipes(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "full.json") << R"({"inputs": ["a.tif", "/b/c.vrt"], "output": "o.fjell", "texture": "t.png",
 "ramp": "r.json", "crs": "EPSG:32633", "encoding": "terrain-rgb", "nodata": "fill", "tile": 512, "estimate": "max",
-"order": "hz", "horizons": "half", "layers": "l.json", "control": "full", "spacing": 30.5, "zscale": -1e-3, "zoffset": 0, "nesting": 0.05, "quantum": 0.01,
+"order": "hz", "horizons": "half", "layers": "l.json", "splat": "full", "spacing": 30.5, "zscale": -1e-3, "zoffset": 0, "nesting": 0.05, "quantum": 0.01,
 "bbox": [-3.5, 1e2, 0, 4000000], "void": [-9999, "none"]})";
     std::ofstream(folder / "least.json") << R"({"inputs": []})";
 }

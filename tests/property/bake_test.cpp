@@ -7,7 +7,7 @@
 #include "baker/bake/context.h"
 #include "baker/check/verify.h"
 #include "pack/terrain_data.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"

@@ -9,7 +9,7 @@
 #include "baker/check/verify_maps.h"
 #include "baker/pack/join.h"
 #include "fjell/io/failure.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/set_scene.h"
 
 using namespace fjell;
@@ -112,13 +112,13 @@ TEST_CASE("packs whose borders differ are a set, and verify finds the seam, in t
         CHECK(maps.first.find("colour map") == 0);
     }
     {
-        std::string text = control_rules;
+        std::string text = splat_rules;
         text.replace(text.find("0.7"), 3, "0.1");
         const RulesFile other(text);
         const auto [report, maps] = seam(dem, options(other));
         CHECK(report.ok());
         CHECK(maps.border_violations > 0);
-        CHECK(maps.first.find("control map") == 0);
+        CHECK(maps.first.find("splat map") == 0);
     }
 }
 

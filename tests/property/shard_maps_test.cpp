@@ -1,10 +1,10 @@
-// Horizons and control maps in shards, which look far beyond one: the bytes of one bake.
+// Horizons and splat maps in shards, which look far beyond one: the bytes of one bake.
 #include <catch2/catch.hpp>
 
 #include <string>
 
 #include "baker/shard/shard_maps.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/rounds.h"
 #include "support/shard_scene.h"
 
@@ -22,19 +22,19 @@ void require_same(const Job& job, int shards, Random& random, bool kill) {
 
 } // namespace
 
-TEST_CASE("horizons and control maps of shards are those of one bake, byte for byte, however many there are") {
+TEST_CASE("horizons and splat maps of shards are those of one bake, byte for byte, however many there are") {
     Random random(51);
     const RulesFile rules;
     baker::BakeOptions options;
     options.tile_log2 = 6;
     options.horizon_spacing = 4;
     options.layers_path = rules.path();
-    options.control_spacing = 4;
+    options.splat_spacing = 4;
     const Job job(terrain(random, 900, 620, false), options);
     for (const int shards : first_of(2, {3, 7, 1, 2, 16})) require_same(job, shards, random, shards == 3);
 }
 
-TEST_CASE("horizons and control maps of any spacing over holes and filled voids are the same in shards") {
+TEST_CASE("horizons and splat maps of any spacing over holes and filled voids are the same in shards") {
     Random random(52);
     const RulesFile rules;
     for (int round = 0; round < rounds(1, 6); ++round) {
@@ -43,7 +43,7 @@ TEST_CASE("horizons and control maps of any spacing over holes and filled voids 
         options.max_texture_log2 = static_cast<std::uint32_t>(pick(random, 5, 10));
         if (round % 3 != 1) options.horizon_spacing = pick(random, 0, 1) ? 2 : 4;
         if (round % 3 != 2) options.layers_path = rules.path();
-        options.control_spacing = 1 << pick(random, 0, 2);
+        options.splat_spacing = 1 << pick(random, 0, 2);
         const Job job(terrain(random, pick(random, 520, 800), pick(random, 300, 700), round % 2 == 0), options);
         require_same(job, pick(random, 2, 9), random, true);
     }
@@ -91,7 +91,7 @@ TEST_CASE("wetness of a terrain whose cells are wider than a shard's least regio
     options.tile_log2 = 6;
     options.max_texture_log2 = 2;
     options.layers_path = rules.path();
-    options.control_spacing = 4;
+    options.splat_spacing = 4;
     const Job job(std::move(dem), options);
     require_same(job, 3, random, false);
 }

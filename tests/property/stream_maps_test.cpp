@@ -7,7 +7,7 @@
 
 #include "fjell/texture.h"
 #include "pack/terrain_data.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -15,9 +15,9 @@ using namespace fjell::test;
 
 namespace {
 
-constexpr MapKind kinds[map_kinds] = {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::control};
+constexpr MapKind kinds[map_kinds] = {MapKind::colour, MapKind::normal, MapKind::horizon, MapKind::splat};
 constexpr ChunkKind chunk_kinds[map_kinds] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon,
-                                              ChunkKind::control};
+                                              ChunkKind::splat};
 
 // A renderer's arrays, as far as who lies where: [kind][size][layer][mip] is a tile's mip of the pack, or nothing.
 struct Arrays {
@@ -89,7 +89,7 @@ io::LoadedPack mapped_terrain(Random& random) {
     options.horizon_spacing = 2 * pick(random, 0, 2);
     const RulesFile rules;
     if (pick(random, 0, 2) != 0) options.layers_path = rules.path();
-    options.control_spacing = 1 << pick(random, 0, 2);
+    options.splat_spacing = 1 << pick(random, 0, 2);
     return bake_and_load(random_dem(random, samples, pick(random, 80, 300), Shape::fractal), options);
 }
 
@@ -120,9 +120,9 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         budget.map_requests = static_cast<std::uint32_t>(pick(random, 1, 20));
         budget.tail_log2 = static_cast<std::uint32_t>(pick(random, 2, 5));
         budget.horizons = round % 3 != 2;
-        budget.control = round % 4 != 1;
+        budget.splat = round % 4 != 1;
         horizons += budget.horizons && pack.pack.header.horizon_log2 != 0;
-        controls += budget.control && pack.pack.header.control_log2 != 0;
+        controls += budget.splat && pack.pack.header.splat_log2 != 0;
         budget.map_bytes = std::uint64_t{1} << 40;
         std::uint64_t tails = 0, all = 0;
         for (const MapKind kind : kinds) {
@@ -141,7 +141,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         ScriptedClient client(random, on, {.fails = fails ? 0.05 : 0, .garbage = fails ? 0.05 : 0, .most_delay = 8});
         Arrays arrays{pack.pack,
                       {stream_map_layers(on.stream, MapKind::colour), stream_map_layers(on.stream, MapKind::normal),
-                       stream_map_layers(on.stream, MapKind::horizon), stream_map_layers(on.stream, MapKind::control)},
+                       stream_map_layers(on.stream, MapKind::horizon), stream_map_layers(on.stream, MapKind::splat)},
                       {}};
         StreamSettings settings;
         settings.fade_s = pick(random, 0, 2) ? 0.1 : 0;
@@ -217,7 +217,7 @@ TEST_CASE("no mip is read twice unless its layer was given up in between") {
     StreamBudget budget;
     budget.map_bytes = std::uint64_t{1} << 40;
     budget.horizons = true;
-    budget.control = true;
+    budget.splat = true;
     Streamed on(pack.pack, 0, budget);
     std::set<std::array<std::uint32_t, 3>> read;
     StreamSettings settings;
@@ -249,16 +249,16 @@ TEST_CASE("layers cost no more than the budget, and one that cannot hold the sma
         h.normal_log2 = pick(random, 0, 3) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
         h.horizon_log2 = pick(random, 0, 1) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
         StreamBudget budget;
-        h.control_log2 = pick(random, 0, 1) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
+        h.splat_log2 = pick(random, 0, 1) ? static_cast<std::uint32_t>(pick(random, 2, 12)) : 0;
         budget.horizons = pick(random, 0, 3) != 0;
-        budget.control = pick(random, 0, 3) != 0;
+        budget.splat = pick(random, 0, 3) != 0;
         budget.tail_log2 = static_cast<std::uint32_t>(pick(random, 2, 7));
         budget.map_bytes = static_cast<std::uint64_t>(std::pow(10.0, uniform(random, 5, 11)));
         std::uint64_t bytes = 0, tails = 0;
         for (const MapKind kind : kinds) {
             MapLayers slots = map_layers(h, budget, kind);
             bytes += map_layer_bytes(slots, kind);
-            if (kind == MapKind::control) REQUIRE(slots.top_log2 == (budget.control ? h.control_log2 : 0));
+            if (kind == MapKind::splat) REQUIRE(slots.top_log2 == (budget.splat ? h.splat_log2 : 0));
             if (kind == MapKind::horizon) REQUIRE(slots.top_log2 == (budget.horizons ? h.horizon_log2 : 0));
             if (slots.top_log2 == 0) {
                 REQUIRE(map_layer_bytes(slots, kind) == 0);

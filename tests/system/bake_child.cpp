@@ -89,8 +89,8 @@ int bake_once(int argc, char** argv) {
     options.compression = 1;
     options.max_texture_log2 = 6;
     options.horizon_spacing = 4;
-    options.layers_path = FJELL_SOURCE_DIR "/content/materials/control/alpine.json";
-    options.control_spacing = 1;
+    options.layers_path = FJELL_SOURCE_DIR "/content/materials/splat/alpine.json";
+    options.splat_spacing = 1;
     options.checkpoint_s = 0;
     if (argc == 7) options.texture_paths = {argv[6]};
     options.progress = [](const char*, std::uint64_t, std::uint64_t) { io::check_interrupt(); };

@@ -54,7 +54,7 @@ std::set<std::string> controls(const json& state, const std::set<std::string>& g
     // Or is grey as long as nothing has been typed or compared.
     static const std::set<std::string> tell{
         "bake.plan",          "bake.picture",          "job.progress",    "bake.start",
-        "browse.choose",      "bake.control",          "export.error_px", "compare-picture.profile",
+        "browse.choose",      "bake.splat",          "export.error_px", "compare-picture.profile",
         "export.destination", "screenshot.destination"};
     std::set<std::string> found;
     for (const auto& [name, place] : state["marks"].items())

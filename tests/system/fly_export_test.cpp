@@ -272,7 +272,7 @@ TEST_CASE("an export has the colours of layers, at the texel size that is asked 
     REQUIRE(run_in(folder, FJELL_BIN_DIR "/fjell-bake materials stuff --size 16 -o two.fjell-materials").code == 0);
     spit(folder / "rules.json", R"({"rules": [{"layer": "red"}, {"layer": "blue", "height_m": [350, null]}]})");
     REQUIRE(run_in(folder, FJELL_BIN_DIR "/fjell-bake dem.tif -o named.fjell --tile 64 --layers rules.json "
-                                         "--control full --quiet")
+                                         "--splat full --quiet")
                 .code == 0);
     spit(folder / "tint.toml", "[layers]\ntint = 0\n");
     const std::string flight = " --headless --frames 2 --eye 7000,9000,7000 --look 7100,0,7100 --export 1:l.glb "
@@ -300,7 +300,7 @@ TEST_CASE("an export has the colours of layers, at the texel size that is asked 
                      "--materials two.fjell-materials --layers rules.json")
                 .code == 0);
     CHECK(texture_of("l.glb", " colour").width == 32); // as the map is
-    spit(folder / "rules_off.toml", "[layers]\ncontrol = false\n");
+    spit(folder / "rules_off.toml", "[layers]\nsplat = false\n");
     refuses_export("named.fjell --headless --frames 2 --export 1:l.glb --profile rules_off.toml "
                    "--materials two.fjell-materials",
                    2, "give rules too");

@@ -6,7 +6,7 @@
 #include "gl/terrain_textures.h"
 #include "pack/terrain_data.h"
 #include "picture_scene.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -40,7 +40,7 @@ struct Streamed {
             slots[kind].top_log2 = kind == 0   ? header.colour_log2
                                    : kind == 1 ? header.normal_log2
                                    : kind == 2 ? header.horizon_log2
-                                               : header.control_log2;
+                                               : header.splat_log2;
             REQUIRE(slots[kind].top_log2 > tail_log2);
             for (std::uint32_t log2 = tail_log2; log2 <= slots[kind].top_log2; ++log2) slots[kind].layers[log2] = tiles;
             shown[kind].resize(tiles);
@@ -49,7 +49,7 @@ struct Streamed {
         options.colour = slots[0];
         options.normal = slots[1];
         options.horizon = slots[2];
-        options.control = slots[3];
+        options.splat = slots[3];
         std::string error;
         whole = std::exchange(scene.renderer,
                               gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, options, error));
@@ -60,7 +60,7 @@ struct Streamed {
 
     [[nodiscard]] std::vector<std::byte> mip(std::uint32_t kind, std::uint32_t tile, std::uint32_t log2) const {
         constexpr ChunkKind chunks[map_kinds] = {ChunkKind::colour, ChunkKind::normal, ChunkKind::horizon,
-                                                 ChunkKind::control};
+                                                 ChunkKind::splat};
         const ChunkId id{chunks[kind], tile, top(kind) - log2};
         std::vector<std::byte> blocks(chunk_raw_bytes(scene.loaded.pack.header, id));
         REQUIRE(read_chunk(scene.loaded.pack, id, blocks).ok());

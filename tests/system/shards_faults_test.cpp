@@ -7,7 +7,7 @@
 #include <random>
 
 #include "shards_scene.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/rounds.h"
 
 using namespace fjell::test;
@@ -39,7 +39,7 @@ TEST_CASE(
     std::mt19937 random(61);
     for (int round = 0; round < rounds(1, 2); ++round) {
         const TemporaryFolder folder;
-        prepare_shards(folder, 3 + 3 * round, "--horizons quarter --control quarter --layers " + rules.path());
+        prepare_shards(folder, 3 + 3 * round, "--horizons quarter --splat quarter --layers " + rules.path());
         const std::string launch = bake + "launch plan -o out.fjell --threads 1 --at-once 2";
         int kills = 0;
         for (Run r; kills < 100; ++kills) {
@@ -94,7 +94,7 @@ TEST_CASE("a merge into a set that is killed at any moment is no set, and the sa
 TEST_CASE("a disk that is full or gone, and what others have left half, end steps and merges with one line each") {
     const RulesFile rules;
     const TemporaryFolder folder;
-    prepare_shards(folder, 2, "--horizons quarter --control quarter --layers " + rules.path());
+    prepare_shards(folder, 2, "--horizons quarter --splat quarter --layers " + rules.path());
     split(folder);
     const std::string step = bake + "shard plan 1-2/2 --threads 1 --quiet --step ";
     REQUIRE(run_in(folder.path, step + "read && " + step + "means").code == 0);

@@ -157,16 +157,16 @@ TEST_CASE("options of fjell-bake that a command names, the bake has, and the dia
     const TemporaryFolder folder;
     spit(folder / "west.asc", ascii_grid(0, "101"));
     spit(folder / "rules.json", R"({"rules": [{"layer": "grass"}]})");
-    const auto command = parse_command("bake a.tif a.fjell layers=r.json control=full horizons=quarter "
+    const auto command = parse_command("bake a.tif a.fjell layers=r.json splat=full horizons=quarter "
                                        "encoding=terrarium bbox=1,2,3,4");
     const fjell::baker::Recipe recipe = bake_recipe(std::get<BakePack>(*command));
     CHECK(recipe.layers == "r.json");
-    CHECK(recipe.control == "full");
+    CHECK(recipe.splat == "full");
     CHECK(recipe.horizons == "quarter");
     CHECK(recipe.encoding == "terrarium");
     REQUIRE(recipe.bbox);
     CHECK((*recipe.bbox)[3] == 4);
-    for (const char* wrong : {"control=fine", "horizons=full", "encoding=png", "bbox=1,2,3"}) {
+    for (const char* wrong : {"splat=fine", "horizons=full", "encoding=png", "bbox=1,2,3"}) {
         INFO(wrong);
         const auto refused = parse_command("bake a.tif a.fjell layers=r.json " + std::string(wrong));
         CHECK_THROWS_AS(bake_recipe(std::get<BakePack>(*refused)), fjell::io::Failure);

@@ -42,22 +42,22 @@ struct FlatMaterials {
 using Texels = std::array<std::uint8_t, 12>; // 2 x 2
 constexpr Texels map_colours{40, 120, 60, 40, 120, 60, 40, 120, 60, 40, 120, 60};
 
-std::array<std::byte, 32> control_of(std::array<std::uint8_t, 8> texel) {
-    std::array<std::byte, 32> control;
-    for (std::size_t i = 0; i < control.size(); ++i) control[i] = std::byte{texel[i % 8]};
-    return control;
+std::array<std::byte, 32> splat_of(std::array<std::uint8_t, 8> texel) {
+    std::array<std::byte, 32> splat;
+    for (std::size_t i = 0; i < splat.size(); ++i) splat[i] = std::byte{texel[i % 8]};
+    return splat;
 }
 
 struct Painted {
     bool done;
     Texels rgb;
 };
-Painted paint(const gl::GroundColour& ground, std::array<std::uint8_t, 8> control) {
-    const std::array<std::byte, 32> bytes = control_of(control);
+Painted paint(const gl::GroundColour& ground, std::array<std::uint8_t, 8> splat) {
+    const std::array<std::byte, 32> bytes = splat_of(splat);
     Painted painted{false, map_colours};
     gl::GroundTexels texels{2};
-    texels.control = bytes;
-    texels.control_side = 2;
+    texels.splat = bytes;
+    texels.splat_side = 2;
     texels.rgb = painted.rgb;
     painted.done = ground.paint(texels);
     return painted;
@@ -71,7 +71,7 @@ bool near(const Texels& a, std::array<int, 3> b) {
 
 } // namespace
 
-TEST_CASE("control maps say what ground is painted with, and what stays as its map has it") {
+TEST_CASE("splat maps say what ground is painted with, and what stays as its map has it") {
     const FlatMaterials flat;
     const std::vector<std::string> names{"blue", "red"}; // not in the materials' order
     gl::GroundColour ground;
@@ -95,7 +95,7 @@ TEST_CASE("control maps say what ground is painted with, and what stays as its m
     CHECK(tinted[1] > tinted[2]);
 }
 
-TEST_CASE("water of a control map keeps its map's colour, whatever the materials are") {
+TEST_CASE("water of a splat map keeps its map's colour, whatever the materials are") {
     const FlatMaterials flat;
     const std::vector<std::string> names{"water", "red"};
     gl::GroundColour ground;
@@ -128,9 +128,9 @@ TEST_CASE("what cannot be painted is refused, and nothing changes") {
     REQUIRE(ground.set(flat.materials, rules, {}, {}, 1).empty());
     Texels rgb = map_colours;
     const std::array<float, 4> four{};
-    const std::array<std::byte, 24> control{};
+    const std::array<std::byte, 24> splat{};
     CHECK_FALSE(ground.paint({2, 0, 0, 1, 1, {}, 0, std::span(four).first(3), four, rgb}));
-    CHECK_FALSE(ground.paint({2, 0, 0, 1, 1, control, 2, four, four, rgb}));
+    CHECK_FALSE(ground.paint({2, 0, 0, 1, 1, splat, 2, four, four, rgb}));
     CHECK_FALSE(ground.paint({3, 0, 0, 1, 1, {}, 0, four, four, rgb}));
     CHECK(rgb == map_colours);
 }

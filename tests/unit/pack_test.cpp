@@ -208,9 +208,9 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 1; }) == StatusCode::out_of_range);
     CHECK(code([](PackHeader& h) { h.horizon_log2 = 3; }) == StatusCode::corrupt);
     CHECK(code([](PackHeader& h) { h.features = pack_has_horizons; }) == StatusCode::corrupt);
-    CHECK(code([](PackHeader& h) { h.control_log2 = 3; }) == StatusCode::out_of_range); // without names
+    CHECK(code([](PackHeader& h) { h.splat_log2 = 3; }) == StatusCode::out_of_range); // without names
     CHECK(code([](PackHeader& h) { h.layer_bytes = 5; }) == StatusCode::out_of_range);
-    CHECK(code([](PackHeader& h) { h.control_log2 = 3, h.layer_bytes = 5; }) == StatusCode::corrupt);
+    CHECK(code([](PackHeader& h) { h.splat_log2 = 3, h.layer_bytes = 5; }) == StatusCode::corrupt);
     CHECK(code([](PackHeader& h) { h.features = 8; }) == StatusCode::wrong_version);
     CHECK(code([](PackHeader& h) { h.directory_offset = ~0ull; }) == StatusCode::corrupt);
     CHECK(code([](PackHeader& h) { h.directory_count = 1ull << 61; }) == StatusCode::corrupt);

@@ -189,10 +189,10 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
         "true\nwater_level_m = "
         "7.5\n"
         "azimuth_deg = 1\nelevation_deg = 2\n"
-        "[layers]\non = false\ncontrol = false\ndistance_m = 900\ntint = 0.25\nrelief = 2\nmaterial_mb = 5\n",
+        "[layers]\non = false\nsplat = false\ndistance_m = 900\ntint = 0.25\nrelief = 2\nmaterial_mb = 5\n",
         "p.toml");
     CHECK_FALSE(l.layers.on);
-    CHECK_FALSE(l.layers.control);
+    CHECK_FALSE(l.layers.splat);
     CHECK(l.layers.distance_m == 900);
     CHECK(l.layers.tint == 0.25);
     CHECK(l.layers.relief == 2);

@@ -52,7 +52,7 @@ typedef struct FjellCoord {
 #define FJELL_PACK_VERSION 8
 
 typedef uint64_t FjellPackFeatures;
-enum { FJELL_PACK_HAS_HORIZONS = 1, FJELL_PACK_HAS_CONTROL = 2, FJELL_PACK_IS_SPARSE = 4 };
+enum { FJELL_PACK_HAS_HORIZONS = 1, FJELL_PACK_HAS_SPLAT = 2, FJELL_PACK_IS_SPARSE = 4 };
 #define FJELL_MAX_LAYER_BYTES 512
 #define FJELL_PACK_LAYOUT_HASH 0x46a1000400041020ull
 #define FJELL_MIN_TILE_LOG2 1
@@ -79,7 +79,7 @@ enum {
     FJELL_CHUNK_CRS = 4,
     FJELL_CHUNK_HORIZON = 5,
     FJELL_CHUNK_LAYERS = 6,
-    FJELL_CHUNK_CONTROL = 7
+    FJELL_CHUNK_SPLAT = 7
 };
 
 typedef struct FjellPackHeader {
@@ -116,7 +116,7 @@ typedef struct FjellPackHeader {
     uint64_t notes_bytes;
     uint32_t horizon_log2;
     uint32_t tiles_held;
-    uint32_t control_log2;
+    uint32_t splat_log2;
     uint32_t layer_bytes;
     uint64_t features;
     uint64_t reserved[21];
@@ -190,10 +190,10 @@ typedef struct FjellSetIndex {
 #define FJELL_HORIZON_PLANES_ACROSS 4
 #define FJELL_HORIZON_PLANES (FJELL_HORIZON_PLANES_ACROSS * FJELL_HORIZON_PLANES_ACROSS)
 #define FJELL_HORIZON_BLOCK_BYTES (8 * FJELL_HORIZON_PLANES)
-#define FJELL_CONTROL_LAYERS 4
-#define FJELL_MAX_CONTROL_NAMES 16
-#define FJELL_CONTROL_TEXEL_BYTES (2 * FJELL_CONTROL_LAYERS)
-#define FJELL_CONTROL_BLOCK_BYTES (16 * FJELL_CONTROL_TEXEL_BYTES)
+#define FJELL_SPLAT_LAYERS 4
+#define FJELL_MAX_SPLAT_NAMES 16
+#define FJELL_SPLAT_TEXEL_BYTES (2 * FJELL_SPLAT_LAYERS)
+#define FJELL_SPLAT_BLOCK_BYTES (16 * FJELL_SPLAT_TEXEL_BYTES)
 
 // --- fjell/terrain.h ---
 
@@ -500,7 +500,7 @@ typedef struct FjellGroundPatch {
 // --- fjell/stream.h ---
 
 typedef uint8_t FjellMapKind;
-enum { FJELL_MAP_COLOUR = 0, FJELL_MAP_NORMAL = 1, FJELL_MAP_HORIZON = 2, FJELL_MAP_CONTROL = 3 };
+enum { FJELL_MAP_COLOUR = 0, FJELL_MAP_NORMAL = 1, FJELL_MAP_HORIZON = 2, FJELL_MAP_SPLAT = 3 };
 #define FJELL_MAP_KINDS 4
 
 typedef struct FjellMapLayers {
@@ -517,7 +517,7 @@ typedef struct FjellStreamBudget {
     uint32_t tail_log2;
     uint32_t decoders;
     bool horizons;
-    bool control;
+    bool splat;
 } FjellStreamBudget;
 
 typedef struct FjellStreamSettings {

@@ -22,7 +22,7 @@ inline constexpr std::uint32_t pack_version = 8;
 // Bits of PackHeader::features: what not every pack has. A reader refuses those that it does not know.
 enum PackFeatures : std::uint64_t {
     pack_has_horizons = 1,
-    pack_has_control = 2,
+    pack_has_splat = 2,
     pack_is_sparse = 4 // a pack set that does not cover its terrain (fjell/pack_set.h): in memory only, never in a file
 };
 inline constexpr std::uint32_t max_layer_bytes = 512; // 16 names of 31 characters and their newlines
@@ -48,8 +48,8 @@ enum class ChunkKind : std::uint32_t {
     normal = 3,   // the same
     crs = 4,      // well-known text
     horizon = 5,  // mips, tile by tile
-    layers = 6,   // names of the materials that control maps speak of: text, each ends with a newline
-    control = 7   // mips, tile by tile
+    layers = 6,   // names of the materials that splat maps speak of: text, each ends with a newline
+    splat = 7   // mips, tile by tile
 };
 
 // The pack's first 512 bytes.
@@ -87,8 +87,8 @@ struct PackHeader {
     std::uint64_t notes_bytes;               // 0: none
     std::uint32_t horizon_log2;              // texels a side of mip 0; 0: no horizon map
     std::uint32_t tiles_held;                // of a sparse terrain: tiles that are there; 0: all of them
-    std::uint32_t control_log2;              // texels a side of mip 0; 0: no control map
-    std::uint32_t layer_bytes;               // of the materials' names; 0: no control map
+    std::uint32_t splat_log2;              // texels a side of mip 0; 0: no splat map
+    std::uint32_t layer_bytes;               // of the materials' names; 0: no splat map
     std::uint64_t features;                  // PackFeatures
     std::uint64_t reserved[21];              // zero
     std::uint64_t header_hash;               // XXH3 of all bytes before this one
@@ -157,7 +157,7 @@ inline constexpr std::uint32_t corner_void_bit = 0x80000000;
 // Textures. Mip m of a map with 2^k texels a side has 2^(k-m); the smallest has 4. The first and last texel centre of
 // *every* mip lie on the tile's border, and both neighbours compress the same values there: no seam under
 // clamp-to-edge. Colour is BC1 of sRGB, normal BC5 of the east and south components of the unit normal (up follows),
-// horizon 16 planes of BC4 side by side, control four weights and materials a texel, not compressed: fjell/texture.h.
+// horizon 16 planes of BC4 side by side, splat four weights and materials a texel, not compressed: fjell/texture.h.
 [[nodiscard]] constexpr std::uint32_t mip_count(std::uint32_t log2_side) {
     return log2_side < 2 ? 0 : log2_side - 1;
 }
@@ -195,7 +195,7 @@ struct ChunkId {
 };
 inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 // Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS; horizon,
-// tile by tile; names of layers; control, tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(),
+// tile by tile; names of layers; splat maps, tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(),
 // item below pages_per_tile() or mip_count(). O(1).
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
@@ -203,7 +203,7 @@ inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 // The features that a pack with these maps and tiles has.
 [[nodiscard]] constexpr std::uint64_t features_of(const PackHeader& header) {
     return (header.horizon_log2 != 0) * std::uint64_t{pack_has_horizons} +
-           (header.control_log2 != 0) * std::uint64_t{pack_has_control} +
+           (header.splat_log2 != 0) * std::uint64_t{pack_has_splat} +
            (header.tiles_held != 0) * std::uint64_t{pack_is_sparse};
 }
 // How many chunks such a pack has.

@@ -1,5 +1,5 @@
 // Maps as the pack stores them: BC1 (colour), BC5 (normals) and planes of BC4 (horizons), 4 x 4 texels a block, row by
-// row; and the way back. Control maps are texels as they are.
+// row; and the way back. Splat maps are texels as they are.
 //
 // BC1, 8 bytes: two colours of 5-6-5 bits, then 2 bits a texel that choose them or a third between. BC5, 16 bytes:
 // twice two bytes and 3 bits a texel that choose them or a seventh between; first the east, then the south component of
@@ -13,7 +13,7 @@
 // that arrives, of what would on the same slope if nothing else stood around it, times 255. At a plane's border a
 // filter would reach into the next one: read whole mips, as runtime/gl does.
 //
-// A control map says which materials lie at a texel and how much of each shows: 8 bytes, row by row, four times a
+// A splat map says which materials lie at a texel and how much of each shows: 8 bytes, row by row, four times a
 // weight and the number of a name in the pack's chunk of layers; the largest weight first, 0 with number 0 where there
 // are fewer. Weights add up to 255 where materials cover the ground, to less where some of it stays as its colour map
 // is. Read as RGBA16UI a component is its number times 256 and its weight. Numbers cannot be filtered: fetch four
@@ -37,8 +37,8 @@ inline constexpr std::size_t colour_block_bytes = 8, normal_block_bytes = 16;
 inline constexpr std::uint32_t horizon_directions = 15, horizon_planes_across = 4;
 inline constexpr std::uint32_t horizon_planes = horizon_planes_across * horizon_planes_across;
 inline constexpr std::size_t horizon_block_bytes = 8 * horizon_planes; // of 4 x 4 texels, all planes
-inline constexpr std::uint32_t control_layers = 4, max_control_names = 16;
-inline constexpr std::size_t control_texel_bytes = 2 * control_layers, control_block_bytes = 16 * control_texel_bytes;
+inline constexpr std::uint32_t splat_layers = 4, max_splat_names = 16;
+inline constexpr std::size_t splat_texel_bytes = 2 * splat_layers, splat_block_bytes = 16 * splat_texel_bytes;
 // Blocks of a mip with that many texels a side.
 [[nodiscard]] constexpr std::size_t blocks_of(std::uint32_t side) {
     return std::size_t{side / 4} * (side / 4);

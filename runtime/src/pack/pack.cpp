@@ -90,8 +90,8 @@ Status check_ranges(const PackHeader& h) {
     if (h.colour_log2 == 1 || h.colour_log2 > max_texture_log2) return bad("colour_log2");
     if (h.normal_log2 == 1 || h.normal_log2 > max_texture_log2) return bad("normal_log2");
     if (h.horizon_log2 == 1 || h.horizon_log2 > max_texture_log2) return bad("horizon_log2");
-    if (h.control_log2 == 1 || h.control_log2 > max_texture_log2) return bad("control_log2");
-    if (h.layer_bytes > max_layer_bytes || (h.layer_bytes != 0) != (h.control_log2 != 0)) return bad("layer_bytes");
+    if (h.splat_log2 == 1 || h.splat_log2 > max_texture_log2) return bad("splat_log2");
+    if (h.layer_bytes > max_layer_bytes || (h.layer_bytes != 0) != (h.splat_log2 != 0)) return bad("layer_bytes");
     if (h.tiles_held != 0 && std::uint64_t{h.tiles_x} * h.tiles_y > max_sparse_tiles) return bad("tile_log2");
     if (h.tiles_held > std::uint64_t{h.tiles_x} * h.tiles_y) return bad("tiles_held");
     if (h.crs_bytes > (1u << 20)) return bad("crs_bytes");
@@ -136,7 +136,7 @@ DirectoryPlan plan_directory(const PackHeader& h) {
     const std::uint64_t horizons = mip_count(h.horizon_log2), names = h.layer_bytes ? 1 : 0;
     const std::uint64_t after_crs = after_normals + crs, after_horizons = after_crs + tiles * horizons;
     return {{0, 1, after_pages, after_colours, after_normals, after_crs, after_horizons, after_horizons + names},
-            {1, pages, colours, normals, crs, horizons, names, mip_count(h.control_log2)}};
+            {1, pages, colours, normals, crs, horizons, names, mip_count(h.splat_log2)}};
 }
 
 // What the directory's plan follows from can be that of a pack. check_ranges() looks at the rest too, and takes longer.
@@ -144,7 +144,7 @@ bool has_layout(const PackHeader& h) {
     return h.tile_log2 >= min_tile_log2 && h.tile_log2 <= max_tile_log2 && h.tiles_x != 0 && h.tiles_y != 0 &&
            h.tiles_x <= max_columns && h.tiles_y <= max_columns && h.order <= PageOrder::linear &&
            h.colour_log2 <= max_texture_log2 && h.normal_log2 <= max_texture_log2 &&
-           h.horizon_log2 <= max_texture_log2 && h.control_log2 <= max_texture_log2;
+           h.horizon_log2 <= max_texture_log2 && h.splat_log2 <= max_texture_log2;
 }
 
 bool has_chunk(const PackHeader& h, ChunkId id) {
@@ -158,7 +158,7 @@ bool has_chunk(const PackHeader& h, ChunkId id) {
     case ChunkKind::crs: return id.tile == 0 && id.item == 0 && h.crs_bytes != 0;
     case ChunkKind::horizon: return in_tile && id.item < mip_count(h.horizon_log2);
     case ChunkKind::layers: return id.tile == 0 && id.item == 0 && h.layer_bytes != 0;
-    case ChunkKind::control: return in_tile && id.item < mip_count(h.control_log2);
+    case ChunkKind::splat: return in_tile && id.item < mip_count(h.splat_log2);
     }
     return false;
 }
@@ -187,7 +187,7 @@ ChunkId chunk_id(const PackHeader& h, std::uint64_t chunk) {
 std::uint64_t chunk_count(const PackHeader& h) {
     if (!has_layout(h)) return 0;
     const std::uint64_t tiles = tile_total(h);
-    return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::control)] + tiles * mip_count(h.control_log2);
+    return plan_directory(h).first[static_cast<std::size_t>(ChunkKind::splat)] + tiles * mip_count(h.splat_log2);
 }
 
 std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
@@ -205,7 +205,7 @@ std::size_t chunk_raw_bytes(const PackHeader& h, ChunkId id) {
     case ChunkKind::normal: return blocks(h.normal_log2) * normal_block_bytes;
     case ChunkKind::horizon: return blocks(h.horizon_log2) * horizon_block_bytes;
     case ChunkKind::layers: return h.layer_bytes;
-    case ChunkKind::control: return blocks(h.control_log2) * control_block_bytes;
+    case ChunkKind::splat: return blocks(h.splat_log2) * splat_block_bytes;
     case ChunkKind::crs: break;
     }
     return h.crs_bytes;
@@ -225,7 +225,7 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (file_bytes < h.file_bytes) return failed(StatusCode::truncated, "file_bytes");
     if (file_bytes > h.file_bytes) return failed(StatusCode::corrupt, "file_bytes");
     if (Status s = check_ranges(h); !s.ok()) return s;
-    if (h.features > (pack_has_horizons | pack_has_control | pack_is_sparse))
+    if (h.features > (pack_has_horizons | pack_has_splat | pack_is_sparse))
         return failed(StatusCode::wrong_version, "features");
     if (h.features != features_of(h)) return failed(StatusCode::corrupt, "features");
     if (h.directory_offset < h.header_bytes || h.directory_offset > h.file_bytes ||

@@ -33,7 +33,7 @@ const char* difference(const PackHeader& a, const PackHeader& b) {
     if (a.colour_log2 != b.colour_log2) return "size of colour maps";
     if (a.normal_log2 != b.normal_log2) return "size of normal maps";
     if (a.horizon_log2 != b.horizon_log2) return "size of horizon maps";
-    if (a.control_log2 != b.control_log2 || a.layer_bytes != b.layer_bytes) return "size of control maps";
+    if (a.splat_log2 != b.splat_log2 || a.layer_bytes != b.layer_bytes) return "size of splat maps";
     if (a.crs_bytes != b.crs_bytes || !std::equal(a.crs_step, a.crs_step + 2, b.crs_step)) return "CRS";
     return nullptr;
 }
@@ -61,7 +61,7 @@ Status check_part(const SetShape& shape, const SetPart& first, const SetPart& pa
         if (part.pack->entry(chunk_index(h, crs)).hash != first.pack->entry(chunk_index(a, crs)).hash)
             return {StatusCode::wrong_pack, "CRS"};
     }
-    // What control maps mean by a number.
+    // What splat maps mean by a number.
     if (const ChunkId names{ChunkKind::layers, 0, 0};
         h.layer_bytes != 0 &&
         part.pack->entry(chunk_index(h, names)).hash != first.pack->entry(chunk_index(a, names)).hash)

@@ -22,7 +22,7 @@ std::uint32_t top_log2(const PackHeader& h, const StreamBudget& budget, MapKind 
     case MapKind::colour: return h.colour_log2;
     case MapKind::normal: return h.normal_log2;
     case MapKind::horizon: return budget.horizons ? h.horizon_log2 : 0;
-    case MapKind::control: return budget.control ? h.control_log2 : 0;
+    case MapKind::splat: return budget.splat ? h.splat_log2 : 0;
     }
     return 0;
 }
@@ -31,9 +31,9 @@ std::uint64_t block_bytes(MapKind kind) {
     case MapKind::colour: return colour_block_bytes;
     case MapKind::normal: return normal_block_bytes;
     case MapKind::horizon: return horizon_block_bytes;
-    case MapKind::control: break;
+    case MapKind::splat: break;
     }
-    return control_block_bytes;
+    return splat_block_bytes;
 }
 // One layer of that size with all its mips.
 std::uint64_t layer_bytes(std::uint32_t log2, MapKind kind) {
@@ -86,7 +86,7 @@ std::uint64_t share_of(const PackHeader& h, const StreamBudget& budget, MapKind 
 
 MapLayers map_layers(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     MapLayers sizes;
-    for (const std::uint32_t log2 : {h.colour_log2, h.normal_log2, h.horizon_log2, h.control_log2})
+    for (const std::uint32_t log2 : {h.colour_log2, h.normal_log2, h.horizon_log2, h.splat_log2})
         if (log2 == 1 || log2 > max_texture_log2) return sizes;
     if (static_cast<std::uint32_t>(kind) >= map_kinds) return sizes;
     sizes.top_log2 = top_log2(h, budget, kind);

@@ -10,7 +10,7 @@ namespace fjell {
     return kind == 0   ? ChunkKind::colour
            : kind == 1 ? ChunkKind::normal
            : kind == 2 ? ChunkKind::horizon
-                       : ChunkKind::control;
+                       : ChunkKind::splat;
 }
 [[nodiscard]] constexpr std::uint32_t map_of_chunks(ChunkKind kind) {
     return kind == ChunkKind::colour ? 0 : kind == ChunkKind::normal ? 1 : kind == ChunkKind::horizon ? 2 : 3;

@@ -24,10 +24,10 @@ struct GroundTexels {
     std::uint32_t side = 0;            // at least 2
     double x_m = 0, z_m = 0;           // where the first texel's centre lies, from the terrain's sample (0, 0)
     double step_x_m = 1, step_z_m = 1; // from centre to centre
-    // A mip of the square's control map as the pack stores it (fjell/texture.h), and its texels a side; its outermost
+    // A mip of the square's splat map as the pack stores it (fjell/texture.h), and its texels a side; its outermost
     // centres lie where the square's do. Empty: what rules say.
-    std::span<const std::byte> control = {};
-    std::uint32_t control_side = 0;
+    std::span<const std::byte> splat = {};
+    std::uint32_t splat_side = 0;
     std::span<const float> height_m = {}, slope_deg = {}; // of the ground at each texel: for rules only
     std::span<std::uint8_t> rgb = {};                     // sRGB, 3 bytes each: the map's colours; then the ground's
 };

@@ -1,4 +1,4 @@
-// Detail layers: what near ground is made of. Materials (fjell/io/materials.h), where the pack's control maps say
+// Detail layers: what near ground is made of. Materials (fjell/io/materials.h), where the pack's splat maps say
 // (fjell/texture.h); for a pack without them, where rules lay them over each other, by height, steepness and noise,
 // evaluated in every pixel from what the shader has.
 //
@@ -19,7 +19,7 @@ FJELL_API_BEGIN
 namespace fjell::gl {
 
 inline constexpr std::uint32_t max_layer_rules = 16;
-// The name in a control map that is drawn as a lake, at any distance, unless a material is called so.
+// The name in a splat map that is drawn as a lake, at any distance, unless a material is called so.
 inline constexpr const char* water_layer = "water";
 inline constexpr double min_layer_distance_m = 1, max_layer_distance_m = 100'000;
 inline constexpr double max_layer_relief = 4;
@@ -28,7 +28,7 @@ struct LayerSettings {
     bool on = false;          // no more than Renderer::set_layers() has been given
     double distance_m = 4000; // from so far on the ground is as it was baked; from 0.4 of it on it fades. 1 to 100,000
     double tint = 0.4;        // how far a material takes on its map's colour; 0: its own, 1: the map's. 0 to 1
-    bool control = true;      // from control maps, of a pack that has them; false: from rules all the same
+    bool splat = true;      // from splat maps, of a pack that has them; false: from rules all the same
     double relief = 1;        // how strongly its bumps catch the light, 0 to 4
 };
 

@@ -52,10 +52,10 @@ struct RendererOptions {
     std::uint32_t ring_bytes = 0;
     // Streamed maps (stream_map_layers()): array textures of these sizes, empty at first. top_log2 0: all of the pack's
     // map is loaded at creation. At most 8 sizes of each kind.
-    MapLayers colour{}, normal{}, horizon{}, control{};
+    MapLayers colour{}, normal{}, horizon{}, splat{};
     bool horizons =
         true; // load those of a whole pack, for LightSettings::shadows: often four times the bytes of its other maps
-    bool control_maps = true; // load those of a whole pack, for LayerSettings::control: 8 bytes a texel
+    bool splat_maps = true; // load those of a whole pack, for LayerSettings::splat: 8 bytes a texel
     LightSettings light{};    // of the first draw: its shaders are compiled at creation; others when first used
     // Textures of set_layers(), in bytes: finest mips are left out until they fit. Ten materials of 512 texels a side
     // take 7 MB.
@@ -143,14 +143,14 @@ public:
     [[nodiscard]] std::string set_heights(const HeightGrid& grid);
     // What DrawOptions::layers draws near ground with; the bytes that `materials` points into are read here and not
     // kept. Empty materials and rules free them. The next draw that has them on compiles its shader.
-    // names: of the pack's chunk `layers` (io::layer_names()), which its control maps speak of; all must be materials,
+    // names: of the pack's chunk `layers` (io::layer_names()), which its splat maps speak of; all must be materials,
     // but water_layer.
     [[nodiscard]] std::string set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
                                          std::span<const std::string> names = {});
     // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
     [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
-                                        std::span<const TileMap> horizon = {}, std::span<const TileMap> control = {});
+                                        std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
     // Makes the next upload a whole one: faster after rebuild_cut(), and needed when changes were taken and not
     // uploaded.
     void invalidate();

@@ -25,7 +25,7 @@ namespace fjell::io {
 // What people call a chunk: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
 [[nodiscard]] std::string chunk_name(ChunkId id);
 
-// The materials that a pack's control maps speak of, from the chunk `layers`: one name each.
+// The materials that a pack's splat maps speak of, from the chunk `layers`: one name each.
 [[nodiscard]] std::vector<std::string> layer_names(std::string_view text);
 
 class SetParts; // the files of a set

@@ -1,4 +1,4 @@
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ namespace fjell::baker {
 
 namespace {
 
-using Layers = std::array<float, max_control_names>;
+using Layers = std::array<float, max_splat_names>;
 
 // ---- noise ---------------------------------------------------------------------------------------------------------
 
@@ -56,7 +56,7 @@ struct Edges {
         return std::clamp(up, 0.0f, 1.0f) * std::clamp(down, 0.0f, 1.0f);
     }
 };
-Edges edges_of(const ControlRange& range) {
+Edges edges_of(const SplatRange& range) {
     Edges edges;
     if (!range.given) return edges;
     const double half = 0.5 * std::max(range.soft, 1e-3);
@@ -76,7 +76,7 @@ struct Turn {
         return std::clamp((half - off) * per, 0.0f, 1.0f);
     }
 };
-Turn turn_of(const ControlRange& range) {
+Turn turn_of(const SplatRange& range) {
     if (!range.given) return {};
     const double wide = range.high >= range.low ? range.high - range.low : range.high - range.low + 360;
     const double soft = std::max(range.soft, 1e-3);
@@ -85,15 +85,15 @@ Turn turn_of(const ControlRange& range) {
 }
 
 struct Prepared {
-    const ControlRule* rule;
+    const SplatRule* rule;
     Edges height, slope, curvature, wetness, noise;
     Turn aspect;
     float opacity, ragged_m, ragged_deg;
     bool noisy;
 };
-std::vector<Prepared> prepared(const ControlPlan& plan) {
+std::vector<Prepared> prepared(const SplatPlan& plan) {
     std::vector<Prepared> all;
-    for (const ControlRule& r : plan.rules) {
+    for (const SplatRule& r : plan.rules) {
         Prepared p{&r,
                    edges_of(r.height_m),
                    edges_of(r.slope_deg),
@@ -123,7 +123,7 @@ struct Shape {
 // the noise of heights shows less in.
 class Shapes {
 public:
-    Shapes(const ControlGround& ground, const Window& at, const float* heights_m)
+    Shapes(const SplatGround& ground, const Window& at, const float* heights_m)
         : ground_(ground), at_(at), heights_(heights_m) {}
 
     [[nodiscard]] Shape of(std::int32_t x, std::int32_t y) const {
@@ -153,7 +153,7 @@ private:
         return heights_[static_cast<std::size_t>(y - at_.y) * static_cast<std::size_t>(at_.columns) +
                         static_cast<std::size_t>(x - at_.x)];
     }
-    const ControlGround& ground_;
+    const SplatGround& ground_;
     Window at_;
     const float* heights_;
 };
@@ -163,12 +163,12 @@ private:
 // What each pixel shows of each of a raster's layers, added to a texel-wide row with the weights of a tent.
 class Palette {
 public:
-    explicit Palette(const ControlRaster& raster) : raster_(raster) {}
+    explicit Palette(const SplatRaster& raster) : raster_(raster) {}
 
     void add(const std::uint8_t* pixel, float weight, float* shares) const {
-        if (raster_.kind == ControlRaster::Kind::weights) return add_weights(pixel, weight, shares);
+        if (raster_.kind == SplatRaster::Kind::weights) return add_weights(pixel, weight, shares);
         if (pixel[3] < 128) return;
-        const std::uint8_t layer = raster_.kind == ControlRaster::Kind::classes
+        const std::uint8_t layer = raster_.kind == SplatRaster::Kind::classes
                                        ? raster_.of_class[static_cast<std::size_t>(pixel[0] | pixel[1] << 8)]
                                        : painted(pixel);
         if (layer != no_layer) shares[layer] += weight;
@@ -180,7 +180,7 @@ private:
         constexpr int near = 48;
         int least = near;
         std::uint8_t layer = no_layer;
-        for (const ControlRaster::Painted& known : raster_.colours) {
+        for (const SplatRaster::Painted& known : raster_.colours) {
             int off = 0;
             for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(rgb[c] - known.rgb[c]));
             if (off < least) least = off, layer = known.layer;
@@ -197,10 +197,10 @@ private:
         for (int c = 0; c < 4; ++c)
             if (raster_.of_channel[c] != no_layer) shares[raster_.of_channel[c]] += weight * pixel[c];
     }
-    const ControlRaster& raster_;
+    const SplatRaster& raster_;
 };
 
-TentAxis raster_axis(const ControlGround& ground, const ImageLayer& image, int axis) {
+TentAxis raster_axis(const SplatGround& ground, const ImageLayer& image, int axis) {
     TentAxis a;
     a.num = std::int64_t{1} << ground.stride_log2;
     a.last = (axis == 0 ? ground.columns : ground.rows) - 1.0;
@@ -224,10 +224,10 @@ Window covered(const TentAxis (&axes)[2], const Window& points) {
     return run;
 }
 
-// Shares of a raster's layers over a window of points, max_control_names each. Pixels stream through row by row.
-std::vector<float> raster_shares(const ControlRaster& raster, const ImageLayer& image, const ControlGround& ground,
+// Shares of a raster's layers over a window of points, max_splat_names each. Pixels stream through row by row.
+std::vector<float> raster_shares(const SplatRaster& raster, const ImageLayer& image, const SplatGround& ground,
                                  const Window& points, ImageReader& reader) {
-    constexpr std::size_t n = max_control_names;
+    constexpr std::size_t n = max_splat_names;
     std::vector<float> shares(points.area() * n);
     const TentAxis axes[2] = {raster_axis(ground, image, 0), raster_axis(ground, image, 1)};
     const Window run = covered(axes, points);
@@ -268,9 +268,9 @@ std::vector<float> raster_shares(const ControlRaster& raster, const ImageLayer& 
 
 class Evaluation {
 public:
-    Evaluation(const ControlPlan& plan, const ControlGround& ground, const Window& points, const ControlInput& in)
+    Evaluation(const SplatPlan& plan, const SplatGround& ground, const Window& points, const SplatInput& in)
         : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)),
-          shapes_(ground, heights_for_control(ground, points), in.heights_m) {
+          shapes_(ground, heights_for_splat(ground, points), in.heights_m) {
         for (const Prepared& p : rules_) curved_ |= p.rule->curvature.given, wet_ |= p.rule->wetness.given;
         for (std::size_t i = 0; i < plan.rasters.size(); ++i)
             rasters_.push_back(raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));
@@ -300,12 +300,12 @@ public:
     }
 
 private:
-    [[nodiscard]] float noise_of(const ControlRule& rule, std::int32_t x, std::int32_t y) const {
+    [[nodiscard]] float noise_of(const SplatRule& rule, std::int32_t x, std::int32_t y) const {
         const double east = x * ground_.spacing_m[0], south = y * ground_.spacing_m[1];
         const auto fine = static_cast<float>(rule.fine);
         float noise = 0;
-        if (fine < 1) noise += (1 - fine) * control_noise(east, south, rule.noise_m);
-        if (fine > 0) noise += fine * control_noise(east + 7777, south + 3333, rule.noise_m / 8);
+        if (fine < 1) noise += (1 - fine) * splat_noise(east, south, rule.noise_m);
+        if (fine > 0) noise += fine * splat_noise(east + 7777, south + 3333, rule.noise_m / 8);
         return noise;
     }
     void lay(const Prepared& p, float here, std::size_t i, Layers& shares, float& left) const {
@@ -315,15 +315,15 @@ private:
             return;
         }
         const auto raster = static_cast<std::size_t>(p.rule->raster);
-        const float* const of = rasters_[raster].data() + i * max_control_names;
+        const float* const of = rasters_[raster].data() + i * max_splat_names;
         for (const std::uint8_t layer : plan_.rasters[raster].layers) {
             shares[layer] += here * of[layer];
             left -= here * of[layer];
         }
     }
 
-    const ControlPlan& plan_;
-    const ControlGround& ground_;
+    const SplatPlan& plan_;
+    const SplatGround& ground_;
     Window points_;
     std::vector<Prepared> rules_;
     Shapes shapes_;
@@ -333,7 +333,7 @@ private:
 
 } // namespace
 
-float control_noise(double east_m, double south_m, double wavelength_m) {
+float splat_noise(double east_m, double south_m, double wavelength_m) {
     float sum = 0, weight = 1, all = 0;
     double x = east_m / wavelength_m, y = south_m / wavelength_m;
     for (int octave = 0; octave < 3; ++octave) {
@@ -347,7 +347,7 @@ float control_noise(double east_m, double south_m, double wavelength_m) {
     return std::clamp((sum / all - 0.5f) * 1.8f + 0.5f, 0.0f, 1.0f);
 }
 
-Window heights_for_control(const ControlGround& ground, const Window& points) {
+Window heights_for_splat(const SplatGround& ground, const Window& points) {
     constexpr std::int32_t beside = 2; // of curvature
     const std::int32_t last_x = ground.columns - 1, last_y = ground.rows - 1;
     const std::int32_t x0 = std::clamp((points.x << ground.stride_log2) - beside, 0, last_x),
@@ -360,9 +360,9 @@ Window heights_for_control(const ControlGround& ground, const Window& points) {
     return {x, y, x1 - x + 1, y1 - y + 1};
 }
 
-TexelPlanes control_shares(const ControlPlan& plan, const ControlGround& ground, const Window& points,
-                           const ControlInput& in) {
-    TexelPlanes planes(points, static_cast<int>(max_control_names));
+TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points,
+                           const SplatInput& in) {
+    TexelPlanes planes(points, static_cast<int>(max_splat_names));
     planes.clear(); // of layers without a name
     const Evaluation evaluation(plan, ground, points, in);
     std::size_t i = 0;
@@ -374,23 +374,23 @@ TexelPlanes control_shares(const ControlPlan& plan, const ControlGround& ground,
     return planes;
 }
 
-ControlImages open_control_images(const ControlPlan& plan, const Frame& ground) {
-    ControlImages images;
-    for (const ControlRaster& raster : plan.rasters)
+SplatImages open_splat_images(const SplatPlan& plan, const Frame& ground) {
+    SplatImages images;
+    for (const SplatRaster& raster : plan.rasters)
         images.push_back(open_raster_map(
-            raster.path, ground, raster.kind == ControlRaster::Kind::classes ? RasterUse::classes : RasterUse::paint));
+            raster.path, ground, raster.kind == SplatRaster::Kind::classes ? RasterUse::classes : RasterUse::paint));
     return images;
 }
 
-void store_control_texel(const float (&shares)[max_control_names], std::byte* to) {
-    std::size_t best[control_layers];
+void store_splat_texel(const float (&shares)[max_splat_names], std::byte* to) {
+    std::size_t best[splat_layers];
     float all = 0, kept = 0;
     for (const float share : shares) all += std::max(share, 0.0f);
-    bool taken[max_control_names] = {};
-    for (std::size_t k = 0; k < control_layers; ++k) {
+    bool taken[max_splat_names] = {};
+    for (std::size_t k = 0; k < splat_layers; ++k) {
         std::size_t most = 0;
         while (taken[most]) ++most;
-        for (std::size_t i = most + 1; i < max_control_names; ++i)
+        for (std::size_t i = most + 1; i < max_splat_names; ++i)
             if (!taken[i] && shares[i] > shares[most]) most = i;
         taken[most] = true;
         best[k] = most;
@@ -399,24 +399,24 @@ void store_control_texel(const float (&shares)[max_control_names], std::byte* to
     // Rounded so that the sum is what it should be, and the order stays: what is missing goes to the largest, what is
     // too much is the smallest's.
     const float scale = kept > 0 ? 255 * std::min(all, 1.0f) / kept : 0;
-    int weight[control_layers], sum = 0;
-    for (std::size_t k = 0; k < control_layers; ++k) {
+    int weight[splat_layers], sum = 0;
+    for (std::size_t k = 0; k < splat_layers; ++k) {
         weight[k] = static_cast<int>(std::max(shares[best[k]], 0.0f) * scale + 0.5f);
         sum += weight[k];
     }
     const int wanted = static_cast<int>(std::min(all, 1.0f) * 255 + 0.5f);
     weight[0] += std::max(wanted - sum, 0);
-    for (std::size_t k = control_layers; sum > wanted; --sum) {
+    for (std::size_t k = splat_layers; sum > wanted; --sum) {
         while (weight[k - 1] == 0) --k;
         --weight[k - 1];
     }
-    for (std::size_t k = 0; k < control_layers; ++k) {
+    for (std::size_t k = 0; k < splat_layers; ++k) {
         to[2 * k] = static_cast<std::byte>(weight[k]);
         to[2 * k + 1] = static_cast<std::byte>(weight[k] == 0 ? 0 : best[k]);
     }
 }
 
-// The rules of control maps from JSON.
+// The rules of splat maps from JSON.
 
 namespace {
 
@@ -425,29 +425,29 @@ using Json = nlohmann::json;
 
 struct RangeKey {
     const char *name, *soft;
-    ControlRange ControlRule::*field;
+    SplatRange SplatRule::*field;
     double least, most; // of both numbers; an end there is open
     double most_soft, usual_soft;
     bool turns = false; // azimuths: low may be more than high
 };
 constexpr RangeKey range_keys[] = {
-    {"height_m", "height_soft_m", &ControlRule::height_m, -1e6, 1e6, 1e6, 0},
-    {"slope_deg", "slope_soft_deg", &ControlRule::slope_deg, 0, 90, 90, 0},
-    {"curvature_per_km", "curvature_soft_per_km", &ControlRule::curvature, -1e6, 1e6, 1e6, 0},
-    {"aspect_deg", "aspect_soft_deg", &ControlRule::aspect_deg, 0, 360, 180, 0, true},
-    {"wetness", "wetness_soft", &ControlRule::wetness, -100, 100, 100, 1},
-    {"noise", "noise_soft", &ControlRule::noise, 0, 1, 1, 0.1},
+    {"height_m", "height_soft_m", &SplatRule::height_m, -1e6, 1e6, 1e6, 0},
+    {"slope_deg", "slope_soft_deg", &SplatRule::slope_deg, 0, 90, 90, 0},
+    {"curvature_per_km", "curvature_soft_per_km", &SplatRule::curvature, -1e6, 1e6, 1e6, 0},
+    {"aspect_deg", "aspect_soft_deg", &SplatRule::aspect_deg, 0, 360, 180, 0, true},
+    {"wetness", "wetness_soft", &SplatRule::wetness, -100, 100, 100, 1},
+    {"noise", "noise_soft", &SplatRule::noise, 0, 1, 1, 0.1},
 };
 struct NumberKey {
     const char* name;
-    double ControlRule::*field;
+    double SplatRule::*field;
     double least, most;
 };
 constexpr NumberKey number_keys[] = {
-    {"noise_m", &ControlRule::noise_m, 1, 1e6},
-    {"fine", &ControlRule::fine, 0, 1},
-    {"ragged", &ControlRule::ragged, 0, 2},
-    {"opacity", &ControlRule::opacity, 0, 1},
+    {"noise_m", &SplatRule::noise_m, 1, 1e6},
+    {"fine", &SplatRule::fine, 0, 1},
+    {"ragged", &SplatRule::ragged, 0, 2},
+    {"opacity", &SplatRule::opacity, 0, 1},
 };
 
 bool is_number(const Json& json, double least, double most) {
@@ -465,16 +465,16 @@ class RuleReader {
 public:
     RuleReader(const std::string& text, const std::string& file) : text_(text), file_(file) { plan_.text = text; }
 
-    ControlPlan read() {
+    SplatPlan read() {
         const Json json = io::parse_json(text_, file_, io::JsonComments::yes);
         if (!json.is_object()) throw Failure(1, fmt::format("{}: is not a JSON object{}", file_, see));
         for (const auto& [key, value] : json.items())
             if (key != "rules" && key != "comment")
                 throw Failure(1, fmt::format("{}: unknown field \"{}\"{}", file_, key, see));
         if (!json.contains("rules") || !json["rules"].is_array() || json["rules"].empty() ||
-            json["rules"].size() > max_control_rules)
+            json["rules"].size() > max_splat_rules)
             throw Failure(
-                1, fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_control_rules, see));
+                1, fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_splat_rules, see));
         for (const Json& rule : json["rules"]) add(rule);
         return std::move(plan_);
     }
@@ -495,9 +495,9 @@ private:
             refuse(fmt::format("\"{}\" must name a material in 1 to {} characters", where, io::max_material_name));
         const auto known = std::ranges::find(plan_.names, name);
         if (known != plan_.names.end()) return static_cast<std::uint8_t>(known - plan_.names.begin());
-        if (plan_.names.size() == max_control_names)
-            refuse(fmt::format("\"{}\" would be the {}th material; a pack has {} at most", name, max_control_names + 1,
-                               max_control_names));
+        if (plan_.names.size() == max_splat_names)
+            refuse(fmt::format("\"{}\" would be the {}th material; a pack has {} at most", name, max_splat_names + 1,
+                               max_splat_names));
         plan_.names.push_back(name);
         return static_cast<std::uint8_t>(plan_.names.size() - 1);
     }
@@ -505,7 +505,7 @@ private:
     void add(const Json& json) {
         name_.clear();
         if (!json.is_object()) refuse("must be a JSON object");
-        ControlRule rule;
+        SplatRule rule;
         const int kinds = static_cast<int>(json.contains("layer")) + static_cast<int>(json.contains("classes")) +
                           static_cast<int>(json.contains("painted"));
         if (kinds != 1)
@@ -520,14 +520,14 @@ private:
         }
         for (const auto& [key, value] : json.items()) take(json, key, value, rule);
         for (const RangeKey& known : range_keys)
-            if (!(rule.*known.field).given && json.contains(known.soft) && known.field != &ControlRule::height_m &&
-                known.field != &ControlRule::slope_deg && known.field != &ControlRule::noise)
+            if (!(rule.*known.field).given && json.contains(known.soft) && known.field != &SplatRule::height_m &&
+                known.field != &SplatRule::slope_deg && known.field != &SplatRule::noise)
                 refuse(fmt::format("\"{}\" is of no use without \"{}\"", known.soft, known.name));
         plan_.rules.push_back(rule);
         ++number_;
     }
 
-    void take(const Json& json, const std::string& key, const Json& value, ControlRule& rule) {
+    void take(const Json& json, const std::string& key, const Json& value, SplatRule& rule) {
         for (const RangeKey& known : range_keys) {
             if (key == known.soft) {
                 if (!is_number(value, 0, known.most_soft))
@@ -549,7 +549,7 @@ private:
         if (!known) refuse(fmt::format("unknown field \"{}\"", key));
     }
 
-    void take_range(const Json& json, const Json& value, const RangeKey& key, ControlRange& range) {
+    void take_range(const Json& json, const Json& value, const RangeKey& key, SplatRange& range) {
         const auto fail = [&] {
             refuse(fmt::format("\"{}\" must be two numbers in {}..{}{}, or null for no end", key.name, key.least,
                                key.most, key.turns ? ", clockwise" : ", the lower first"));
@@ -576,7 +576,7 @@ private:
         if (!json[key].is_string() || json[key].get<std::string>().empty() ||
             json[key].get<std::string>().find('\0') != std::string::npos)
             refuse(fmt::format("\"{}\" must name a raster file", key));
-        ControlRaster raster;
+        SplatRaster raster;
         raster.path = json[key].get<std::string>();
         name_ = raster.path;
         if (!is_gdal_name(raster.path) && std::filesystem::path(raster.path).is_relative())
@@ -595,7 +595,7 @@ private:
         plan_.rasters.push_back(std::move(raster));
     }
 
-    void read_classes(const Json& json, ControlRaster& raster) {
+    void read_classes(const Json& json, SplatRaster& raster) {
         if (!json.contains("layers") || !json["layers"].is_object() || json["layers"].empty())
             refuse("a raster of classes needs \"layers\", {\"class\": material}");
         raster.of_class.assign(65536, no_layer);
@@ -607,8 +607,8 @@ private:
         }
     }
 
-    void read_colours(const Json& json, ControlRaster& raster) {
-        raster.kind = ControlRaster::Kind::colours;
+    void read_colours(const Json& json, SplatRaster& raster) {
+        raster.kind = SplatRaster::Kind::colours;
         if (!json.is_object() || json.empty() || json.size() > 64)
             refuse("\"colours\" must be 1 to 64 of {\"#rrggbb\": material}");
         for (const auto& [colour, name] : json.items()) {
@@ -625,8 +625,8 @@ private:
         }
     }
 
-    void read_channels(const Json& json, ControlRaster& raster) {
-        raster.kind = ControlRaster::Kind::weights;
+    void read_channels(const Json& json, SplatRaster& raster) {
+        raster.kind = SplatRaster::Kind::weights;
         if (!json.is_array() || json.empty() || json.size() > 4)
             refuse("\"channels\" must be a list of 1 to 4 materials, null for a channel without");
         for (std::size_t i = 0; i < json.size(); ++i) {
@@ -638,29 +638,29 @@ private:
     }
 
     const std::string &text_, &file_;
-    ControlPlan plan_;
+    SplatPlan plan_;
     std::size_t number_ = 0;
     std::string name_; // of the rule that is read, for messages
 };
 
 } // namespace
 
-std::string ControlPlan::stored_names() const {
+std::string SplatPlan::stored_names() const {
     std::string all;
     for (const std::string& name : names) all += name + '\n';
     return all;
 }
 
-bool ControlPlan::wants_wetness() const {
-    return std::ranges::any_of(rules, [](const ControlRule& rule) { return rule.wetness.given; });
+bool SplatPlan::wants_wetness() const {
+    return std::ranges::any_of(rules, [](const SplatRule& rule) { return rule.wetness.given; });
 }
 
-ControlPlan parse_control(const std::string& text, const std::string& file) {
+SplatPlan parse_splat(const std::string& text, const std::string& file) {
     return RuleReader(text, file).read();
 }
 
-ControlPlan read_control(const std::string& path) {
-    return parse_control(io::read_text(path), path);
+SplatPlan read_splat(const std::string& path) {
+    return parse_splat(io::read_text(path), path);
 }
 
 } // namespace fjell::baker

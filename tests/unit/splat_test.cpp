@@ -1,4 +1,4 @@
-// Control maps: their rules, and what is baked of them.
+// Splat maps: their rules, and what is baked of them.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "baker/check/verify_maps.h"
-#include "baker/maps/control.h"
+#include "baker/maps/splat.h"
 #include "baker/maps/wetness.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/texture.h"
 #include "raster.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -29,7 +29,7 @@ using NamedShares = std::map<std::string, double>;
 
 std::string rules_refusal(const std::string& rules) {
     try {
-        (void)parse_control(rules, "rules.json");
+        (void)parse_splat(rules, "rules.json");
     } catch (const io::Failure& failure) {
         CHECK(failure.exit_code == 1);
         return failure.what();
@@ -38,12 +38,12 @@ std::string rules_refusal(const std::string& rules) {
 }
 
 // A pack's texel as weights of names, 1 in all.
-class ControlMip {
+class SplatMip {
 public:
-    ControlMip(const Pack& pack, std::uint32_t tile, std::uint32_t mip)
-        : side_((1u << pack.header.control_log2) >> mip),
-          texels_(chunk_raw_bytes(pack.header, {ChunkKind::control, tile, mip})) {
-        REQUIRE(read_chunk(pack, {ChunkKind::control, tile, mip}, texels_).ok());
+    SplatMip(const Pack& pack, std::uint32_t tile, std::uint32_t mip)
+        : side_((1u << pack.header.splat_log2) >> mip),
+          texels_(chunk_raw_bytes(pack.header, {ChunkKind::splat, tile, mip})) {
+        REQUIRE(read_chunk(pack, {ChunkKind::splat, tile, mip}, texels_).ok());
         std::vector<std::byte> text(pack.header.layer_bytes);
         REQUIRE(read_chunk(pack, {ChunkKind::layers, 0, 0}, text).ok());
         names_ = io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
@@ -51,8 +51,8 @@ public:
     [[nodiscard]] std::uint32_t side() const { return side_; }
     [[nodiscard]] NamedShares at(std::uint32_t x, std::uint32_t y) const {
         NamedShares shares;
-        for (std::size_t k = 0; k < control_layers; ++k) {
-            const std::byte* const pair = texels_.data() + (std::size_t{y} * side_ + x) * control_texel_bytes + 2 * k;
+        for (std::size_t k = 0; k < splat_layers; ++k) {
+            const std::byte* const pair = texels_.data() + (std::size_t{y} * side_ + x) * splat_texel_bytes + 2 * k;
             if (pair[0] != std::byte{0})
                 shares[names_.at(std::to_integer<std::size_t>(pair[1]))] += std::to_integer<int>(pair[0]) / 255.0;
         }
@@ -119,8 +119,8 @@ std::vector<std::pair<int, double>> tent_taps(double place, double radius, int l
 
 } // namespace
 
-TEST_CASE("rules of control maps that cannot be are refused in one line with file, line and rule") {
-    CHECK(rules_refusal(control_rules) == "taken");
+TEST_CASE("rules of splat maps that cannot be are refused in one line with file, line and rule") {
+    CHECK(rules_refusal(splat_rules) == "taken");
     const auto rule = [](const std::string& text) {
         return rules_refusal("{\n  // comment [ {\n  \"rules\": [\n    {\"layer\": \"a\"},\n    {" + text + "}\n]}");
     };
@@ -148,7 +148,7 @@ TEST_CASE("rules of control maps that cannot be are refused in one line with fil
     CHECK(rules_refusal("{\"rules\": []}").find("rules.json: \"rules\" must be a list of 1 to 32 rules") == 0);
 }
 
-TEST_CASE("a baked control map shows what its rules say of each texel's place, evaluated by themselves") {
+TEST_CASE("a baked splat map shows what its rules say of each texel's place, evaluated by themselves") {
     Random random(31);
     for (const int spacing : {1, 2, 4}) {
         Dem dem;
@@ -162,18 +162,18 @@ TEST_CASE("a baked control map shows what its rules say of each texel's place, e
         BakeOptions options = small_bake(5);
         options.max_texture_log2 = 6;
         options.layers_path = rules.path();
-        options.control_spacing = spacing;
+        options.splat_spacing = spacing;
         const auto loaded = bake_and_load(dem, options);
         const Pack& pack = loaded.pack;
-        CHECK(pack.header.features == pack_has_control);
+        CHECK(pack.header.features == pack_has_splat);
         const MapsReport report = check_maps(pack);
         CAPTURE(spacing, report.first);
         CHECK(report.ok());
-        CHECK(1u << pack.header.control_log2 == 32u / static_cast<unsigned>(spacing));
+        CHECK(1u << pack.header.splat_log2 == 32u / static_cast<unsigned>(spacing));
         double most = 0;
         std::size_t compared = 0, mixed = 0;
         for (const std::uint32_t tile : {0u, 5u, 8u}) {
-            const ControlMip mip(pack, tile, 0);
+            const SplatMip mip(pack, tile, 0);
             for (std::uint32_t j = 0; j < mip.side(); ++j)
                 for (std::uint32_t i = 0; i < mip.side(); ++i) {
                     // Texels stand on the tile's borders and evenly between them; points are every spacing-th sample.
@@ -239,13 +239,13 @@ TEST_CASE("wetness grows along a valley, is least on its ridges, and a pit does 
     }
 }
 
-TEST_CASE("rules of content for control maps are taken, and name materials of content, or water") {
+TEST_CASE("rules of content for splat maps are taken, and name materials of content, or water") {
     const std::filesystem::path content = FJELL_SOURCE_DIR "/content/materials";
     int files = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(content / "control")) {
+    for (const auto& entry : std::filesystem::directory_iterator(content / "splat")) {
         CAPTURE(entry.path().string());
         ++files;
-        for (const std::string& name : read_control(entry.path().string()).names) {
+        for (const std::string& name : read_splat(entry.path().string()).names) {
             CAPTURE(name);
             CHECK((name == "water" || std::filesystem::exists(content / (name + ".json"))));
         }
@@ -300,7 +300,7 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
     const auto share = [&](const io::LoadedPack& pack, double east, double south) {
         const double at_x = east * 64, at_y = south * 64;
         const auto tile = static_cast<std::uint32_t>(at_y / 32) * 2 + static_cast<std::uint32_t>(at_x / 32);
-        const ControlMip mip(pack.pack, tile, 0);
+        const SplatMip mip(pack.pack, tile, 0);
         const auto texel = [&](double at) {
             return static_cast<std::uint32_t>(std::fmod(at, 32) / 32 * (mip.side() - 1) + 0.5);
         };

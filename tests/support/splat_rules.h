@@ -1,4 +1,4 @@
-// A file of rules for control maps, for tests that bake one.
+// A file of rules for splat maps, for tests that bake one.
 #pragma once
 
 #include <fstream>
@@ -9,7 +9,7 @@
 namespace fjell::test {
 
 // All kinds of ranges, five materials.
-inline constexpr const char* control_rules = R"({"rules": [
+inline constexpr const char* splat_rules = R"({"rules": [
   {"layer": "grass"},
   {"layer": "soil", "aspect_deg": [300, 80], "aspect_soft_deg": 40, "opacity": 0.7},
   {"layer": "gravel", "wetness": [6, null], "wetness_soft": 2},
@@ -19,7 +19,7 @@ inline constexpr const char* control_rules = R"({"rules": [
 
 class RulesFile {
 public:
-    explicit RulesFile(const std::string& rules = control_rules) { std::ofstream(path()) << rules; }
+    explicit RulesFile(const std::string& rules = splat_rules) { std::ofstream(path()) << rules; }
     [[nodiscard]] std::string path() const { return folder_ / "rules.json"; }
     // A file beside it.
     [[nodiscard]] std::string beside(const std::string& name) const { return folder_ / name; }

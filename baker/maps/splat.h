@@ -1,4 +1,4 @@
-// Control maps: which materials lie at a place, and how much of each shows, from rules over the ground's shape and from
+// Splat maps: which materials lie at a place, and how much of each shows, from rules over the ground's shape and from
 // rasters of classes or paint.
 //
 // Rules are laid in order, the last one uppermost, as a painter does: each covers its opacity of what lies below it
@@ -22,24 +22,24 @@
 
 namespace fjell::baker {
 
-inline constexpr std::size_t max_control_rules = 32;
+inline constexpr std::size_t max_splat_rules = 32;
 inline constexpr std::uint8_t no_layer = 255;
 
 // A value's range with soft edges: half of `soft` lies on each side of an end. An open end has no edge.
-struct ControlRange {
+struct SplatRange {
     bool given = false;
     double low = 0, high = 0, soft = 0;
     bool open_low = true, open_high = true;
 };
 
-struct ControlRule {
-    std::uint8_t layer = no_layer; // of ControlPlan::names; none: the raster says
-    int raster = -1;               // of ControlPlan::rasters; -1: none
-    ControlRange height_m, slope_deg;
-    ControlRange curvature;  // 1 / km, the mean of both directions: ridges above 0, hollows below
-    ControlRange aspect_deg; // the azimuth that the ground falls towards; low may be more than high: through north
-    ControlRange wetness;    // wetness.h
-    ControlRange noise;      // 0 to 1, mostly in the middle
+struct SplatRule {
+    std::uint8_t layer = no_layer; // of SplatPlan::names; none: the raster says
+    int raster = -1;               // of SplatPlan::rasters; -1: none
+    SplatRange height_m, slope_deg;
+    SplatRange curvature;  // 1 / km, the mean of both directions: ridges above 0, hollows below
+    SplatRange aspect_deg; // the azimuth that the ground falls towards; low may be more than high: through north
+    SplatRange wetness;    // wetness.h
+    SplatRange noise;      // 0 to 1, mostly in the middle
     double noise_m = 500;    // wavelength of its patches
     double fine = 0.3;       // of the noise: 0 patches, 1 spots of an eighth
     double ragged = 0.5;     // how much of a soft edge of height and slope noise displaces it by
@@ -47,7 +47,7 @@ struct ControlRule {
 };
 
 // What pixels stand for.
-struct ControlRaster {
+struct SplatRaster {
     enum class Kind : std::uint8_t { classes, colours, weights };
     Kind kind = Kind::classes;
     std::string path;
@@ -60,10 +60,10 @@ struct ControlRaster {
     std::vector<std::uint8_t> layers;                                      // all that it may show
 };
 
-struct ControlPlan {
+struct SplatPlan {
     std::vector<std::string> names; // of materials
-    std::vector<ControlRule> rules;
-    std::vector<ControlRaster> rasters;
+    std::vector<SplatRule> rules;
+    std::vector<SplatRaster> rasters;
     std::string text; // of the file
 
     // As the pack stores them: each ends with a newline.
@@ -73,40 +73,40 @@ struct ControlPlan {
 
 // Rules of a JSON file (docs/guides/materials.md); names of rasters start at its folder. Throws Failure 1, one line
 // with file, line and rule.
-[[nodiscard]] ControlPlan parse_control(const std::string& text, const std::string& file);
-[[nodiscard]] ControlPlan read_control(const std::string& path);
+[[nodiscard]] SplatPlan parse_splat(const std::string& text, const std::string& file);
+[[nodiscard]] SplatPlan read_splat(const std::string& path);
 
 // The plan's rasters, each ready to be read over the ground. Throws Failure 1: no such file, or one that lies
 // elsewhere.
-using ControlImages = std::vector<std::unique_ptr<ImageSource>>;
-[[nodiscard]] ControlImages open_control_images(const ControlPlan& plan, const Frame& ground);
+using SplatImages = std::vector<std::unique_ptr<ImageSource>>;
+[[nodiscard]] SplatImages open_splat_images(const SplatPlan& plan, const Frame& ground);
 // One a thread.
-using ControlReaders = std::vector<std::unique_ptr<ImageReader>>;
+using SplatReaders = std::vector<std::unique_ptr<ImageReader>>;
 
 // Points: every (1 << stride_log2)-th sample, the last ones on the rim.
-struct ControlGround {
+struct SplatGround {
     std::int32_t columns = 0, rows = 0; // of samples
     double spacing_m[2] = {1, 1};
     int stride_log2 = 0;
     const Wetness* wetness = nullptr; // where a rule asks for it
 };
 // The samples that a window of points is made from.
-[[nodiscard]] Window heights_for_control(const ControlGround& ground, const Window& points);
-// Of each point a share for each of max_control_names names. heights_m: heights_for_control(). images, readers: of each
+[[nodiscard]] Window heights_for_splat(const SplatGround& ground, const Window& points);
+// Of each point a share for each of max_splat_names names. heights_m: heights_for_splat(). images, readers: of each
 // raster.
-struct ControlInput {
+struct SplatInput {
     const float* heights_m;
-    const ControlImages& images;
-    ControlReaders& readers;
+    const SplatImages& images;
+    SplatReaders& readers;
 };
-[[nodiscard]] TexelPlanes control_shares(const ControlPlan& plan, const ControlGround& ground, const Window& points,
-                                         const ControlInput& in);
+[[nodiscard]] TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points,
+                                         const SplatInput& in);
 
 // Noise from 0 to 1 at a place in metres, with patches of about that wavelength.
-[[nodiscard]] float control_noise(double east_m, double south_m, double wavelength_m);
+[[nodiscard]] float splat_noise(double east_m, double south_m, double wavelength_m);
 
 // The four largest of shares that add up to 1 at most, as fjell/texture.h has them: 8 bytes. What the others would have
 // shown goes to these in proportion.
-void store_control_texel(const float (&shares)[max_control_names], std::byte* to);
+void store_splat_texel(const float (&shares)[max_splat_names], std::byte* to);
 
 } // namespace fjell::baker

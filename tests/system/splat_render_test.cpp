@@ -1,18 +1,18 @@
-// Control maps in pictures: the materials that a pack says, whole and streamed.
+// Splat maps in pictures: the materials that a pack says, whole and streamed.
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "baker/materials/encode.h"
 #include "picture_scene.h"
-#include "support/control_rules.h"
+#include "support/splat_rules.h"
 
 using namespace pictures;
 
 namespace {
 
-constexpr std::uint8_t control_tail = 3;
-constexpr std::uint32_t control_wide = 128, control_high = 96;
+constexpr std::uint8_t splat_tail = 3;
+constexpr std::uint32_t splat_wide = 128, splat_high = 96;
 
 // Two materials of one colour each, no relief, one recipe each.
 struct TwoMaterials {
@@ -41,33 +41,33 @@ baker::Dem rising() {
     return dem;
 }
 
-struct Controlled {
+struct SplatScene {
     Scene scene;
     OwnMesh mesh;
     TwoMaterials file;
     const std::vector<std::string> names{"green", "red"}; // as the rules name them first
     const gl::LayerSettings on{.on = true, .distance_m = 100'000, .tint = 0, .relief = 0};
 
-    explicit Controlled(const std::string& rules)
+    explicit SplatScene(const std::string& rules)
         : scene(rising(), 6, PageOrder::planar, 0, fjell::test::RulesFile(rules).path()),
           mesh(full_resolution(scene.loaded.terrain)) {
         std::string error;
-        scene.target = gl::Target::create({control_wide, control_high, 1}, error);
+        scene.target = gl::Target::create({splat_wide, splat_high, 1}, error);
         REQUIRE(scene.target);
         scene.light.exposure = gl::Exposure::fixed;
         scene.light.tone_curve = gl::ToneCurve::none;
         scene.light.ev100 = 14;
     }
-    // The same with control maps that come by and by.
-    MapLayers stream_control() {
+    // The same with splat maps that come by and by.
+    MapLayers stream_splat() {
         MapLayers slots;
-        slots.tail_log2 = control_tail;
-        slots.top_log2 = scene.loaded.pack.header.control_log2;
-        for (std::uint32_t log2 = control_tail; log2 <= slots.top_log2; ++log2) slots.layers[log2] = 4;
+        slots.tail_log2 = splat_tail;
+        slots.top_log2 = scene.loaded.pack.header.splat_log2;
+        for (std::uint32_t log2 = splat_tail; log2 <= slots.top_log2; ++log2) slots.layers[log2] = 4;
         std::string error;
         scene.renderer = gl::Renderer::create(
             scene.loaded.terrain, scene.loaded.pack,
-            {.vertices = 1u << 16, .indices = 1u << 18, .control = slots, .light = scene.light}, error);
+            {.vertices = 1u << 16, .indices = 1u << 18, .splat = slots, .light = scene.light}, error);
         INFO(error);
         REQUIRE(scene.renderer);
         return slots;
@@ -79,8 +79,8 @@ struct Controlled {
     }
     [[nodiscard]] View above() const {
         View view = scene.camera(0.5, 0.5, 1800, 0, -86);
-        view.width_px = control_wide;
-        view.height_px = control_high;
+        view.width_px = splat_wide;
+        view.height_px = splat_high;
         return view;
     }
     Picture draw(const gl::LayerSettings& layers) {
@@ -89,15 +89,15 @@ struct Controlled {
     // From the file, as a stream brings them: the tail, or one mip.
     void send(std::uint32_t tile, std::uint8_t log2, std::uint8_t from) {
         std::vector<std::byte> blocks;
-        const std::uint32_t top = scene.loaded.pack.header.control_log2;
+        const std::uint32_t top = scene.loaded.pack.header.splat_log2;
         std::uint8_t mips = 0;
         for (std::uint32_t size = log2; size >= (from == 0 ? 2u : log2); --size, ++mips) {
-            const ChunkId id{ChunkKind::control, tile, top - size};
+            const ChunkId id{ChunkKind::splat, tile, top - size};
             std::vector<std::byte> mip(chunk_raw_bytes(scene.loaded.pack.header, id));
             REQUIRE(read_chunk(scene.loaded.pack, id, mip).ok());
             blocks.insert(blocks.end(), mip.begin(), mip.end());
         }
-        const MapCommand command{MapKind::control, log2, from, mips, tile, tile, tile, blocks};
+        const MapCommand command{MapKind::splat, log2, from, mips, tile, tile, tile, blocks};
         const std::string error = scene.renderer->upload(std::span(&command, 1));
         INFO(error);
         REQUIRE(error.empty());
@@ -120,20 +120,20 @@ constexpr const char* patches =
 
 } // namespace
 
-TEST_CASE("ground shows the materials that its control map says, and colours alone where it says none", "[picture]") {
-    Controlled c(halves);
+TEST_CASE("ground shows the materials that its splat map says, and colours alone where it says none", "[picture]") {
+    SplatScene c(halves);
     const Picture without = c.draw({});
     c.set();
     CHECK(c.draw({}).colour.rgb == without.colour.rgb);
     const Picture with = c.draw(c.on);
     // North is up: green in the west, red in the east, and between them no more than a few texels of 32 m.
     std::size_t red = 0, green = 0;
-    for (std::uint32_t y = control_high / 4; y < control_high * 3 / 4; ++y)
-        for (std::uint32_t x = 0; x < control_wide; ++x) {
-            if (std::isinf(with.distance_m[std::size_t{y} * control_wide + x])) continue;
-            const double along = with.distance_m[std::size_t{y} * control_wide + x];
+    for (std::uint32_t y = splat_high / 4; y < splat_high * 3 / 4; ++y)
+        for (std::uint32_t x = 0; x < splat_wide; ++x) {
+            if (std::isinf(with.distance_m[std::size_t{y} * splat_wide + x])) continue;
+            const double along = with.distance_m[std::size_t{y} * splat_wide + x];
             const View view = c.above();
-            const double east = (view.left + (view.right - view.left) * (x + 0.5) / control_wide) * along;
+            const double east = (view.left + (view.right - view.left) * (x + 0.5) / splat_wide) * along;
             if (std::abs(east) < 90) continue;
             const auto* const rgb = with.colour.pixel(x, y);
             CAPTURE(x, y, east, int{rgb[0]}, int{rgb[1]});
@@ -144,27 +144,27 @@ TEST_CASE("ground shows the materials that its control map says, and colours alo
     CHECK(green > 500);
     CHECK(red > 500);
     gl::LayerSettings off = c.on;
-    off.control = false; // and there are no rules
+    off.splat = false; // and there are no rules
     CHECK(c.draw(off).colour.rgb == without.colour.rgb);
     const std::vector<std::string> unknown{"green", "moss"};
     CHECK(
         c.scene.renderer->set_layers(c.file.materials, {}, unknown) ==
-        "the pack's control maps speak of \"moss\", and the materials are red, green: give materials with it, or bake "
+        "the pack's splat maps speak of \"moss\", and the materials are red, green: give materials with it, or bake "
         "the pack with other --layers");
 
-    Controlled bare(
+    SplatScene bare(
         R"({"rules": [{"layer": "green", "height_m": [null, 32]}, {"layer": "red", "height_m": [96, null]}]})");
     const Picture plain = bare.draw({});
     bare.set();
     const Picture some = bare.draw(bare.on);
-    for (const std::uint32_t y : {control_high / 3, control_high / 2})
-        CHECK(std::equal(plain.colour.pixel(control_wide / 2, y), plain.colour.pixel(control_wide / 2, y) + 3,
-                         some.colour.pixel(control_wide / 2, y)));
+    for (const std::uint32_t y : {splat_high / 3, splat_high / 2})
+        CHECK(std::equal(plain.colour.pixel(splat_wide / 2, y), plain.colour.pixel(splat_wide / 2, y) + 3,
+                         some.colour.pixel(splat_wide / 2, y)));
     CHECK(mean_difference(plain.colour, some.colour) > 1);
 }
 
-TEST_CASE("water in a control map is a lake near and far, and needs no material", "[picture]") {
-    Controlled c(R"({"rules": [{"layer": "green"}, {"layer": "water", "height_m": [64, null]}]})");
+TEST_CASE("water in a splat map is a lake near and far, and needs no material", "[picture]") {
+    SplatScene c(R"({"rules": [{"layer": "green"}, {"layer": "water", "height_m": [64, null]}]})");
     const Picture without = c.draw({});
     const std::vector<std::string> names{"green", "water"};
     REQUIRE(c.scene.renderer->set_layers(c.file.materials, {}, names).empty());
@@ -174,10 +174,10 @@ TEST_CASE("water in a control map is a lake near and far, and needs no material"
     const Picture far = c.draw(away);
     const View view = c.above();
     std::size_t lake = 0, land = 0;
-    for (std::uint32_t y = control_high / 4; y < control_high * 3 / 4; ++y)
-        for (std::uint32_t x = 0; x < control_wide; ++x) {
-            const double along = near.distance_m[std::size_t{y} * control_wide + x];
-            const double east = (view.left + (view.right - view.left) * (x + 0.5) / control_wide) * along;
+    for (std::uint32_t y = splat_high / 4; y < splat_high * 3 / 4; ++y)
+        for (std::uint32_t x = 0; x < splat_wide; ++x) {
+            const double along = near.distance_m[std::size_t{y} * splat_wide + x];
+            const double east = (view.left + (view.right - view.left) * (x + 0.5) / splat_wide) * along;
             if (std::isinf(along) || std::abs(east) < 90) continue;
             const auto *const rgb = near.colour.pixel(x, y), *const rgb_far = far.colour.pixel(x, y),
                               *const bare = without.colour.pixel(x, y);
@@ -196,22 +196,22 @@ TEST_CASE("water in a control map is a lake near and far, and needs no material"
     CHECK(land > 500);
 }
 
-TEST_CASE("a control map that streams in shows nothing before, changes nothing when a finer mip comes, and fades to it",
+TEST_CASE("a splat map that streams in shows nothing before, changes nothing when a finer mip comes, and fades to it",
           "[picture]") {
-    Controlled c(patches);
+    SplatScene c(patches);
     c.set();
     const Picture whole = c.draw(c.on);
-    const auto top = static_cast<std::uint8_t>(c.stream_control().top_log2);
-    REQUIRE(top > control_tail);
+    const auto top = static_cast<std::uint8_t>(c.stream_splat().top_log2);
+    REQUIRE(top > splat_tail);
     c.set();
     const Picture without = c.draw({});
     CHECK(c.draw(c.on).colour.rgb == without.colour.rgb);
-    for (std::uint32_t tile = 0; tile < 4; ++tile) c.send(tile, control_tail, 0);
-    const float coarsest = static_cast<float>(top - control_tail);
-    c.show(control_tail, coarsest);
+    for (std::uint32_t tile = 0; tile < 4; ++tile) c.send(tile, splat_tail, 0);
+    const float coarsest = static_cast<float>(top - splat_tail);
+    c.show(splat_tail, coarsest);
     const Picture coarse = c.draw(c.on);
     CHECK(mean_difference(coarse.colour, without.colour) > 1);
-    for (std::uint8_t log2 = control_tail + 1; log2 <= top; ++log2)
+    for (std::uint8_t log2 = splat_tail + 1; log2 <= top; ++log2)
         for (std::uint32_t tile = 0; tile < 4; ++tile) c.send(tile, log2, static_cast<std::uint8_t>(log2 - 1));
     c.show(top, coarsest);
     Picture before = c.draw(c.on);
