@@ -165,7 +165,9 @@ void App::replace_surface() {
 }
 
 int App::run() {
-    if (!options_.profile.empty()) state_.document.open(options_.profile); // a bad one is an error of the command line
+    if (!options_.profile.empty()) // a bad one is an error of the command line
+        for (std::string& line : state_.document.open(options_.profile))
+            post_message(state_, Severity::warning, std::move(line));
     if (!options_.pack.empty())
         open_input();
     else

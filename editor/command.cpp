@@ -153,7 +153,7 @@ MeshChoice mesh_choice(Words& w) {
 constexpr double degree = 3.14159265358979323846 / 180;
 
 Command set_key(Words& w) {
-    const std::string name = w.text("a key, as in a profile: refine.error_px");
+    const std::string name = w.text("a key, as in a profile: refine.max_error_px");
     const flight::ProfileKey* const key = flight::find_profile_key(name);
     if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
@@ -242,10 +242,10 @@ Command tune(Words& w) {
                 }},
                {"least_px",
                 [&](const std::string& v) {
-                    s.least_px = Words::number_in(v, "least_px", flight::min_error_px, flight::max_error_px);
+                    s.least_px = Words::number_in(v, "least_px", flight::least_threshold_px, flight::most_threshold_px);
                 }},
                {"most_px", [&](const std::string& v) {
-                    s.most_px = Words::number_in(v, "most_px", flight::min_error_px, flight::max_error_px);
+                    s.most_px = Words::number_in(v, "most_px", flight::least_threshold_px, flight::most_threshold_px);
                 }}});
     return t;
 }
@@ -255,7 +255,7 @@ std::vector<Verb> terrain_verbs() {
         {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
          with_path_and_discard<OpenFile>()},
         {"sample", "", "the sample terrain, baked at its first use", plain<OpenSample>()},
-        {"set", "KEY VALUE", "a value of the profile: set refine.error_px 2", set_key},
+        {"set", "KEY VALUE", "a value of the profile: set refine.max_error_px 2", set_key},
         {"undo", "", "reverts the last change of the profile or the camera path", plain<Undo>()},
         {"redo", "", "repeats what was undone", plain<Redo>()},
         {"defaults", "", "resets the profile to its defaults", plain<ResetProfile>()},
@@ -428,7 +428,7 @@ std::vector<Verb> picture_verbs() {
 std::vector<Verb> program_verbs() {
     return {
         {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E] [apply=yes|no] [csv=FILE]",
-         "the smallest threshold whose p99 keeps the budget; apply sets refine.error_px to it", tune},
+         "the smallest threshold whose p99 keeps the budget; apply sets refine.max_error_px to it", tune},
         {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes one line per frame",
          [](Words& w) {
              const std::string path = w.text("a file");
@@ -478,8 +478,9 @@ Command compare_pictures(Words& w) {
     const std::string word = w.text("off, profile or a threshold");
     if (word == "off") return ComparePictures{};
     if (word == "profile") return ComparePictures{CompareWith::profile, 0};
-    return ComparePictures{CompareWith::threshold, Words::number_in(word, "the threshold, unless off or profile,",
-                                                                    flight::min_error_px, flight::max_error_px)};
+    return ComparePictures{CompareWith::threshold,
+                           Words::number_in(word, "the threshold, unless off or profile,", flight::least_threshold_px,
+                                            flight::most_threshold_px)};
 }
 
 std::vector<Verb> study_verbs() {

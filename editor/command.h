@@ -1,8 +1,8 @@
 // Everything that can be done in the editor, as data.
 //
 // Panels, keys, the command line and scripts make commands; apply() (editor/handlers/handlers.h) is the one place that
-// applies them. Each but MoveCamera has a text form, one line: a verb and its words (`set refine.error_px 2`), so that
-// scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame allocate nothing.
+// applies them. Each but MoveCamera has a text form, one line: a verb and its words (`set refine.max_error_px 2`), so
+// that scripts can do what a user can. Thread: the frame's. Memory: those of a steady frame allocate nothing.
 #pragma once
 
 #include <array>
@@ -200,7 +200,7 @@ struct BakePack {
     std::string texture, ramp;
     double spacing_m = 0, height_scale = 1, height_offset_m = 0; // spacing 0: the file's own
     std::string order, nodata, voids, crs;                       // as fjell-bake has them; empty: its defaults
-    std::string rules, splat;                                  // its --layers, and how fine these maps are
+    std::string rules, splat;                                    // its --layers, and how fine these maps are
     std::string horizons, encoding, bbox;                        // and these of its options
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
@@ -234,7 +234,7 @@ struct TuneSettings {
     // faster camera changes more in a frame.
     std::uint32_t frames = 0;
     double least_px = 0.25, most_px = 32; // where the threshold is looked for
-    bool apply = false;                   // sets refine.error_px to what was found
+    bool apply = false;                   // sets refine.max_error_px to what was found
 };
 struct TuneThreshold {
     TuneSettings settings;

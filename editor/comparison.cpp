@@ -27,7 +27,7 @@ flight::Profile Comparison::wanted(const State& state) const {
     const flight::Profile* const other = state.document.compared();
     flight::Profile profile =
         state.compared.with == CompareWith::profile && other != nullptr ? *other : state.document.profile();
-    if (state.compared.with == CompareWith::threshold) profile.refine.error_px = state.compared.error_px;
+    if (state.compared.with == CompareWith::threshold) profile.refine.max_error_px = state.compared.error_px;
     return profile;
 }
 

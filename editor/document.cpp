@@ -140,19 +140,22 @@ bool Document::revert() {
     return true;
 }
 
-void Document::read(const std::string& path, flight::Profile& profile, File& file) const {
+std::vector<std::string> Document::read(const std::string& path, flight::Profile& profile, File& file) const {
+    std::vector<std::string> renamed;
     const std::string text = io::read_text(path);
-    profile = flight::parse_profile(text, path);
+    profile = flight::parse_profile(text, path, &renamed);
     file = {profile, path, flight::profile_heading(text)};
+    return renamed;
 }
 
-void Document::open(const std::string& path) {
+std::vector<std::string> Document::open(const std::string& path) {
     flight::Profile profile;
     File file;
-    read(path, profile, file);
+    std::vector<std::string> renamed = read(path, profile, file);
     changing();
     replace(profile);
     file_ = std::move(file);
+    return renamed;
 }
 
 void Document::save(const std::string& path) {
@@ -172,7 +175,7 @@ void Document::restore(const flight::Profile& profile, const std::string& path) 
     flight::Profile read_profile;
     File file;
     try {
-        if (!path.empty()) read(path, read_profile, file);
+        if (!path.empty()) (void)read(path, read_profile, file);
     } catch (const io::Failure&) { // gone or changed: all of it is unsaved then, and still to be saved there
         file = {{}, path, ""};
     }
@@ -181,10 +184,12 @@ void Document::restore(const flight::Profile& profile, const std::string& path) 
     replace(profile);
 }
 
-void Document::compare(const std::string& path) {
-    compared_ = path.empty() ? file_.saved : flight::read_profile(path);
+std::vector<std::string> Document::compare(const std::string& path) {
+    std::vector<std::string> renamed;
+    compared_ = path.empty() ? file_.saved : flight::read_profile(path, &renamed);
     compared_path_ = path;
     ++version_;
+    return renamed;
 }
 
 void Document::stop_comparing() {

@@ -59,11 +59,12 @@ public:
     // opened; what was saved meanwhile stays saved. False: there was nothing.
     bool revert();
 
-    void open(const std::string& path);
-    void save(const std::string& path); // empty: where it came from
+    // Both: a line for each key under its old name.
+    std::vector<std::string> open(const std::string& path);
+    std::vector<std::string> compare(const std::string& path); // empty: with what was saved
+    void save(const std::string& path);                        // empty: where it came from
     // Changes that an earlier run did not save, of the file at path, which may be gone.
     void restore(const flight::Profile& profile, const std::string& path);
-    void compare(const std::string& path); // empty: with what was saved
     void stop_comparing();
 
 private:
@@ -84,7 +85,7 @@ private:
     void step();
     void end_drag();
     void ignore_rest_of_drag();
-    void read(const std::string& path, flight::Profile& profile, File& file) const;
+    [[nodiscard]] std::vector<std::string> read(const std::string& path, flight::Profile& profile, File& file) const;
 
     flight::Profile profile_;
     File file_;

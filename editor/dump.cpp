@@ -186,7 +186,7 @@ json probe_json(const Probe& p) {
                      {"slope_rad", g.slope_rad},
                      {"error_m", g.error_m},
                      {"finest", g.finest},
-                     {"sample", {g.sample.x, g.sample.y}},
+                     {"sample", {g.sample.column, g.sample.row}},
                      {"tile", {g.tile_x, g.tile_y}},
                      {"page", g.page}};
     if (g.mesh)

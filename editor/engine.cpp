@@ -248,7 +248,7 @@ void Engine::set_error_options(const State& state, gl::DrawOptions& options) {
     }
     const View& refining = state.eye.refining ? *state.eye.refining : state.eye.view;
     options.mode = gl::Mode::error;
-    options.error_full_px = static_cast<float>(state.document.profile().refine.error_px);
+    options.error_full_px = static_cast<float>(state.document.profile().refine.max_error_px);
     options.error_eye_m = refining.eye_m;
     options.error_lambda_px = focal_length_px(refining);
 }

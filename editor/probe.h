@@ -33,7 +33,7 @@ struct ProbedGround {
     double slope_rad = 0;
     double error_m = 0;  // the original ground is within this of it
     bool finest = false; // of the full resolution; otherwise pages are missing
-    SampleIndex sample;        // the nearest
+    SampleIndex sample;  // the nearest
     std::uint32_t tile_x = 0, tile_y = 0;
     std::uint32_t page = 0;         // of that tile: the finest one
     std::optional<ProbedMesh> mesh; // none: not found yet, or nothing is drawn there

@@ -31,7 +31,7 @@ struct BakeOptions {
     std::uint32_t max_texture_log2 = 10;
     int horizon_spacing = 0; // samples from texel to texel of horizon maps, nearly: 2 or 4; 0: none
     std::string layers_path; // rules of splat maps (maps/splat.h); empty: none
-    int splat_spacing = 2; // samples from texel to texel of splat maps, nearly: 1, 2 or 4
+    int splat_spacing = 2;   // samples from texel to texel of splat maps, nearly: 1, 2 or 4
     int compression = -3;    // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
 
     // How.
@@ -61,7 +61,7 @@ struct BakeSummary {
     RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0,
                   horizon_bytes = 0, // those of the textures that are horizon maps
-        splat_bytes = 0;           // and splat maps
+        splat_bytes = 0;             // and splat maps
     bool resumed = false;            // some stages were complete from an earlier run
     std::uint64_t enough_bytes = 0;  // of memory, for a bake that worked in files; 0: it did not, or had to, or they
                                      // are more than half of this machine's

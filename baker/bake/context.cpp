@@ -50,7 +50,7 @@ std::uint64_t work_bytes(const Tree& tree, PageOrder order, const MapSizes& maps
     const double horizon_chunks = 0.5 * horizon_planes * horizon * sum_of_mips * not_compressed;
     // Splat maps: the same 16 channels on the way, 8 bytes a texel. They come last.
     const double splat_texels = splat * sizeof(std::uint16_t) * static_cast<double>(channels(MapKind::splat)) /
-                                  std::pow(4.0, near_mips - 1) * 1.25;
+                                std::pow(4.0, near_mips - 1) * 1.25;
     const double splat_chunks = splat_texel_bytes * splat * sum_of_mips * not_compressed;
     const double all_chunks = map_chunks + horizon_chunks + splat_chunks;
     // Vertices: places and centres of the step above the finest one, its unsaturated errors, records of mixed pages.
@@ -113,11 +113,9 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       normal_log2(map_log2(tree.side(), options)),
       horizon_log2(
           options.horizon_spacing ? map_log2(tree.side() / static_cast<double>(options.horizon_spacing), options) : 0),
-      splat_log2(
-          splat.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.splat_spacing), options)),
+      splat_log2(splat.rules.empty() ? 0 : map_log2(tree.side() / static_cast<double>(options.splat_spacing), options)),
       enough_bytes(
-          (work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, splat_log2}) + base_bytes) / 3 *
-          4),
+          (work_bytes(tree, options.order, {colour_log2, normal_log2, horizon_log2, splat_log2}) + base_bytes) / 3 * 4),
       // Work files that an earlier run has left are gone on with.
       in_memory(part.area() == 0 && !options.checkpoint_s && !std::filesystem::exists(folder.file("checkpoint")) &&
                 enough_bytes <= options.memory_bytes) {}

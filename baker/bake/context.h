@@ -9,8 +9,8 @@
 
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
-#include "baker/maps/splat.h"
 #include "baker/maps/image.h"
+#include "baker/maps/splat.h"
 #include "baker/store/store.h"
 #include "tree/order.h"
 #include "tree/tree.h"
@@ -95,10 +95,10 @@ public:
 
     WorkFolder folder;
     const std::unique_ptr<ImageSource> image; // or none
-    const SplatPlan splat;                // without rules: none
+    const SplatPlan splat;                    // without rules: none
     const SplatImages splat_images;
     const std::uint32_t colour_log2, normal_log2, horizon_log2, splat_log2; // texels a side of mip 0; 0: no such map
-    const std::uint64_t enough_bytes;                                         // of memory, for all stores to lie there
+    const std::uint64_t enough_bytes;                                       // of memory, for all stores to lie there
     const bool in_memory; // all stores: only the pack itself goes to the folder, and nothing can be resumed
 };
 

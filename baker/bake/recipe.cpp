@@ -119,7 +119,9 @@ void change_paths(Recipe& recipe, Change change) {
 
 const RecipeKey* find_key(const std::string& name) {
     const std::vector<RecipeKey>& keys = recipe_keys();
-    const auto found = std::find_if(keys.begin(), keys.end(), [&](const RecipeKey& key) { return name == key.name; });
+    const auto found = std::find_if(keys.begin(), keys.end(), [&](const RecipeKey& key) {
+        return name == key.name || (key.old_name && name == key.old_name);
+    });
     return found == keys.end() ? nullptr : &*found;
 }
 
@@ -189,7 +191,11 @@ const std::vector<RecipeKey>& recipe_keys() {
          Of::pack,
          &Recipe::splat,
          "texels of splat maps: full, half (default) or quarter of the samples' density",
-         {"full", "half", "quarter"}},
+         {"full", "half", "quarter"},
+         false,
+         -std::numeric_limits<double>::infinity(),
+         std::numeric_limits<double>::infinity(),
+         "control"},
         {"crs", Of::reading, &Recipe::crs,
          "auto (default: what is in degrees is reprojected to a projection that suits it), none, or a projected CRS to "
          "reproject to, such as EPSG:32633"},
@@ -224,13 +230,23 @@ const RecipeKey& recipe_key(const std::string& name) {
     throw std::logic_error("recipes have no key " + name);
 }
 
-Recipe parse_recipe(const std::string& text, const std::string& name) {
+std::string renamed_line(const RecipeKey& key, const std::string& before) {
+    return fmt::format("{} is called {}{} now, and read by its old name until 0.4", before,
+                       before.starts_with("--") ? "--" : "", key.name);
+}
+
+Recipe parse_recipe(const std::string& text, const std::string& name, std::vector<std::string>* renamed) {
     const json object = io::parse_json(text, name);
     if (!object.is_object()) refuse(name, "is not a JSON object");
     Recipe recipe;
     for (const auto& item : object.items()) {
         const RecipeKey* const key = find_key(item.key());
         if (!key) refuse(name, fmt::format("{} is no key of a recipe", quoted(item.key())));
+        if (item.key() != key->name) {
+            if (object.contains(key->name))
+                refuse(name, fmt::format("{} is now {}, which is there too", quoted(item.key()), quoted(key->name)));
+            if (renamed) renamed->push_back(fmt::format("{}: {}", name, renamed_line(*key, quoted(item.key()))));
+        }
         std::visit([&](const auto member) { take(recipe.*member, item.value(), *key, name); }, key->member);
     }
     return recipe;
@@ -247,8 +263,8 @@ std::string recipe_text(const Recipe& recipe) {
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-Recipe load_recipe(const std::string& path) {
-    Recipe recipe = parse_recipe(io::read_text(path), path);
+Recipe load_recipe(const std::string& path, std::vector<std::string>* renamed) {
+    Recipe recipe = parse_recipe(io::read_text(path), path, renamed);
     const auto folder = std::filesystem::path(path).parent_path();
     change_paths(recipe, [&](const std::string& file) { return (folder / file).lexically_normal().string(); });
     return recipe;
@@ -355,8 +371,7 @@ std::vector<std::string> files_read(const Recipe& recipe) {
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {
         all.push_back(*recipe.layers);
-        for (const SplatRaster& raster : read_splat(*recipe.layers).rasters)
-            add(raster_files(raster.path, "a raster"));
+        for (const SplatRaster& raster : read_splat(*recipe.layers).rasters) add(raster_files(raster.path, "a raster"));
     }
     return all;
 }

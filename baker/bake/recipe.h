@@ -39,6 +39,7 @@ struct RecipeKey {
     bool path = false;                                       // a file's name
     double least = -std::numeric_limits<double>::infinity(); // of a number
     double most = std::numeric_limits<double>::infinity();
+    const char* old_name = nullptr; // before 0.3; read until 0.4
 };
 // In the order in which help and files have them.
 [[nodiscard]] const std::vector<RecipeKey>& recipe_keys();
@@ -46,12 +47,16 @@ struct RecipeKey {
 [[nodiscard]] const RecipeKey& recipe_key(const std::string& name);
 
 // A JSON object whose keys are the options above; unknown keys, wrong types and words that no option knows are refused.
-// name: for messages. Throws Failure 1, one line with the key. O(text).
-[[nodiscard]] Recipe parse_recipe(const std::string& text, const std::string& name);
+// name: for messages. renamed: gets a line for each key under its old name. Throws Failure 1, one line with the key.
+// O(text).
+[[nodiscard]] Recipe parse_recipe(const std::string& text, const std::string& name,
+                                  std::vector<std::string>* renamed = nullptr);
+// "--control is called --splat now, and read by its old name until 0.4". before: an option with its dashes, or a key.
+[[nodiscard]] std::string renamed_line(const RecipeKey& key, const std::string& before);
 [[nodiscard]] std::string recipe_text(const Recipe& recipe);
 
 // A file's; relative paths in it start at its folder. Throws Failure.
-[[nodiscard]] Recipe load_recipe(const std::string& path);
+[[nodiscard]] Recipe load_recipe(const std::string& path, std::vector<std::string>* renamed = nullptr);
 // As it is to be written to a file of this name: relative paths, which start at the working folder, become relative to
 // the file's folder. Absolute ones and names that GDAL gives a meaning (/vsizip/..., NETCDF:...) stay as they are.
 [[nodiscard]] Recipe for_file(Recipe recipe, const std::string& path);

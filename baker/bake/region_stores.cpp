@@ -117,9 +117,9 @@ void load(const Store<T>& store, Patch<T>& patch) {
 // The places that errors/step.h wants of a region at step 2^z, in units of that step.
 template <typename T>
 Patch<T> patch_for(const Region& region, int z) {
-    const std::int32_t nx = (region.last.x - region.first.x) >> (z + 1),
-                       ny = (region.last.y - region.first.y) >> (z + 1);
-    return {(region.first.x >> z) - 2, (region.first.y >> z) - 2, 2 * (nx + reach + 2), 2 * (ny + reach + 2)};
+    const std::int32_t nx = (region.last.column - region.first.column) >> (z + 1),
+                       ny = (region.last.row - region.first.row) >> (z + 1);
+    return {(region.first.column >> z) - 2, (region.first.row >> z) - 2, 2 * (nx + reach + 2), 2 * (ny + reach + 2)};
 }
 
 } // namespace
@@ -215,10 +215,11 @@ public:
 
     // odd: centres, which are one fewer; else places. y: of the patch. Where its sample lies.
     [[nodiscard]] std::int32_t sample_row(std::int32_t y, bool odd) const {
-        return std::min(2 * std::clamp(patch_.y + y, 0, grid_.y - odd) + odd, last_.y);
+        return std::min(2 * std::clamp(patch_.y + y, 0, grid_.row - odd) + odd, last_.row);
     }
     void take(std::int32_t y, bool odd, std::int32_t* to) {
-        const std::int32_t x0 = std::max(2 * patch_.x, 0), x1 = std::min(2 * (patch_.x + patch_.columns) - 1, last_.x);
+        const std::int32_t x0 = std::max(2 * patch_.x, 0),
+                           x1 = std::min(2 * (patch_.x + patch_.columns) - 1, last_.column);
         const StoreView<float> samples(heights_, {x0, sample_row(y, odd), x1 - x0 + 1, 1});
         quantise(samples.row(0), static_cast<std::size_t>(x1 - x0 + 1), scale_, row_.data());
         pick(odd, row_.data(), x0, to);
@@ -227,10 +228,11 @@ public:
     template <typename T>
     void pick(bool odd, const T* from, std::int32_t x0, T* to) const {
         const std::int32_t first = std::max(patch_.x, 0); // columns of a patch whose samples are there
-        const std::int32_t end = std::min(patch_.x + patch_.columns, std::min((last_.x - odd) >> 1, grid_.x - odd) + 1);
+        const std::int32_t end =
+            std::min(patch_.x + patch_.columns, std::min((last_.column - odd) >> 1, grid_.column - odd) + 1);
         for (std::int32_t x = first; x < end; ++x) to[x - patch_.x] = from[2 * x + odd - x0];
         for (std::int32_t x = std::max(first, end); x < patch_.x + patch_.columns; ++x)
-            to[x - patch_.x] = from[std::min(2 * std::min(x, grid_.x - odd) + odd, last_.x) - x0];
+            to[x - patch_.x] = from[std::min(2 * std::min(x, grid_.column - odd) + odd, last_.column) - x0];
         std::fill(to, to + (first - patch_.x), to[first - patch_.x]);
     }
 
@@ -281,9 +283,9 @@ void load_unsaturated(const BakeContext& context, const UnsaturatedStores& store
     const Region region = regions.at(region_index);
     const auto across = static_cast<std::int32_t>(region_index % regions.across()),
                down = static_cast<std::int32_t>(region_index / regions.across());
-    const std::int32_t x0 = region.first.x >> stores.z, y0 = region.first.y >> stores.z,
-                       columns = ((region.last.x - region.first.x) >> stores.z) + 1,
-                       rows = ((region.last.y - region.first.y) >> stores.z) + 1;
+    const std::int32_t x0 = region.first.column >> stores.z, y0 = region.first.row >> stores.z,
+                       columns = ((region.last.column - region.first.column) >> stores.z) + 1,
+                       rows = ((region.last.row - region.first.row) >> stores.z) + 1;
     std::vector<std::uint8_t> row(static_cast<std::size_t>(columns)), other(row.size());
     std::vector<std::uint8_t> west(static_cast<std::size_t>(rows), 0), east(west);
     if (across > 0) stores.east.read({y0, across - 1, rows, 1}, west.data(), rows);
@@ -317,7 +319,7 @@ void store_unsaturated(const BakeContext& context, std::int64_t region_index, co
     const Regions& regions = context.regions;
     const Region region = regions.at(region_index);
     // The southern and eastern borders are the neighbours' rows; what was measured on this side lies apart.
-    const bool last_x = region.last.x + 1 == tree.grid_columns(), last_y = region.last.y + 1 == tree.grid_rows();
+    const bool last_x = region.last.column + 1 == tree.grid_columns(), last_y = region.last.row + 1 == tree.grid_rows();
     stores.inside.write({errors.x, errors.y, errors.columns - !last_x, errors.rows - !last_y}, errors.values.data(),
                         errors.columns);
     const auto across = static_cast<std::int32_t>(region_index % regions.across()),
@@ -343,9 +345,9 @@ void store_places(const StepResult& result, StepStores& stores) {
             *corner++ = holes && holes->corner.row(j)[i] ? steps | hole_flag : steps;
         }
     // The southern and eastern borders are the neighbours', which know the same of them: each place is written once.
-    const bool last_x = in.square.x + in.nx + 1 == stores.places.columns(),
-               last_y = in.square.y + in.ny + 1 == stores.places.rows();
-    stores.places.write({in.square.x, in.square.y, in.nx + last_x, in.ny + last_y}, corners.data(), in.nx + 1);
+    const bool last_x = in.square.column + in.nx + 1 == stores.places.columns(),
+               last_y = in.square.row + in.ny + 1 == stores.places.rows();
+    stores.places.write({in.square.column, in.square.row, in.nx + last_x, in.ny + last_y}, corners.data(), in.nx + 1);
 }
 
 // record(i, j): of the centre of square (i, j).
@@ -355,7 +357,7 @@ void store_centres(const StepInput& in, Store<T>& store, const Record& record) {
     T* to = centres.data();
     for (std::int32_t j = 0; j < in.ny; ++j)
         for (std::int32_t i = 0; i < in.nx; ++i) *to++ = record(i, j);
-    store.write({in.square.x, in.square.y, in.nx, in.ny}, centres.data(), in.nx);
+    store.write({in.square.column, in.square.row, in.nx, in.ny}, centres.data(), in.nx);
 }
 
 } // namespace
@@ -376,7 +378,7 @@ void store_step(const StepResult& result, StepStores& stores) {
 void store_mixed(const StepResult& result, int mixed_log2, MixedStores& stores) {
     const StepInput& in = result.step;
     const int shift = in.z - mixed_log2;
-    const std::int32_t x0 = result.region.first.x >> mixed_log2, y0 = result.region.first.y >> mixed_log2;
+    const std::int32_t x0 = result.region.first.column >> mixed_log2, y0 = result.region.first.row >> mixed_log2;
     const std::int32_t columns = (2 * in.nx << shift) + 1;
     const VertexPlanes<std::uint8_t>* const v = result.holes;
     const auto record = [&](VertexKind kind, const VertexPlane<std::uint8_t>& error,

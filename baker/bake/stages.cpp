@@ -13,9 +13,9 @@
 
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
-#include "baker/maps/splat.h"
 #include "baker/maps/horizon.h"
 #include "baker/maps/image.h"
+#include "baker/maps/splat.h"
 #include "baker/maps/wetness.h"
 #include "baker/pack/assemble.h"
 #include "baker/pack/encode_page.h"
@@ -138,17 +138,18 @@ namespace {
 HeightStatistics measure_region(const BakeContext& context, const HeightStores& heights, const Region& region) {
     const Tree& tree = context.tree;
     const SampleIndex last = tree.sample(region.last);
-    const Window w{region.first.x, region.first.y, last.x - region.first.x + 1, last.y - region.first.y + 1};
+    const Window w{region.first.column, region.first.row, last.column - region.first.column + 1,
+                   last.row - region.first.row + 1};
     const StoreView<float> samples(heights.heights, w);
     HeightStatistics all;
     context.regions.for_each_tile(region, [&](std::uint32_t, SampleIndex corner) {
-        const SampleIndex end = tree.sample({corner.x + tree.side(), corner.y + tree.side()});
-        all.add(measure_tile(samples.row(corner.y - w.y) + (corner.x - w.x), end.x - corner.x + 1, end.y - corner.y + 1,
-                             samples.stride()));
+        const SampleIndex end = tree.sample({corner.column + tree.side(), corner.row + tree.side()});
+        all.add(measure_tile(samples.row(corner.row - w.y) + (corner.column - w.x), end.column - corner.column + 1,
+                             end.row - corner.row + 1, samples.stride()));
     });
     if (!heights.holes.exists()) return all;
     // Borders count where the region to the south or east does, and on the terrain's rim.
-    const Window own{w.x, w.y, w.columns - (last.x + 1 < tree.columns()), w.rows - (last.y + 1 < tree.rows())};
+    const Window own{w.x, w.y, w.columns - (last.column + 1 < tree.columns()), w.rows - (last.row + 1 < tree.rows())};
     std::vector<std::uint8_t> voids(own.area());
     heights.holes.read(own, voids.data(), own.columns);
     all.voids = static_cast<std::uint64_t>(std::count(voids.begin(), voids.end(), std::uint8_t{1}));
@@ -445,7 +446,7 @@ Wetness found_wetness(const BakeContext& context, std::vector<float> index) {
 }
 
 void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const Wetness* wetness, const SplatOutput& out) {
+                     const Wetness* wetness, const SplatOutput& out) {
     SplatGround ground{
         context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::splat), wetness};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
@@ -492,9 +493,9 @@ struct StepExtents {
     std::int32_t nx, ny;
 };
 StepExtents extents_of(const Region& region, int z) {
-    return {{region.first.x >> (z + 1), region.first.y >> (z + 1)},
-            (region.last.x - region.first.x) >> (z + 1),
-            (region.last.y - region.first.y) >> (z + 1)};
+    return {{region.first.column >> (z + 1), region.first.row >> (z + 1)},
+            (region.last.column - region.first.column) >> (z + 1),
+            (region.last.row - region.first.row) >> (z + 1)};
 }
 
 // What a region takes at its largest: its patch, split into planes, with codes, and the finer centres.
@@ -527,20 +528,23 @@ std::uint8_t correct_leaves(const BakeContext& context, const BakePlan& plan, co
                                  plan.leaf,
                                  context.options.estimate,
                                  {context.source.spacing_m[0], context.source.spacing_m[1]}};
-    const bool rim = straddles_rim(tree, {2 * (step.square.x + step.nx) + 1, 1}) ||
-                     straddles_rim(tree, {1, 2 * (step.square.y + step.ny) + 1});
+    const bool rim = straddles_rim(tree, {2 * (step.square.column + step.nx) + 1, 1}) ||
+                     straddles_rim(tree, {1, 2 * (step.square.row + step.ny) + 1});
     if (!rim && !heights.has_voids())
         return std::max({largest(step.error.side_x, step.nx, step.ny + 1),
                          largest(step.error.side_y, step.nx + 1, step.ny),
                          largest(step.error.centre, step.nx, step.ny)});
     std::uint8_t worst = 0;
-    const auto correct = [&](VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows, SampleIndex offset) {
+    const auto correct = [&](VertexPlane<std::uint8_t>& plane, std::int32_t columns, std::int32_t rows,
+                             SampleIndex offset) {
         for (std::int32_t j = 0; j < rows; ++j)
             for (std::int32_t i = 0; i < columns; ++i) {
-                const SampleIndex v{2 * (step.square.x + i) + offset.x, 2 * (step.square.y + j) + offset.y};
+                const SampleIndex v{2 * (step.square.column + i) + offset.column,
+                                    2 * (step.square.row + j) + offset.row};
                 bool irregular = straddles_rim(tree, v);
-                for (std::int32_t y = v.y - 1; !irregular && heights.has_voids() && y <= v.y + 1; ++y)
-                    for (std::int32_t x = v.x - 1; x <= v.x + 1; ++x) irregular = irregular || heights.is_void({x, y});
+                for (std::int32_t y = v.row - 1; !irregular && heights.has_voids() && y <= v.row + 1; ++y)
+                    for (std::int32_t x = v.column - 1; x <= v.column + 1; ++x)
+                        irregular = irregular || heights.is_void({x, y});
                 UnsaturatedError e{plane.row(j)[i], plane.row(j)[i]};
                 if (irregular) e = unsaturated_error(input, v);
                 plane.row(j)[i] = e.code;
@@ -560,7 +564,8 @@ void append_pages(const BakeContext& context, const BakePlan& plan, const StepRe
     if (context.options.order == PageOrder::linear || n < static_cast<std::int32_t>(page_squares)) return;
     ChunkBatch batch;
     context.regions.for_each_tile(result.region, [&](std::uint32_t tile, SampleIndex corner) {
-        const std::int32_t i0 = (corner.x >> (in.z + 1)) - in.square.x, j0 = (corner.y >> (in.z + 1)) - in.square.y;
+        const std::int32_t i0 = (corner.column >> (in.z + 1)) - in.square.column,
+                           j0 = (corner.row >> (in.z + 1)) - in.square.row;
         const auto pages = static_cast<std::uint32_t>(n) / page_squares;
         for (std::uint32_t py = 0; py < pages; ++py)
             for (std::uint32_t px = 0; px < pages; ++px) {
@@ -701,9 +706,9 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
             mixed.records.read(w, records.data(), places);
             mixed.heights.read(w, steps.data(), places);
             const auto vertex = [&](SampleIndex c) {
-                const std::size_t at = static_cast<std::size_t>(c.y >> z) * static_cast<std::size_t>(places) +
-                                       static_cast<std::size_t>(c.x >> z);
-                const bool corner = ((c.x | c.y) & (tree.side() - 1)) == 0;
+                const std::size_t at = static_cast<std::size_t>(c.row >> z) * static_cast<std::size_t>(places) +
+                                       static_cast<std::size_t>(c.column >> z);
+                const bool corner = ((c.column | c.row) & (tree.side() - 1)) == 0;
                 const auto error = static_cast<std::uint8_t>(corner ? 0 : records[at] & 0xff);
                 const auto hole = static_cast<std::uint8_t>(steps[at] & hole_flag ? void_bit : 0);
                 const auto radius = static_cast<std::uint8_t>(corner ? 0 : records[at] >> 8 & ~void_bit);

@@ -118,7 +118,7 @@ struct SplatOutput {
 };
 // wetness: null: no rule asks for it.
 void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const Wetness* wetness, const SplatOutput& out);
+                     const Wetness* wetness, const SplatOutput& out);
 
 void make_far_mip(const BakeContext& context, const BakePlan& plan, const FarMipInput& in, const FarMipOutput& out);
 

@@ -362,8 +362,8 @@ public:
         fill(picture, {0, top, static_cast<std::int32_t>(picture.width), height()}, [](auto, auto) { return paper; });
         for (std::size_t i = 0; i < items.size(); ++i) {
             const Item& item = items[i];
-            std::int32_t x = places[i].x * unit;
-            const std::int32_t y = top + (margin + places[i].y * line_height) * unit;
+            std::int32_t x = places[i].column * unit;
+            const std::int32_t y = top + (margin + places[i].row * line_height) * unit;
             const auto text = [&](const std::string& words) {
                 if (words.empty()) return;
                 draw_text(picture, x, y, unit, words);

@@ -108,7 +108,8 @@ public:
     // bounds: the pack whose directory has them, or null.
     TileCheck(const Terrain& the_terrain, std::uint32_t the_tile, const Original& from, const Pack* bounds)
         : terrain(the_terrain), tree(data_of(the_terrain).tree), original(from), pack(bounds), tile(the_tile),
-          side(tree.side()), nw{the_terrain.tile_place(the_tile).x * side, the_terrain.tile_place(the_tile).y * side} {
+          side(tree.side()), nw{the_terrain.tile_place(the_tile).column * side,
+                                the_terrain.tile_place(the_tile).row * side} {
         vertices.resize(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1));
         // base + steps * quantum in float: one rounding of the product, one of the sum.
         const double largest = std::max(std::abs(terrain.header().min_m), std::abs(terrain.header().max_m));
@@ -121,14 +122,14 @@ public:
     VerifyReport run(Borders& borders) {
         gather();
         check_corners();
-        for (std::int32_t y = nw.y; y <= nw.y + side; ++y)
-            for (std::int32_t x = nw.x; x <= nw.x + side; ++x) check_vertex({x, y});
+        for (std::int32_t y = nw.row; y <= nw.row + side; ++y)
+            for (std::int32_t x = nw.column; x <= nw.column + side; ++x) check_vertex({x, y});
         if (report.true_error_checked || terrain.has_voids()) check_triangles();
         for (std::int32_t i = 0; i <= side; ++i) {
-            borders.north.push_back(vertices[at({nw.x + i, nw.y})]);
-            borders.south.push_back(vertices[at({nw.x + i, nw.y + side})]);
-            borders.west.push_back(vertices[at({nw.x, nw.y + i})]);
-            borders.east.push_back(vertices[at({nw.x + side, nw.y + i})]);
+            borders.north.push_back(vertices[at({nw.column + i, nw.row})]);
+            borders.south.push_back(vertices[at({nw.column + i, nw.row + side})]);
+            borders.west.push_back(vertices[at({nw.column, nw.row + i})]);
+            borders.east.push_back(vertices[at({nw.column + side, nw.row + i})]);
         }
         return report;
     }
@@ -147,15 +148,16 @@ private:
                 const StoredVertex stored{entry.base + from[i].height, from[i].error, from[i].radius, true};
                 StoredVertex& to = vertices[at(c)];
                 if (to.seen && !(to == stored))
-                    note(report.border_mismatches, fmt::format("sample ({}, {}) differs between two pages", c.x, c.y));
+                    note(report.border_mismatches,
+                         fmt::format("sample ({}, {}) differs between two pages", c.column, c.row));
                 to = stored;
             }
         }
     }
 
     void check_corners() {
-        for (const std::int32_t y : {nw.y, nw.y + side})
-            for (const std::int32_t x : {nw.x, nw.x + side}) {
+        for (const std::int32_t y : {nw.row, nw.row + side})
+            for (const std::int32_t x : {nw.column, nw.column + side}) {
                 const TerrainData::Vertex corner = data_of(terrain).vertex({x, y});
                 if (corner.steps != vertices[at({x, y})].steps || corner.hole != hole({x, y}))
                     note(report.border_mismatches, fmt::format("corner ({}, {}) differs from its page's", x, y));
@@ -163,9 +165,10 @@ private:
     }
 
     [[nodiscard]] bool own(SampleIndex v) const {
-        const SampleIndex place{nw.x / side, nw.y / side}; // beyond the rim, and in a set, there may be no neighbour
-        return (v.x < nw.x + side || terrain.tile_at({place.x + 1, place.y}) == no_tile) &&
-               (v.y < nw.y + side || terrain.tile_at({place.x, place.y + 1}) == no_tile);
+        const SampleIndex place{nw.column / side,
+                                nw.row / side}; // beyond the rim, and in a set, there may be no neighbour
+        return (v.column < nw.column + side || terrain.tile_at({place.column + 1, place.row}) == no_tile) &&
+               (v.row < nw.row + side || terrain.tile_at({place.column, place.row + 1}) == no_tile);
     }
 
     void check_vertex(SampleIndex v) {
@@ -181,40 +184,42 @@ private:
     void check_height(SampleIndex v) {
         const SampleIndex sample = tree.sample(v);
         if (std::abs(wanted(sample) - height(v)) > allowed_m)
-            note(report.height_mismatches,
-                 fmt::format("sample ({}, {}): height {} m is stored as {} m", v.x, v.y, wanted(sample), height(v)));
+            note(report.height_mismatches, fmt::format("sample ({}, {}): height {} m is stored as {} m", v.column,
+                                                       v.row, wanted(sample), height(v)));
         if (!original.heights_m || !(v == sample)) return;
         if ((original.holes && std::isnan(given(v))) != hole(v))
-            note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.x, v.y));
+            note(report.height_mismatches, fmt::format("sample ({}, {}) is a hole in one of the two", v.column, v.row));
     }
 
     void check_child(SampleIndex v, SampleIndex c, double nesting) {
         if (!(error(v) >= nesting * error(c)))
-            note(report.nesting_violations, fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.x, v.y,
-                                                        error(v), c.x, c.y, error(c)));
+            note(report.nesting_violations, fmt::format("vertex ({}, {}): error {} m, child ({}, {}): {} m", v.column,
+                                                        v.row, error(v), c.column, c.row, error(c)));
         if (!(radius(v) >= (distance(v, c) + radius(c)) * sphere_margin))
-            note(report.sphere_violations,
-                 fmt::format("vertex ({}, {}): its sphere does not hold that of ({}, {})", v.x, v.y, c.x, c.y));
+            note(report.sphere_violations, fmt::format("vertex ({}, {}): its sphere does not hold that of ({}, {})",
+                                                       v.column, v.row, c.column, c.row));
     }
 
     void check_leaf(SampleIndex v) {
         const Diamond d = diamond(tree, v);
         for (const SampleIndex corner : {d.ends[0], d.ends[1], d.apexes[0], d.apexes[1]})
             if (holds(corner) && !(radius(v) > distance(v, corner)))
-                note(report.sphere_violations, fmt::format("leaf ({}, {}): its sphere misses a corner", v.x, v.y));
+                note(report.sphere_violations,
+                     fmt::format("leaf ({}, {}): its sphere misses a corner", v.column, v.row));
     }
 
     void check_triangles() {
-        const SampleIndex ne{nw.x + side, nw.y}, sw{nw.x, nw.y + side}, se{nw.x + side, nw.y + side};
+        const SampleIndex ne{nw.column + side, nw.row}, sw{nw.column, nw.row + side},
+            se{nw.column + side, nw.row + side};
         Excess worst;
         bisect(ne, nw, se, worst, report.samples_compared);
         bisect(sw, se, nw, worst, report.samples_compared);
         report.true_error_violations += worst.count;
         report.worst_excess_m = worst.excess_m;
         if (worst.count && report.first.empty())
-            report.first =
-                fmt::format("sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
-                            worst.sample.x, worst.sample.y, worst.excess_m, worst.vertex.x, worst.vertex.y);
+            report.first = fmt::format(
+                "sample ({}, {}) is {} m further from the surface than the error of vertex ({}, {}) says",
+                worst.sample.column, worst.sample.row, worst.excess_m, worst.vertex.column, worst.vertex.row);
     }
 
     struct Excess {
@@ -225,28 +230,29 @@ private:
 
     // A triangle that can still be split stands for every sample under it with the error of its splitting vertex.
     void bisect(SampleIndex apex, SampleIndex left, SampleIndex right, Excess& worst, std::uint64_t& compared) {
-        if (((left.x + right.x) | (left.y + right.y)) & 1) return; // a triangle of the full resolution
-        const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+        if (((left.column + right.column) | (left.row + right.row)) & 1) return; // a triangle of the full resolution
+        const SampleIndex middle{(left.column + right.column) / 2, (left.row + right.row) / 2};
         compare(tree.sample(apex), tree.sample(left), tree.sample(right), middle, worst, compared);
         bisect(middle, apex, left, worst, compared);
         bisect(middle, right, apex, worst, compared);
     }
 
-    void compare(SampleIndex a, SampleIndex b, SampleIndex c, SampleIndex middle, Excess& worst, std::uint64_t& compared) {
+    void compare(SampleIndex a, SampleIndex b, SampleIndex c, SampleIndex middle, Excess& worst,
+                 std::uint64_t& compared) {
         check_rim(a, b, c, middle);
         if (!report.true_error_checked || hole(a) || hole(b) || hole(c)) return;
         const double bound = error(middle) + allowed_m;
         // Height as h(a) + gx dx + gy dy, solved from the three corners.
-        const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
+        const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
         const double hb = height(b) - height(a), hc = height(c) - height(a), area = bx * cy - by * cx;
         if (area == 0) return; // beyond the rim
         const double gx = (hb * cy - hc * by) / area, gy = (hc * bx - hb * cx) / area;
-        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+        const auto [y0, y1] = std::minmax({a.row, b.row, c.row});
         for (std::int32_t y = y0; y <= y1; ++y) {
             const auto [x0, x1] = row_of(a, b, c, y);
-            const double at_row = height(a) + gy * (y - a.y);
+            const double at_row = height(a) + gy * (y - a.row);
             for (std::int32_t x = x0; x <= x1; ++x) {
-                const double off = std::abs(wanted({x, y}) - (at_row + gx * (x - a.x)));
+                const double off = std::abs(wanted({x, y}) - (at_row + gx * (x - a.column)));
                 if (off <= bound || hole({x, y})) continue;
                 ++worst.count;
                 if (off - bound > worst.excess_m) worst = {worst.count, off - bound, {x, y}, middle};
@@ -260,8 +266,9 @@ private:
     void check_rim(SampleIndex a, SampleIndex b, SampleIndex c, SampleIndex middle) {
         if (!terrain.has_voids()) return;
         std::uint64_t solid = 0, holes = 0;
-        const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
-        if ((b.x - a.x) * (c.y - a.y) == (b.y - a.y) * (c.x - a.x)) return; // beyond the rim
+        const auto [y0, y1] = std::minmax({a.row, b.row, c.row});
+        if ((b.column - a.column) * (c.row - a.row) == (b.row - a.row) * (c.column - a.column))
+            return; // beyond the rim
         for (std::int32_t y = y0; y <= y1; ++y) {
             const auto [x0, x1] = row_of(a, b, c, y);
             for (std::int32_t x = x0; x <= x1; ++x) ++(hole({x, y}) ? holes : solid);
@@ -271,7 +278,7 @@ private:
         if (!(error(middle) >= size * (1 - 0x1p-20)))
             note(report.rim_violations,
                  fmt::format("a triangle of {} m over a hole's rim has the error {} m of vertex ({}, {})", size,
-                             error(middle), middle.x, middle.y));
+                             error(middle), middle.column, middle.row));
     }
 
     // The samples of a row inside the triangle. Edges run along an axis or a diagonal and meet rows at whole samples,
@@ -280,14 +287,14 @@ private:
         double least = HUGE_VAL, most = -HUGE_VAL;
         const SampleIndex edges[3][2] = {{a, b}, {b, c}, {c, a}};
         for (const auto& [p, q] : edges) {
-            if (y < std::min(p.y, q.y) || y > std::max(p.y, q.y)) continue;
-            if (p.y == q.y) {
-                least = std::min<double>({least, static_cast<double>(p.x), static_cast<double>(q.x)});
-                most = std::max<double>({most, static_cast<double>(p.x), static_cast<double>(q.x)});
+            if (y < std::min(p.row, q.row) || y > std::max(p.row, q.row)) continue;
+            if (p.row == q.row) {
+                least = std::min<double>({least, static_cast<double>(p.column), static_cast<double>(q.column)});
+                most = std::max<double>({most, static_cast<double>(p.column), static_cast<double>(q.column)});
                 continue;
             }
             // An exact product over a small whole number: exact where the quotient is whole.
-            const double x = p.x + static_cast<double>(y - p.y) * (q.x - p.x) / (q.y - p.y);
+            const double x = p.column + static_cast<double>(y - p.row) * (q.column - p.column) / (q.row - p.row);
             least = std::min(least, x);
             most = std::max(most, x);
         }
@@ -300,14 +307,14 @@ private:
     }
 
     [[nodiscard]] bool holds(SampleIndex c) const {
-        return c.x >= nw.x && c.y >= nw.y && c.x <= nw.x + side && c.y <= nw.y + side;
+        return c.column >= nw.column && c.row >= nw.row && c.column <= nw.column + side && c.row <= nw.row + side;
     }
     [[nodiscard]] std::size_t at(SampleIndex c) const {
-        return static_cast<std::size_t>(c.y - nw.y) * static_cast<std::size_t>(side + 1) +
-               static_cast<std::size_t>(c.x - nw.x);
+        return static_cast<std::size_t>(c.row - nw.row) * static_cast<std::size_t>(side + 1) +
+               static_cast<std::size_t>(c.column - nw.column);
     }
     [[nodiscard]] float given(SampleIndex sample) const {
-        return original.heights_m[(sample.y - original.y) * original.stride + (sample.x - original.x)];
+        return original.heights_m[(sample.row - original.y) * original.stride + (sample.column - original.x)];
     }
     // What a sample's height should be. Under a hole stands whatever continues the ground: there is nothing to compare
     // with.
@@ -315,7 +322,9 @@ private:
         const double known = original.heights_m ? static_cast<double>(given(sample)) : std::nan("");
         return std::isnan(known) ? height(sample) : known;
     }
-    [[nodiscard]] double height(SampleIndex c) const { return data_of(terrain).height_scale.height_m(vertices[at(c)].steps); }
+    [[nodiscard]] double height(SampleIndex c) const {
+        return data_of(terrain).height_scale.height_m(vertices[at(c)].steps);
+    }
     [[nodiscard]] double error(SampleIndex c) const { return data_of(terrain).errors.metres[vertices[at(c)].error]; }
     [[nodiscard]] double radius(SampleIndex c) const {
         return terrain.header().level_radius_m[tree.level(c)] *
@@ -324,8 +333,8 @@ private:
     [[nodiscard]] bool hole(SampleIndex c) const { return (vertices[at(c)].radius & void_bit) != 0; }
     [[nodiscard]] double distance(SampleIndex v, SampleIndex w) const {
         const SampleIndex a = tree.sample(v), b = tree.sample(w);
-        const double dx = static_cast<double>(terrain.x_m(a.x)) - terrain.x_m(b.x);
-        const double dz = static_cast<double>(terrain.z_m(a.y)) - terrain.z_m(b.y);
+        const double dx = static_cast<double>(terrain.x_m(a.column)) - terrain.x_m(b.column);
+        const double dz = static_cast<double>(terrain.z_m(a.row)) - terrain.z_m(b.row);
         return std::sqrt(dx * dx + dz * dz + (height(a) - height(b)) * (height(a) - height(b)));
     }
 
@@ -353,8 +362,8 @@ public:
                                       no_tile);
         for (std::uint32_t tile = 0; whole_ != nullptr && tile < whole_->tile_count(); ++tile) {
             const SampleIndex place = whole_->tile_place(tile);
-            at[static_cast<std::size_t>(place.y) * static_cast<std::size_t>(tree.tiles_x) +
-               static_cast<std::size_t>(place.x)] = tile;
+            at[static_cast<std::size_t>(place.row) * static_cast<std::size_t>(tree.tiles_x) +
+               static_cast<std::size_t>(place.column)] = tile;
         }
         for (std::uint32_t tile = 0; file_ != nullptr && tile < file_->pack().tile_count(); ++tile)
             at[file_->pack().tile_place(tile)] = tile;

@@ -63,8 +63,7 @@ void decode_splat(const std::vector<std::byte>& texels, std::size_t names, Mip& 
             const std::size_t layer = std::to_integer<std::size_t>(from[2 * k + 1]) % max_splat_names;
             to[layer] = static_cast<std::uint8_t>(to[layer] + last);
         }
-        const int hidden =
-            last > 0 && names > splat_layers ? static_cast<int>(names - splat_layers) * (last + 1) : 0;
+        const int hidden = last > 0 && names > splat_layers ? static_cast<int>(names - splat_layers) * (last + 1) : 0;
         mip.tolerance[i] = static_cast<std::uint8_t>(std::min(3 + hidden, 255));
     }
 }

@@ -16,23 +16,35 @@ namespace {
 
 // From a command line: what a key's member takes.
 template <typename T>
-void add_key(CLI::App& app, const std::string& name, T& to, const RecipeKey& key) {
+CLI::Option* add_key(CLI::App& app, const std::string& name, T& to, const RecipeKey& key) {
     CLI::Option* const option = app.add_option(name, to, key.about);
     if (&key != &recipe_key("tile") && !key.words.empty()) option->check(io::one_of(key.words));
+    return option;
 }
-void add_key(CLI::App& app, const std::string& name, std::optional<std::array<double, 4>>& to, const RecipeKey& key) {
-    app.add_option_function<std::string>(
+CLI::Option* add_key(CLI::App& app, const std::string& name, std::optional<std::array<double, 4>>& to,
+                     const RecipeKey& key) {
+    return app.add_option_function<std::string>(
         name, [&to](const std::string& text) { to = parse_bbox(text); }, key.about);
 }
-void add_key(CLI::App& app, const std::string& name, std::optional<DeclaredVoids>& to, const RecipeKey& key) {
+CLI::Option* add_key(CLI::App& app, const std::string& name, std::optional<DeclaredVoids>& to, const RecipeKey& key) {
     const auto parse = [&to](const std::vector<std::string>& texts) {
         to.reset();
         for (const std::string& text : texts) parse_voids(text, to);
     };
-    app.add_option_function<std::vector<std::string>>(name, parse, key.about)
+    return app.add_option_function<std::vector<std::string>>(name, parse, key.about)
         ->type_name("VALUE")
         ->type_size(1)
         ->allow_extra_args(false);
+}
+
+// The same by the name that it had: help does not show it, and whoever uses it is told.
+void add_old_name(CLI::App& app, CLI::Option& now, Recipe& r, const RecipeKey& key) {
+    const std::string before = std::string("--") + key.old_name;
+    std::visit([&](const auto member) { return add_key(app, before, r.*member, key); }, key.member)
+        ->group("")
+        ->excludes(&now)
+        ->each(
+            [before, &key](const std::string&) { fmt::print(stderr, "fjell-bake: {}\n", renamed_line(key, before)); });
 }
 
 // reading: only how files become heights in metres, for verify --against. Else all that a pack's bytes depend on.
@@ -40,7 +52,9 @@ void add_recipe_options(CLI::App& app, Recipe& r, bool reading = false) {
     for (const RecipeKey& key : recipe_keys()) {
         const std::string name = &key == &recipe_key("inputs") ? "IN" : std::string("--") + key.name;
         if (&key == &recipe_key("output") || (reading && key.of != RecipeKey::Of::reading)) continue;
-        std::visit([&](const auto member) { add_key(app, name, r.*member, key); }, key.member);
+        CLI::Option* const option =
+            std::visit([&](const auto member) { return add_key(app, name, r.*member, key); }, key.member);
+        if (key.old_name) add_old_name(app, *option, r, key);
     }
 }
 

@@ -94,7 +94,11 @@ void print_set(const SetSummary& s, const std::string& folder) {
 }
 
 Recipe complete(const Recipe& given, const std::string& recipe_path) {
-    return recipe_path.empty() ? given : merged(given, load_recipe(recipe_path));
+    if (recipe_path.empty()) return given;
+    std::vector<std::string> renamed;
+    const Recipe below = load_recipe(recipe_path, &renamed);
+    for (const std::string& line : renamed) fmt::print(stderr, "fjell-bake: {}\n", line);
+    return merged(given, below);
 }
 
 std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {

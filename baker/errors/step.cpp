@@ -61,8 +61,8 @@ FJELL_CLONES void leaf_rows(const StepInput& in, const LeafErrors& leaf) {
         look_up(leaf, h.side_x.row(j), north, north + 1, in.nx, in.error.side_x.row(j));
         if (j == in.ny) break;
         look_up(leaf, h.side_y.row(j), north, south, in.nx + 1, in.error.side_y.row(j));
-        diagonals(north, south, in.nx, (in.square.x + in.square.y + j) & 1, in.z == in.tree.tile_log2 - 1, a.data(),
-                  b.data());
+        diagonals(north, south, in.nx, (in.square.column + in.square.row + j) & 1, in.z == in.tree.tile_log2 - 1,
+                  a.data(), b.data());
         look_up(leaf, h.centre.row(j), a.data(), b.data(), in.nx, in.error.centre.row(j));
     }
 }

@@ -27,13 +27,13 @@ std::pair<std::int32_t, std::int32_t> row_of(const SampleIndex (&corners)[3], st
     std::int64_t from = INT32_MIN, to = INT32_MAX;
     for (int k = 0; k < 3; ++k) { // corners turn one way, so that inside is on the same side of all edges
         const SampleIndex p = corners[k], q = corners[(k + 1) % 3];
-        const std::int64_t dx = q.x - p.x, dy = q.y - p.y;
+        const std::int64_t dx = q.column - p.column, dy = q.row - p.row;
         // dx (y - p.y) - dy (x - p.x) >= 0
-        const std::int64_t c = dx * (y - p.y);
+        const std::int64_t c = dx * (y - p.row);
         if (dy > 0)
-            to = std::min(to, p.x + floor_div(c, dy));
+            to = std::min(to, p.column + floor_div(c, dy));
         else if (dy < 0)
-            from = std::max(from, p.x - floor_div(c, -dy));
+            from = std::max(from, p.column - floor_div(c, -dy));
         else if (c < 0)
             return {0, -1};
     }
@@ -43,24 +43,25 @@ std::pair<std::int32_t, std::int32_t> row_of(const SampleIndex (&corners)[3], st
 // What lies under a triangle whose corners stand anywhere; none where it has no area: that is never drawn.
 TriangleScan scan_triangle(const QuantisedHeights& ground, SampleIndex a, SampleIndex b, SampleIndex c) {
     TriangleScan sum;
-    std::int64_t area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+    std::int64_t area =
+        std::int64_t{b.column - a.column} * (c.row - a.row) - std::int64_t{b.row - a.row} * (c.column - a.column);
     if (area == 0) return sum;
     if (area < 0) std::swap(b, c), area = -area;
     const SampleIndex corners[3] = {a, b, c};
     const double ha = ground.h(a), hb = ground.h(b) - ha, hc = ground.h(c) - ha;
-    const double gx = (hb * (c.y - a.y) - hc * (b.y - a.y)) / static_cast<double>(area);
-    const double gy = (hc * (b.x - a.x) - hb * (c.x - a.x)) / static_cast<double>(area);
-    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+    const double gx = (hb * (c.row - a.row) - hc * (b.row - a.row)) / static_cast<double>(area);
+    const double gy = (hc * (b.column - a.column) - hb * (c.column - a.column)) / static_cast<double>(area);
+    const auto [y0, y1] = std::minmax({a.row, b.row, c.row});
     for (std::int32_t y = y0; y <= y1; ++y) {
         const auto [x0, x1] = row_of(corners, y);
-        const double at_row = ha + gy * (y - a.y);
+        const double at_row = ha + gy * (y - a.row);
         for (std::int32_t x = x0; x <= x1; ++x) {
             if (ground.is_void({x, y})) {
                 sum.hole = true;
                 continue;
             }
             sum.ground = true;
-            sum.worst_steps = std::max(sum.worst_steps, std::abs(ground.h({x, y}) - (at_row + gx * (x - a.x))));
+            sum.worst_steps = std::max(sum.worst_steps, std::abs(ground.h({x, y}) - (at_row + gx * (x - a.column))));
         }
     }
     // Squeezed triangles divide by odd numbers: what is left of that is no error.
@@ -70,7 +71,8 @@ TriangleScan scan_triangle(const QuantisedHeights& ground, SampleIndex a, Sample
 
 double longest_edge_m(const UnsaturatedInput& in, SampleIndex a, SampleIndex b, SampleIndex c) {
     const auto edge = [&](SampleIndex p, SampleIndex q) {
-        const double dx = std::abs(p.x - q.x) * in.spacing_m[0], dy = std::abs(p.y - q.y) * in.spacing_m[1];
+        const double dx = std::abs(p.column - q.column) * in.spacing_m[0],
+                     dy = std::abs(p.row - q.row) * in.spacing_m[1];
         const double dh = static_cast<double>(in.ground.h(p) - in.ground.h(q)) * in.scales.height_scale.quantum_m;
         return std::sqrt(dx * dx + dy * dy + dh * dh) + 2 * in.scales.ground_pad_m + in.scales.height_pad_m;
     };
@@ -81,7 +83,7 @@ double longest_edge_m(const UnsaturatedInput& in, SampleIndex a, SampleIndex b, 
 
 bool straddles_rim(const Tree& tree, SampleIndex v) {
     const std::int32_t s = 1 << Tree::step_log2(v);
-    return (v.x + s >= tree.columns() && tree.cut_x != 0) || (v.y + s >= tree.rows() && tree.cut_y != 0);
+    return (v.column + s >= tree.columns() && tree.cut_x != 0) || (v.row + s >= tree.rows() && tree.cut_y != 0);
 }
 
 UnsaturatedError unsaturated_error(const UnsaturatedInput& in, SampleIndex v) {
@@ -97,8 +99,8 @@ UnsaturatedError unsaturated_error(const UnsaturatedInput& in, SampleIndex v) {
     double on_ground_m = hole_below || in.ground.is_void(v) ? 0 : error_m;
     bool ground = false;
     for (const SampleIndex apex : d.apexes) {
-        if (apex.x < in.region.first.x || apex.y < in.region.first.y || apex.x > in.region.last.x ||
-            apex.y > in.region.last.y)
+        if (apex.column < in.region.first.column || apex.row < in.region.first.row ||
+            apex.column > in.region.last.column || apex.row > in.region.last.row)
             continue;
         const SampleIndex a = tree.sample(apex), b = tree.sample(d.ends[0]), c = tree.sample(d.ends[1]);
         const TriangleScan sum = scan_triangle(in.ground, a, b, c);
@@ -149,39 +151,39 @@ public:
     // Even rows of a step hold sides along x; odd ones sides along y, and centres between them.
     void run(int z) {
         const Region& r = in.region;
-        const std::int32_t s = 1 << z, n = (r.last.x - r.first.x) / (2 * s);
+        const std::int32_t s = 1 << z, n = (r.last.column - r.first.column) / (2 * s);
         small = z <= 2 && in.estimate == ErrorEstimate::max && !in.ground.has_voids();
         if (small)
-            phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.x, r.first.y), in.ground.steps.columns, n,
-                                              r.last.y - r.first.y + 1, 2 * s);
+            phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.column, r.first.row), in.ground.steps.columns,
+                                              n, r.last.row - r.first.row + 1, 2 * s);
         table.clear();
         if (std::int64_t{n} * n >= static_cast<std::int64_t>(CodeTable::size))
             table.make(in.scales.errors, half_quantum / s);
-        for (std::int32_t y = r.first.y; y <= r.last.y; y += s)
+        for (std::int32_t y = r.first.row; y <= r.last.row; y += s)
             if (((y >> z) & 1) == 0) {
-                row(VertexKind::side_x, {r.first.x + s, y}, z, n);
+                row(VertexKind::side_x, {r.first.column + s, y}, z, n);
             } else {
-                row(VertexKind::side_y, {r.first.x, y}, z, n + 1);
-                row(VertexKind::centre, {r.first.x + s, y}, z, n);
+                row(VertexKind::side_y, {r.first.column, y}, z, n + 1);
+                row(VertexKind::centre, {r.first.column + s, y}, z, n);
             }
     }
 
 private:
     void row(VertexKind kind, SampleIndex first, int z, std::int32_t count) {
         const std::int32_t s = 1 << z;
-        std::uint8_t* const codes = to.at(first.x / 2, first.y / 2);
+        std::uint8_t* const codes = to.at(first.column / 2, first.row / 2);
         std::int32_t plain = in.ground.has_voids() ? 0 : count; // vertices before the first one that stands at the rim
-        while (plain > 0 && straddles_rim(tree, {first.x + 2 * s * (plain - 1), first.y})) --plain;
+        while (plain > 0 && straddles_rim(tree, {first.column + 2 * s * (plain - 1), first.row})) --plain;
         for (std::int32_t i = plain; i < count; ++i) {
-            const UnsaturatedError e = unsaturated_error(in, {first.x + 2 * s * i, first.y});
+            const UnsaturatedError e = unsaturated_error(in, {first.column + 2 * s * i, first.row});
             codes[i * s] = e.code;
             worst_on_ground = std::max(worst_on_ground, e.on_ground);
         }
         if (plain == 0) return;
-        const std::int32_t* const v = in.ground.steps.at(first.x, first.y);
+        const std::int32_t* const v = in.ground.steps.at(first.column, first.row);
         const std::ptrdiff_t stride = in.ground.steps.columns;
         const bool root = z == tree.tile_log2 - 1;
-        const bool falling = root || ((((first.x - s) >> (z + 1)) + ((first.y - s) >> (z + 1))) & 1) == 0;
+        const bool falling = root || ((((first.column - s) >> (z + 1)) + ((first.row - s) >> (z + 1))) & 1) == 0;
         if (in.estimate == ErrorEstimate::midpoint) {
             for (std::int32_t i = 0; i < plain; ++i) {
                 const std::int32_t* const h = v + std::ptrdiff_t{2} * s * i;
@@ -196,11 +198,11 @@ private:
         }
         const bool rows = kind == VertexKind::side_x;
         VertexRow line{v, stride, s, plain, kind};
-        line.before = !rows || first.y > in.region.first.y;
-        line.after = !rows || first.y < in.region.last.y;
+        line.before = !rows || first.row > in.region.first.row;
+        line.after = !rows || first.row < in.region.last.row;
         line.falling = falling, line.alternate = !root;
         if (small && plain == count) {
-            SmallRow side{phases, first.y - in.region.first.y, count, kind};
+            SmallRow side{phases, first.row - in.region.first.row, count, kind};
             side.before = line.before, side.after = line.after;
             side.falling = line.falling, side.alternate = line.alternate;
             scan_small_row(side, worst.data());
@@ -239,7 +241,8 @@ private:
 
 std::uint8_t unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out) {
     const Region& r = input.region;
-    out = {r.first.x / 2, r.first.y / 2, (r.last.x - r.first.x) / 2 + 1, (r.last.y - r.first.y) / 2 + 1};
+    out = {r.first.column / 2, r.first.row / 2, (r.last.column - r.first.column) / 2 + 1,
+           (r.last.row - r.first.row) / 2 + 1};
     std::fill(out.values.begin(), out.values.end(), std::uint8_t{0}); // corners of tiles
     UnsaturatedErrors stage(input, out);
     for (int z = 1; z < input.ground.tree.tile_log2; ++z) stage.run(z);

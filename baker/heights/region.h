@@ -31,10 +31,10 @@ public:
     [[nodiscard]] std::int32_t cells() const { return group_ * tree_.side(); } // a side, at most
     [[nodiscard]] Region at(std::int64_t index) const {
         const SampleIndex first{static_cast<std::int32_t>(index % across_) * cells(),
-                          static_cast<std::int32_t>(index / across_) * cells()};
+                                static_cast<std::int32_t>(index / across_) * cells()};
         return {first,
-                {std::min(first.x + cells(), tree_.grid_columns() - 1),
-                 std::min(first.y + cells(), tree_.grid_rows() - 1)}};
+                {std::min(first.column + cells(), tree_.grid_columns() - 1),
+                 std::min(first.row + cells(), tree_.grid_rows() - 1)}};
     }
     // Of a part, counted in regions: its tiles; and its samples, each in one part: a border's are those of the part to
     // the south or east.
@@ -51,9 +51,10 @@ public:
     // Calls visit(tile, its north-west corner).
     template <typename Visit>
     void for_each_tile(const Region& region, const Visit& visit) const {
-        for (std::int32_t y = region.first.y; y < region.last.y; y += tree_.side())
-            for (std::int32_t x = region.first.x; x < region.last.x; x += tree_.side())
-                visit(static_cast<std::uint32_t>(y / tree_.side() * tree_.tiles_x + x / tree_.side()), SampleIndex{x, y});
+        for (std::int32_t y = region.first.row; y < region.last.row; y += tree_.side())
+            for (std::int32_t x = region.first.column; x < region.last.column; x += tree_.side())
+                visit(static_cast<std::uint32_t>(y / tree_.side() * tree_.tiles_x + x / tree_.side()),
+                      SampleIndex{x, y});
     }
 
 private:
@@ -88,9 +89,9 @@ struct QuantisedHeights {
     Patch<std::int32_t> steps;
     Patch<std::uint8_t> voids; // 1: a hole; no values: there is none here
 
-    [[nodiscard]] std::int32_t h(SampleIndex c) const { return *steps.at(c.x, c.y); }
+    [[nodiscard]] std::int32_t h(SampleIndex c) const { return *steps.at(c.column, c.row); }
     [[nodiscard]] bool has_voids() const { return !voids.values.empty(); }
-    [[nodiscard]] bool is_void(SampleIndex c) const { return has_voids() && *voids.at(c.x, c.y) != 0; }
+    [[nodiscard]] bool is_void(SampleIndex c) const { return has_voids() && *voids.at(c.column, c.row) != 0; }
 };
 
 } // namespace fjell::baker

@@ -360,8 +360,7 @@ Window heights_for_splat(const SplatGround& ground, const Window& points) {
     return {x, y, x1 - x + 1, y1 - y + 1};
 }
 
-TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points,
-                           const SplatInput& in) {
+TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points, const SplatInput& in) {
     TexelPlanes planes(points, static_cast<int>(max_splat_names));
     planes.clear(); // of layers without a name
     const Evaluation evaluation(plan, ground, points, in);
@@ -473,8 +472,8 @@ public:
                 throw Failure(1, fmt::format("{}: unknown field \"{}\"{}", file_, key, see));
         if (!json.contains("rules") || !json["rules"].is_array() || json["rules"].empty() ||
             json["rules"].size() > max_splat_rules)
-            throw Failure(
-                1, fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_splat_rules, see));
+            throw Failure(1,
+                          fmt::format("{}: \"rules\" must be a list of 1 to {} rules{}", file_, max_splat_rules, see));
         for (const Json& rule : json["rules"]) add(rule);
         return std::move(plan_);
     }

@@ -40,9 +40,9 @@ struct SplatRule {
     SplatRange aspect_deg; // the azimuth that the ground falls towards; low may be more than high: through north
     SplatRange wetness;    // wetness.h
     SplatRange noise;      // 0 to 1, mostly in the middle
-    double noise_m = 500;    // wavelength of its patches
-    double fine = 0.3;       // of the noise: 0 patches, 1 spots of an eighth
-    double ragged = 0.5;     // how much of a soft edge of height and slope noise displaces it by
+    double noise_m = 500;  // wavelength of its patches
+    double fine = 0.3;     // of the noise: 0 patches, 1 spots of an eighth
+    double ragged = 0.5;   // how much of a soft edge of height and slope noise displaces it by
     double opacity = 1;
 };
 
@@ -100,7 +100,7 @@ struct SplatInput {
     SplatReaders& readers;
 };
 [[nodiscard]] TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points,
-                                         const SplatInput& in);
+                                       const SplatInput& in);
 
 // Noise from 0 to 1 at a place in metres, with patches of about that wavelength.
 [[nodiscard]] float splat_noise(double east_m, double south_m, double wavelength_m);

@@ -208,7 +208,8 @@ EncodedPage encode_mixed_page(const PackHeader& header, std::uint32_t page,
                               const std::function<MixedPageVertex(SampleIndex)>& vertex) {
     const PageLayout pages{static_cast<int>(header.tile_log2), header.order};
     const Tree tree{pages.tile_log2};
-    const PageLayout canonical{pages.tile_log2, pages.order == PageOrder::linear ? PageOrder::linear : PageOrder::planar};
+    const PageLayout canonical{pages.tile_log2,
+                               pages.order == PageOrder::linear ? PageOrder::linear : PageOrder::planar};
     PageArrays a;
     StoredArrays s;
     s.count = canonical.page_vertices(page);

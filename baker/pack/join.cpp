@@ -47,7 +47,7 @@ std::vector<std::uint32_t> pages_along(const PageLayout& pages, Side side) {
     const auto n = static_cast<std::int32_t>(pages.side());
     for (std::int32_t i = 0; i <= n; ++i) {
         const SampleIndex c = on_side(side, i, n);
-        found.insert(pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).page);
+        found.insert(pages.place(static_cast<std::uint32_t>(c.column), static_cast<std::uint32_t>(c.row)).page);
     }
     return {found.begin(), found.end()};
 }
@@ -80,7 +80,7 @@ public:
         std::vector<BorderVertex> vertices(static_cast<std::size_t>(n) + 1);
         for (std::int32_t i = 0; i <= n; ++i) {
             const SampleIndex c = on_side(side, i, n);
-            const PagePlace at = pages_.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
+            const PagePlace at = pages_.place(static_cast<std::uint32_t>(c.column), static_cast<std::uint32_t>(c.row));
             const PageEntry page = data().page_table[std::size_t{tile} * data().pages_per_tile + at.page];
             const VertexRecord& record = data().records[std::size_t{page.slot} * data().page_capacity + at.index];
             const bool corner = i == 0 || i == n;
@@ -175,8 +175,9 @@ private:
         const auto of_a = to_east_ ? a_.read(last, in_a, Side::east) : a_.read(in_a, last, Side::south);
         const auto of_b = to_east_ ? b_.read(0, in_b, Side::west) : b_.read(in_b, 0, Side::north);
         const auto n = static_cast<std::int32_t>(of_a.size()) - 1;
-        const SampleIndex nw = to_east_ ? SampleIndex{static_cast<std::int32_t>(last) * n, static_cast<std::int32_t>(in_a) * n}
-                                  : SampleIndex{static_cast<std::int32_t>(in_a) * n, static_cast<std::int32_t>(last) * n};
+        const SampleIndex nw =
+            to_east_ ? SampleIndex{static_cast<std::int32_t>(last) * n, static_cast<std::int32_t>(in_a) * n}
+                     : SampleIndex{static_cast<std::int32_t>(in_a) * n, static_cast<std::int32_t>(last) * n};
         for (std::int32_t i = first ? 0 : 1; i <= n; ++i) { // the first of each further tile was the last one's last
             ++vertices_;
             const auto k = static_cast<std::size_t>(i);
@@ -206,10 +207,10 @@ private:
         const PackHeader& h = a_.header();
         const std::int64_t side = std::int64_t{1} << h.tile_log2;
         const SampleIndex s = a_.data().tree.sample(v);
-        std::string text = fmt::format("sample ({}, {})", at_a_.tile_x * side + s.x, at_a_.tile_y * side + s.y);
+        std::string text = fmt::format("sample ({}, {})", at_a_.tile_x * side + s.column, at_a_.tile_y * side + s.row);
         if (h.crs_bytes != 0)
-            text +=
-                fmt::format(", at ({:.10g}, {:.10g})", h.origin_m[0] + s.x * step(0), h.origin_m[1] - s.y * step(1));
+            text += fmt::format(", at ({:.10g}, {:.10g})", h.origin_m[0] + s.column * step(0),
+                                h.origin_m[1] - s.row * step(1));
         return text;
     }
     [[nodiscard]] double step(int axis) const {

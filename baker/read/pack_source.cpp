@@ -46,10 +46,11 @@ private:
             const VertexRecord* const from =
                 data_of(terrain_).records + std::size_t{entry.slot} * data_of(terrain_).page_capacity;
             for (std::uint32_t i = 0; i < data_of(terrain_).pages.page_vertices(page); ++i) {
-                const SampleIndex c = corner + data_of(terrain_).pages.coord({page, i}) - SampleIndex{window.x, window.y};
-                if (c.x < 0 || c.y < 0 || c.x >= window.columns || c.y >= window.rows) continue;
-                to[static_cast<std::size_t>(c.y) * static_cast<std::size_t>(window.columns) +
-                   static_cast<std::size_t>(c.x)] =
+                const SampleIndex c =
+                    corner + data_of(terrain_).pages.coord({page, i}) - SampleIndex{window.x, window.y};
+                if (c.column < 0 || c.row < 0 || c.column >= window.columns || c.row >= window.rows) continue;
+                to[static_cast<std::size_t>(c.row) * static_cast<std::size_t>(window.columns) +
+                   static_cast<std::size_t>(c.column)] =
                     is_void(from[i]) ? std::numeric_limits<float>::quiet_NaN()
                                      : data_of(terrain_).height_scale.height_m(entry.base + from[i].height);
             }

@@ -128,8 +128,7 @@ Window seen_by_maps(const MapPlan& maps, const HorizonLevels& levels, std::uint3
         add(common(seen_of_level(0, maps.stride_log2(MapKind::horizon), points_for_map(maps, MapKind::horizon, tile)),
                    levels.extents(0)));
     if (maps.splat_log2 != 0) {
-        SplatGround ground{
-            maps.tree.columns(), maps.tree.rows(), {1, 1}, maps.stride_log2(MapKind::splat), nullptr};
+        SplatGround ground{maps.tree.columns(), maps.tree.rows(), {1, 1}, maps.stride_log2(MapKind::splat), nullptr};
         add(heights_for_splat(ground, points_for_map(maps, MapKind::splat, tile)));
     }
     return all;

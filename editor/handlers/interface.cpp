@@ -162,9 +162,10 @@ void handle(const Redo&, HandlerContext context) {
 void handle(const OpenProfile& c, HandlerContext context) {
     if (!c.discard && ask_about_unsaved(OpenProfile{c.path, true}, context)) return;
     State& state = context.state;
-    state.document.open(c.path);
+    std::vector<std::string> renamed = state.document.open(c.path);
     if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
     post_message(state, Severity::note, fmt::format("opened {}", c.path));
+    for (std::string& line : renamed) post_message(state, Severity::warning, std::move(line));
 }
 
 void handle(const SaveProfile& c, HandlerContext context) {
@@ -196,7 +197,10 @@ void dispatch(const Command& command, HandlerContext context) {
     std::visit(
         Overloaded{
             [&](const ResetProfile&) { state.document.replace({}); },
-            [&](const CompareProfile& c) { state.document.compare(c.path); },
+            [&](const CompareProfile& c) {
+                for (std::string& line : state.document.compare(c.path))
+                    post_message(state, Severity::warning, std::move(line));
+            },
             [&](const StopComparing&) { state.document.stop_comparing(); },
             [&](const BrowseFolder& c) { state.files.browser.look(c.folder); },
             [&](const BrowseAllKinds& c) { state.files.browser.filter(state.files.browser.kinds(), c.on); },

@@ -46,7 +46,7 @@ void apply_tuned(HandlerContext context) {
     state.tuned = state.job;
     const JobView& job = state.job;
     if (!job.tuned.apply || job.best_px == 0) return;
-    apply(SetKey{flight::find_profile_key("refine.error_px"), job.best_px, false}, context);
+    apply(SetKey{flight::find_profile_key("refine.max_error_px"), job.best_px, false}, context);
 }
 
 } // namespace

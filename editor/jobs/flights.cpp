@@ -153,12 +153,12 @@ bool MeasuredFlight::incremental() const {
 }
 
 double MeasuredFlight::error_px() const {
-    return impl_->plan.profile.refine.error_px;
+    return impl_->plan.profile.refine.max_error_px;
 }
 
 void MeasuredFlight::fly(double error_px, const Each& each) {
     Impl& s = *impl_;
-    s.plan.profile.refine.error_px = error_px;
+    s.plan.profile.refine.max_error_px = error_px;
     s.session.begun = s.session.streamed != nullptr; // streamed, there is nothing to build from
     for (std::size_t i = 0; i < s.poses.size(); ++i) {
         s.control.check();
@@ -258,7 +258,7 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
 }
 
 void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
-    const double budget_us = plan.profile.cut.budget_us;
+    const double budget_us = plan.profile.cut.max_time_us;
     const std::string profile = plan.profile_name;
     MeasuredFlight flight(std::move(plan), control);
     flight::FlightLog log;

@@ -176,9 +176,10 @@ Painter::Texels Painter::texels_of(SampleIndex tile) const {
     const auto first = [](double at_m, double texel_m, std::uint32_t all) {
         return static_cast<std::uint32_t>(std::clamp(std::ceil(at_m / texel_m - 0.5), 0.0, static_cast<double>(all)));
     };
-    return {first(tile.x * tile_x_m_, texel_x_m_, size_.columns),
-            first((tile.x + 1) * tile_x_m_, texel_x_m_, size_.columns),
-            first(tile.y * tile_z_m_, texel_z_m_, size_.rows), first((tile.y + 1) * tile_z_m_, texel_z_m_, size_.rows)};
+    return {first(tile.column * tile_x_m_, texel_x_m_, size_.columns),
+            first((tile.column + 1) * tile_x_m_, texel_x_m_, size_.columns),
+            first(tile.row * tile_z_m_, texel_z_m_, size_.rows),
+            first((tile.row + 1) * tile_z_m_, texel_z_m_, size_.rows)};
 }
 
 GroundHeight Painter::ground(double x, double z) const {
@@ -224,7 +225,8 @@ void Painter::paint_layers(std::uint32_t tile) {
     }
     const std::uint32_t side = colours_.side;
     const SampleIndex at = terrain_.tile_place(tile);
-    gl::GroundTexels texels{side, at.x * tile_x_m_, at.y * tile_z_m_, tile_x_m_ / (side - 1), tile_z_m_ / (side - 1)};
+    gl::GroundTexels texels{side, at.column * tile_x_m_, at.row * tile_z_m_, tile_x_m_ / (side - 1),
+                            tile_z_m_ / (side - 1)};
     if (mapped_) {
         std::uint32_t log2 = header_.splat_log2, mip = 0;
         for (; log2 > 2 && 1u << log2 > side; --log2) ++mip;
@@ -273,7 +275,7 @@ bool Painter::paint_tile(std::uint32_t tile, const Texels& texels) {
             if (by_height_)
                 colour_[i] = ramp_at((heights_[i] - low) / range);
             else if (colours_.side != 0)
-                colour_[i] = colours_.at(x / tile_x_m_ - at.x, z / tile_z_m_ - at.y);
+                colour_[i] = colours_.at(x / tile_x_m_ - at.column, z / tile_z_m_ - at.row);
         }
     unload_pages(tile);
     return !stopped_();

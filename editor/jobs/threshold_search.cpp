@@ -312,9 +312,9 @@ void check(const TuneSettings& s) {
                            s.budget_us));
     if (s.frames != 0 && (s.frames < 10 || s.frames > 100'000))
         throw io::Failure(2, fmt::format("frames {}: must be 10 to 100,000, or 0 for the path's own", s.frames));
-    if (!(s.least_px >= flight::min_error_px && s.least_px < s.most_px && s.most_px <= flight::max_error_px))
+    if (!(s.least_px >= flight::least_threshold_px && s.least_px < s.most_px && s.most_px <= flight::most_threshold_px))
         throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
-                                         s.most_px, flight::min_error_px, flight::max_error_px));
+                                         s.most_px, flight::least_threshold_px, flight::most_threshold_px));
 }
 
 } // namespace fjell::editor

@@ -169,7 +169,7 @@ gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) 
     options.profile.stream.fade_s = options.profile.stream.lookahead_s = 0; // time stands still
     const bool own = plan.error_px > 0;
     if (own) {
-        options.profile.refine.error_px = plan.error_px;
+        options.profile.refine.max_error_px = plan.error_px;
         options.profile.refine.corner_safe = false;
     }
     flight::Session session;
@@ -211,9 +211,10 @@ void run(const ExportPlan& plan, JobControl& control) {
 } // namespace
 
 Jobs::Body export_job(ExportPlan plan) {
-    if (plan.error_px != 0 && !(plan.error_px >= flight::min_error_px && plan.error_px <= flight::max_error_px))
-        throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px, flight::min_error_px,
-                                         flight::max_error_px));
+    if (plan.error_px != 0 &&
+        !(plan.error_px >= flight::least_threshold_px && plan.error_px <= flight::most_threshold_px))
+        throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px,
+                                         flight::least_threshold_px, flight::most_threshold_px));
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }
@@ -260,8 +261,8 @@ Jobs::Body picture_job(PicturePlan plan) {
     if (plan.path.empty()) throw io::Failure(2, "give the picture a file name");
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     // What no frame waits for may take its time.
-    plan.profile.cut.items = unlimited_work;
-    plan.profile.cut.budget_us = 0;
+    plan.profile.cut.max_work = unlimited_work;
+    plan.profile.cut.max_time_us = 0;
     plan.profile.stream.fade_s = plan.profile.stream.lookahead_s = 0;
     return [plan = std::move(plan)](JobControl& control) { draw_picture_of(plan, control); };
 }

@@ -88,14 +88,14 @@ void draw_method(const State& state, Commands& commands) {
                static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_work;
-    draw_line({"Work items", "budget.items",
+    draw_line({"Work items", "budget.max_work",
                "Vertices that an update examines or changes. At the limit, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),
                limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
               state, commands);
-    draw_line({"Time, ms", "budget.budget_us",
+    draw_line({"Time, ms", "budget.max_time_us",
                "Time that an update may take. At the limit, the mesh lags behind the camera.", e.update_us, p.update_us,
-               profile.cut.budget_us, flight::exhausted_time, Unit::microseconds},
+               profile.cut.max_time_us, flight::exhausted_time, Unit::microseconds},
               state, commands);
 }
 

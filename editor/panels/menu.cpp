@@ -27,7 +27,7 @@ void save(const State& state, Commands& commands) {
 }
 
 void change_threshold(const State& state, double factor, Commands& commands) {
-    static const flight::ProfileKey* const key = flight::find_profile_key("refine.error_px");
+    static const flight::ProfileKey* const key = flight::find_profile_key("refine.max_error_px");
     const double value = key->get(state.document.profile()) * factor;
     commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
 }

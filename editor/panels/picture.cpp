@@ -140,7 +140,7 @@ void explain_overlays(const State& state) {
         return ui::note(text);
     }
     ui::note("True error:");
-    error_legend(state.document.profile().refine.error_px);
+    error_legend(state.document.profile().refine.max_error_px);
 }
 
 // Two stand side by side: what explains them below is seen on small screens too.
@@ -223,7 +223,7 @@ void draw_choice(const State& state, PanelState& own, Commands& commands) {
     double px = c.error_px;
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
     if (ImGui::InputDouble("px", &px, 0, 0, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) {
-        own.compared_px = std::clamp(px, flight::min_error_px, flight::max_error_px);
+        own.compared_px = std::clamp(px, flight::least_threshold_px, flight::most_threshold_px);
         commands.push(ComparePictures{CompareWith::threshold, own.compared_px});
     }
     ui::control("compare-picture", "error_px", "The other threshold, in pixels. Enter applies it.");
@@ -247,9 +247,9 @@ void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
 void name_sides(const State& state, const ui::Rect& view, float x) {
     const ComparedPicture& c = state.compared;
     const flight::Profile* const other = state.document.compared();
-    const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.error_px : c.error_px;
+    const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.max_error_px : c.error_px;
     char mine[64], theirs[64];
-    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.error_px,
+    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.max_error_px,
                   count_text(state.measures.last().triangles_drawn).text);
     if (c.there)
         std::snprintf(theirs, sizeof theirs, "%.3g px, %s triangles", px, count_text(c.triangles).text);

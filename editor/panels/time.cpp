@@ -199,7 +199,7 @@ void draw_time(const State& state, PanelState&, Commands& commands) {
     const auto graph = [&](const ui::Graph& g, std::initializer_list<ui::GraphLine> lines) {
         draw_measured_graph(g, lines, state, commands);
     };
-    const double budget_us = state.document.profile().cut.budget_us;
+    const double budget_us = state.document.profile().cut.max_time_us;
     const bool limited = flight::facts_of(state.document.profile()).keeps_mesh && budget_us > 0;
     draw_hold(state, commands);
     draw_parts(state);

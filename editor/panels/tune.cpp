@@ -208,11 +208,11 @@ struct Cost {
     void (*write)(const State&, Text&, double value);
 };
 constexpr Cost costs[] = {
-    {"refine", "error_px", threshold},
+    {"refine", "max_error_px", threshold},
     {"budget", "vertices", vertices},
     {"budget", "triangles", triangles},
-    {"budget", "items", items},
-    {"budget", "budget_us", time},
+    {"budget", "max_work", items},
+    {"budget", "max_time_us", time},
     {"budget", "indices", indices},
     {"stream", "page_slots", page_slots},
     {"stream", "page_requests", page_requests},
@@ -266,7 +266,7 @@ struct Row {
     const State& state;
     TypingField& typing;
     Commands& commands;
-    char name[64] = {}; // refine.error_px
+    char name[64] = {}; // refine.max_error_px
     double value = 0;
     const char* idle = nullptr; // why it does not count now
 

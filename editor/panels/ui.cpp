@@ -183,7 +183,7 @@ bool panel_button(const char* label, const char* group, const char* name, bool e
     ImGui::BeginDisabled(!enabled);
     const bool pressed = ImGui::Button(label);
     ImGui::EndDisabled();
-    splat(group, name, about);
+    control(group, name, about);
     return pressed;
 }
 

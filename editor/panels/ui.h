@@ -28,7 +28,7 @@ struct Rect {
     float x = 0, y = 0, width = 0, height = 0;
 };
 
-// The last item's place, under a name that tests know: "tune.refine.error_px". Recorded on request only.
+// The last item's place, under a name that tests know: "tune.refine.max_error_px". Recorded on request only.
 struct Mark {
     std::string name;
     Rect rect;
@@ -70,7 +70,7 @@ void record_marks(bool on);                                          // starts a
 // The last item's explanation, once the mouse has rested on it for a while: beside it, never over what lies below the
 // pointer, and not again after a click before the pointer has left.
 void tip(const char* text);
-inline void splat(const char* group, const char* name, const char* about) { // both
+inline void control(const char* group, const char* name, const char* about) { // both
     mark(group, name);
     tip(about);
 }

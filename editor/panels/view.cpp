@@ -212,7 +212,7 @@ void ground_rows(const State& state, Rows& rows) {
     rows.row("Distance", text);
     std::snprintf(text, sizeof text, "%.0f deg", g.slope_rad * 180 / std::numbers::pi);
     rows.row("Slope", text);
-    std::snprintf(text, sizeof text, "%d, %d: tile %u, %u, page %u", g.sample.x, g.sample.y, g.tile_x, g.tile_y,
+    std::snprintf(text, sizeof text, "%d, %d: tile %u, %u, page %u", g.sample.column, g.sample.row, g.tile_x, g.tile_y,
                   g.page);
     rows.row("Sample", text);
     if (g.finest)

@@ -83,7 +83,8 @@ constexpr std::size_t shown_tiles = 12; // with their spheres: more are a ball o
 
 // In doubles: x_m() is a float, which jumps by centimetres where the terrain is a thousand kilometres wide.
 Vec3 place_of(const Terrain& terrain, SampleIndex c, float height_m) {
-    return {c.x * terrain.header().spacing_m[0], static_cast<double>(height_m), c.y * terrain.header().spacing_m[1]};
+    return {c.column * terrain.header().spacing_m[0], static_cast<double>(height_m),
+            c.row * terrain.header().spacing_m[1]};
 }
 
 // A tile's corners are always loaded.
@@ -94,7 +95,7 @@ Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
 
 SampleIndex tile_origin(const Terrain& terrain, std::uint32_t tile) {
     const SampleIndex place = terrain.tile_place(tile);
-    return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
+    return {place.column * data_of(terrain).tree.side(), place.row * data_of(terrain).tree.side()};
 }
 
 gl::Rgba8 level_rgba(const Terrain& terrain, SampleIndex v) {
@@ -137,8 +138,8 @@ void SceneLines::add_culled(const flight::Session& session) {
     for (std::uint32_t tile = 0; tile < terrain.tile_count() && lines_.size() + 6 <= most_lines; ++tile) {
         if (drawn_[tile]) continue;
         const SampleIndex o = tile_origin(terrain, tile);
-        const Vec3 nw = corner(terrain, o.x, o.y), ne = corner(terrain, o.x + side, o.y);
-        const Vec3 sw = corner(terrain, o.x, o.y + side), se = corner(terrain, o.x + side, o.y + side);
+        const Vec3 nw = corner(terrain, o.column, o.row), ne = corner(terrain, o.column + side, o.row);
+        const Vec3 sw = corner(terrain, o.column, o.row + side), se = corner(terrain, o.column + side, o.row + side);
         for (const auto& [a, b] : {std::pair{nw, ne}, {ne, se}, {se, sw}, {sw, nw}, {nw, se}, {ne, sw}})
             lines_.push_back({a, b, culled_rgba});
     }
@@ -154,14 +155,14 @@ void SceneLines::add_tile_spheres(const flight::Session& session, const View& vi
         if (range.index_count == 0 || range.tile == last) continue;
         last = range.tile;
         const SampleIndex o = tile_origin(terrain, last);
-        const SampleIndex c = data_of(terrain).tree.sample({o.x + half, o.y + half});
+        const SampleIndex c = data_of(terrain).tree.sample({o.column + half, o.row + half});
         near_.push_back({length(place_of(terrain, c, terrain.header().min_m) - view.eye_m), last});
     }
     const std::size_t count = std::min(near_.size(), shown_tiles);
     std::partial_sort(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(count), near_.end(),
                       [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
     for (std::size_t i = 0; i < count; ++i) {
-        const SampleIndex o = tile_origin(terrain, near_[i].tile), c{o.x + half, o.y + half};
+        const SampleIndex o = tile_origin(terrain, near_[i].tile), c{o.column + half, o.row + half};
         const TerrainData::Vertex v = data_of(terrain).vertex(c);
         if (!v.loaded) continue;
         balls_.push_back({place_of(terrain, data_of(terrain).tree.sample(c), v.height_m),
@@ -178,7 +179,7 @@ void SceneLines::add_chain(const flight::Session& session, const View& view) {
         return std::clamp(static_cast<std::int32_t>(std::lround(metres / spacing_m)), 0, count - 1);
     };
     SampleIndex v{sample(hit.position_m.x, terrain.header().spacing_m[0], data_of(terrain).tree.columns()),
-            sample(hit.position_m.z, terrain.header().spacing_m[1], data_of(terrain).tree.rows())};
+                  sample(hit.position_m.z, terrain.header().spacing_m[1], data_of(terrain).tree.rows())};
     while (!data_of(terrain).tree.is_corner(v) && balls_.size() < most_balls) {
         const TerrainData::Vertex vertex = data_of(terrain).vertex(v);
         if (vertex.loaded && vertex.radius_m > 0)

@@ -56,7 +56,7 @@ double FileGround::ground_m(double x_m, double z_m) {
     }
     if (all) return terrain_height_m(terrain_, x_m, z_m);
     for (int shift = 1;; ++shift) { // ends at a tile's corner at the latest
-        const TerrainVertex v = terrain_vertex(terrain_, {nw.x >> shift << shift, nw.y >> shift << shift});
+        const TerrainVertex v = terrain_vertex(terrain_, {nw.column >> shift << shift, nw.row >> shift << shift});
         if (v.loaded) return v.height_m;
     }
 }
@@ -64,19 +64,19 @@ double FileGround::ground_m(double x_m, double z_m) {
 void FileGround::fetch(SampleIndex sample) {
     const PackHeader& h = terrain_.header();
     const std::int32_t side = std::int32_t{1} << h.tile_log2;
-    const bool on_column = sample.x % side == 0, on_row = sample.y % side == 0;
+    const bool on_column = sample.column % side == 0, on_row = sample.row % side == 0;
     if (on_column && on_row) return; // a tile's corner
     // The tile that begins there, or on its border a neighbour to the west or north that has the sample too.
-    SampleIndex place{std::min(sample.x / side, static_cast<std::int32_t>(h.tiles_x) - 1),
-                std::min(sample.y / side, static_cast<std::int32_t>(h.tiles_y) - 1)};
+    SampleIndex place{std::min(sample.column / side, static_cast<std::int32_t>(h.tiles_x) - 1),
+                      std::min(sample.row / side, static_cast<std::int32_t>(h.tiles_y) - 1)};
     if (terrain_.tile_at(place) == no_tile) {
-        if (on_column && sample.x == place.x * side) --place.x;
-        if (on_row && sample.y == place.y * side) --place.y;
+        if (on_column && sample.column == place.column * side) --place.column;
+        if (on_row && sample.row == place.row * side) --place.row;
     }
     const std::uint32_t tile = terrain_.tile_at(place);
     if (tile == no_tile) return; // nothing is there to be read
-    const auto x = static_cast<std::uint32_t>(sample.x - place.x * side),
-               y = static_cast<std::uint32_t>(sample.y - place.y * side);
+    const auto x = static_cast<std::uint32_t>(sample.column - place.column * side),
+               y = static_cast<std::uint32_t>(sample.row - place.row * side);
     const std::uint32_t page = page_of(h, x, y);
     if (page_step_log2(h, page) == 0) // its errors follow from the heights of all pages over it
         for (std::uint32_t over = h.tile_log2 - 1; over > 0; --over)

@@ -174,11 +174,11 @@ FrameEntry entry_of(const CutReport& r, const CutSettings& settings) {
     f.triangles_drawn = r.triangles_drawn;
     f.vertices_written = r.vertices_changed;
     f.triangles_written = r.triangles_changed;
-    f.items = r.items;
+    f.items = r.work;
     f.evaluations = r.evaluations;
     f.activations = r.activations;
     f.deactivations = r.deactivations;
-    f.item_limit = r.rebuilt ? unlimited_work : settings.items;
+    f.item_limit = r.rebuilt ? unlimited_work : settings.max_work;
     f.waiting = r.waiting;
     f.blocked = r.blocked;
     f.morphing = r.morphing;

@@ -57,11 +57,19 @@ std::string known_keys(std::string_view table) {
     return names;
 }
 
-void read_table(const toml::table& table, const std::string& table_name, Profile& profile, const std::string& name) {
+void read_table(const toml::table& table, const std::string& table_name, Profile& profile, const std::string& name,
+                std::vector<std::string>* renamed) {
     for (const auto& [toml_key, node] : table) {
         const std::string full = fmt::format("{}.{}", table_name, toml_key.str());
         const ProfileKey* const key = find_profile_key(full);
         if (!key) fail(name, node, full, fmt::format("unknown key; [{}] has {}", table_name, known_keys(table_name)));
+        if (toml_key.str() != key->name) {
+            if (table.contains(key->name))
+                fail(name, node, full, fmt::format("is now {}, which is there too", key->name));
+            if (renamed)
+                renamed->push_back(fmt::format("{}:{}: {} is called {}.{} now, and read by its old name until 0.4",
+                                               name, node.source().begin.line, full, table_name, key->name));
+        }
         const std::optional<double> value = read_value(*key, node);
         if (!value) fail(name, node, full, key_refusal(*key));
         key->set(profile, *value);
@@ -70,7 +78,7 @@ void read_table(const toml::table& table, const std::string& table_name, Profile
 
 } // namespace
 
-Profile parse_profile(std::string_view text, const std::string& name) {
+Profile parse_profile(std::string_view text, const std::string& name, std::vector<std::string>* renamed) {
     toml::table root;
     try {
         root = toml::parse(text, name);
@@ -87,7 +95,7 @@ Profile parse_profile(std::string_view text, const std::string& name) {
             fail(name, node, table_name, "unknown table; a profile has refine, budget, stream and view");
         const toml::table* table = node.as_table();
         if (!table) fail(name, node, table_name, fmt::format("must be a table; write [{}]", table_name));
-        read_table(*table, table_name, profile, name);
+        read_table(*table, table_name, profile, name, renamed);
     }
     if (const std::string conflict = profile_conflict(profile); !conflict.empty())
         throw Failure(1, fmt::format("{}: {}", name, conflict));
@@ -128,9 +136,9 @@ std::string parse_value(const ProfileKey& key, std::string_view text, double& va
     return key_refusal(key);
 }
 
-Profile read_profile(const std::string& file) {
+Profile read_profile(const std::string& file, std::vector<std::string>* renamed) {
     const std::vector<std::byte> bytes = io::read_file(file);
-    return parse_profile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
+    return parse_profile({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file, renamed);
 }
 
 StreamSettings stream_settings(const Profile& profile, double now_s) {
@@ -141,7 +149,7 @@ StreamSettings stream_settings(const Profile& profile, double now_s) {
 
 CutSettings cut_settings(const Profile& profile, double now_s) {
     CutSettings settings = profile.cut;
-    settings.error_px = profile.refine.error_px;
+    settings.max_error_px = profile.refine.max_error_px;
     settings.corner_safe = profile.refine.corner_safe;
     settings.now_s = now_s;
     return settings;

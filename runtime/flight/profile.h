@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "fjell/cut.h"
 #include "fjell/gl/layers.h"
@@ -21,8 +22,8 @@ enum class Method : std::uint8_t { incremental, recursive };
 // Keys of the method that is not chosen are kept for when --method chooses it.
 struct Profile {
     Method method = Method::incremental; // [refine] method
-    RefineSettings refine;               // [refine] error_px, corner_safe; recursive: metric, cull, topology
-    CutSettings cut;                     // [refine] hysteresis, offscreen_factor, morph...; [budget] items...
+    RefineSettings refine;               // [refine] max_error_px, corner_safe; recursive: metric, cull, topology
+    CutSettings cut;                     // [refine] hysteresis, offscreen_factor, morph...; [budget] max_work...
     RecursiveBudget budget;              // [budget] vertices, indices
     CutBudget cut_budget;                // [budget] vertices, triangles, views, workers
     std::uint32_t page_slots = 8192;     // [stream] page_slots
@@ -37,20 +38,22 @@ struct Profile {
 };
 
 // Ranges, for the command line too.
-inline constexpr double min_error_px = 0.01, max_error_px = 1000;
+inline constexpr double least_threshold_px = 0.01, most_threshold_px = 1000;
 inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
 inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
 inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
-inline constexpr std::uint32_t max_triangles = 1u << 29, max_items = unlimited_work - 1;
+inline constexpr std::uint32_t max_triangles = 1u << 29, most_work = unlimited_work - 1;
 inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
 inline constexpr std::uint32_t max_map_mb = 1u << 16, max_material_mb = 1u << 16, max_map_kb = 1u << 20,
                                min_tail_log2 = 2, most_decoders = 16;
 inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
 inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
-inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, max_budget_us = 1e6;
+inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, most_time_us = 1e6;
 
-[[nodiscard]] Profile read_profile(const std::string& file);
-[[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name);
+// renamed: gets a line for each key that has the name it had before 0.3.
+[[nodiscard]] Profile read_profile(const std::string& file, std::vector<std::string>* renamed = nullptr);
+[[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name,
+                                    std::vector<std::string>* renamed = nullptr);
 
 // What an update of the stream is given.
 [[nodiscard]] StreamSettings stream_settings(const Profile& profile, double now_s);

@@ -47,9 +47,9 @@ struct Vertices {
 };
 
 struct Items {
-    static double get(const Profile& p) { return p.cut.items == unlimited_work ? 0 : p.cut.items; }
+    static double get(const Profile& p) { return p.cut.max_work == unlimited_work ? 0 : p.cut.max_work; }
     static void set(Profile& p, double value) {
-        p.cut.items = value == 0 ? unlimited_work : static_cast<std::uint32_t>(value);
+        p.cut.max_work = value == 0 ? unlimited_work : static_cast<std::uint32_t>(value);
     }
 };
 
@@ -96,16 +96,17 @@ constexpr ProfileKey keys[] = {
      .get = At<&Profile::method>::get,
      .set = At<&Profile::method>::set},
     {.table = "refine",
-     .name = "error_px",
+     .name = "max_error_px",
+     .old_name = "error_px",
      .label = "Threshold",
      .unit = "px",
-     .least = min_error_px,
-     .most = max_error_px,
+     .least = least_threshold_px,
+     .most = most_threshold_px,
      .logarithmic = true,
      .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 times the "
               "vertices and the time.",
-     .get = At<&Profile::refine, &RefineSettings::error_px>::get,
-     .set = At<&Profile::refine, &RefineSettings::error_px>::set},
+     .get = At<&Profile::refine, &RefineSettings::max_error_px>::get,
+     .set = At<&Profile::refine, &RefineSettings::max_error_px>::set},
     {.table = "refine",
      .name = "corner_safe",
      .label = "Hold in corners",
@@ -120,7 +121,8 @@ constexpr ProfileKey keys[] = {
      .label = "Hysteresis",
      .most = max_hysteresis,
      .zero = "none",
-     .about = "A vertex is activated at error_px and deactivated below error_px / (1 + hysteresis). No unit, 0 to 10. "
+     .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + hysteresis). No unit, 0 "
+              "to 10. "
               "0.3 takes a tenth more vertices and makes a third fewer changes. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
@@ -131,10 +133,11 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_offscreen_factor,
      .logarithmic = true,
-     .about = "What no view sees, nor soon will, is refined to error_px times this. No unit, 1 to 100. 1 refines all "
-              "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
-              "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
-              "(Incremental.)",
+     .about =
+         "What no view sees, nor soon will, is refined to max_error_px times this. No unit, 1 to 100. 1 refines all "
+         "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
+         "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
+         "(Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
      .set = At<&Profile::cut, &CutSettings::offscreen_factor>::set},
@@ -251,11 +254,12 @@ constexpr ProfileKey keys[] = {
      .get = At<&Profile::cut_budget, &CutBudget::workers>::get,
      .set = At<&Profile::cut_budget, &CutBudget::workers>::set},
     {.table = "budget",
-     .name = "items",
+     .name = "max_work",
+     .old_name = "items",
      .label = "Work items a frame",
      .kind = whole,
      .unit = "items",
-     .most = max_items,
+     .most = most_work,
      .logarithmic = true,
      .zero = "no limit",
      .about =
@@ -266,18 +270,19 @@ constexpr ProfileKey keys[] = {
      .get = Items::get,
      .set = Items::set},
     {.table = "budget",
-     .name = "budget_us",
+     .name = "max_time_us",
+     .old_name = "budget_us",
      .label = "Time an update",
      .unit = "us",
-     .most = max_budget_us,
+     .most = most_time_us,
      .logarithmic = true,
      .zero = "no limit",
      .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is read every few "
               "items, so it is exceeded by some microseconds at most; but no two runs are alike. The report says "
               "\"time\". (Incremental.)",
      .used_by = UsedBy::incremental,
-     .get = At<&Profile::cut, &CutSettings::budget_us>::get,
-     .set = At<&Profile::cut, &CutSettings::budget_us>::set},
+     .get = At<&Profile::cut, &CutSettings::max_time_us>::get,
+     .set = At<&Profile::cut, &CutSettings::max_time_us>::set},
     {.table = "budget",
      .name = "indices",
      .label = "Indices",
@@ -685,6 +690,7 @@ constexpr ProfileKey keys[] = {
      .set = At<&Profile::layers, &Layers::on>::set},
     {.table = "layers",
      .name = "splat",
+     .old_name = "control",
      .label = "Splat maps",
      .kind = KeyKind::flag,
      .about = "Materials where a pack's splat maps say, of fjell-bake --layers: true or false. They take room among "
@@ -745,8 +751,9 @@ std::span<const ProfileTable> profile_tables() {
 const ProfileKey* find_profile_key(std::string_view dotted) {
     const std::size_t dot = dotted.find('.');
     if (dot == std::string_view::npos) return nullptr;
+    const std::string_view table = dotted.substr(0, dot), name = dotted.substr(dot + 1);
     for (const ProfileKey& key : profile_keys())
-        if (dotted.substr(0, dot) == key.table && dotted.substr(dot + 1) == key.name) return &key;
+        if (table == key.table && (name == key.name || (key.old_name && name == key.old_name))) return &key;
     return nullptr;
 }
 

@@ -28,9 +28,10 @@ enum class Rebuild : std::uint8_t {
 enum class UsedBy : std::uint8_t { any, incremental, recursive, streaming };
 
 struct ProfileKey {
-    const char* table = nullptr; // [table] in the file
-    const char* name = nullptr;  // and in it
-    const char* label = nullptr; // for a control: "Threshold"
+    const char* table = nullptr;    // [table] in the file
+    const char* name = nullptr;     // and in it
+    const char* old_name = nullptr; // before 0.3; read until 0.4
+    const char* label = nullptr;    // for a control: "Threshold"
     KeyKind kind = KeyKind::number;
     const char* unit = "";                     // "px", "us", "vertices"; empty: none
     double least = 0, most = 1;                // both allowed; flags 0 to 1, choices 0 to their number less 1
@@ -46,7 +47,7 @@ struct ProfileKey {
 // In the order in which a profile has them, table by table. budget.vertices is one key for both methods' budgets: it is
 // got from the chosen method's and set in both.
 [[nodiscard]] std::span<const ProfileKey> profile_keys();
-// "refine.error_px"; null: there is none.
+// "refine.max_error_px", or the name that it had; null: there is none.
 [[nodiscard]] const ProfileKey* find_profile_key(std::string_view dotted);
 
 struct ProfileTable {

@@ -75,12 +75,12 @@ std::uint32_t whole_number_of(const json& object, const char* key) {
 json view_json(const View& v) {
     json j = {v.eye_m.x, v.eye_m.y, v.eye_m.z, v.forward.x, v.forward.y, v.forward.z, v.up.x,   v.up.y, v.up.z,
               v.left,    v.right,   v.bottom,  v.top,       v.width_px,  v.height_px, v.near_m, v.far_m};
-    if (v.error_px != 0) j.push_back(v.error_px); // a threshold of its own
+    if (v.max_error_px != 0) j.push_back(v.max_error_px); // a threshold of its own
     return j;
 }
 
-// The sides of version 2, which had focal_length_px instead: those that give the same frustum and, to the last bit, the same
-// lambda. (There are such sides for every view of make_view(), which had computed lambda from one of them.)
+// The sides of version 2, which had focal_length_px instead: those that give the same frustum and, to the last bit, the
+// same lambda. (There are such sides for every view of make_view(), which had computed lambda from one of them.)
 void set_sides(View& v, double lambda) {
     const double middle = v.height_px / (2 * lambda);
     double top = middle;
@@ -114,7 +114,7 @@ View view_of(const json& j) {
     v.height_px = whole_number(j[next + 1], "views");
     v.near_m = at(next + 2);
     v.far_m = at(next + 3);
-    if (numbers == 18) v.error_px = at(17);
+    if (numbers == 18) v.max_error_px = at(17);
     if (numbers == 15) set_sides(v, at(14));
     return v;
 }
@@ -129,9 +129,9 @@ json frame_json(const RecordedFrame& f) {
             {"pages", std::move(pages)},
             {"missing_px", f.missing_px},
             {"rebuild", f.rebuild},
-            {"items", s.items},
+            {"items", s.max_work},
             {"visits", s.visits},
-            {"error_px", s.error_px},
+            {"error_px", s.max_error_px},
             {"hysteresis", s.hysteresis},
             {"offscreen_factor", s.offscreen_factor},
             {"corner_safe", s.corner_safe},
@@ -163,9 +163,9 @@ RecordedFrame frame_of(const json& j) {
     if (f.views.empty()) refuse("a frame needs a view");
     CutSettings& s = f.settings;
     f.rebuild = flag_of(j, "rebuild");
-    s.items = whole_number_of(j, "items");
+    s.max_work = whole_number_of(j, "items");
     s.visits = whole_number_of(j, "visits");
-    s.error_px = number_of(j, "error_px");
+    s.max_error_px = number_of(j, "error_px");
     s.hysteresis = number_of(j, "hysteresis");
     if (j.contains("offscreen_factor")) s.offscreen_factor = number_of(j, "offscreen_factor"); // since 2026-11-23
     s.corner_safe = flag_of(j, "corner_safe");
@@ -210,15 +210,16 @@ std::uint64_t mesh_hash(const MeshView& mesh) {
 RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
                        const MeshView& mesh) {
     RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
-    if (settings.budget_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
-    f.settings.budget_us = 0;
+    if (settings.max_time_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
+    f.settings.max_time_us = 0;
     f.settings.jobs = {};
     return f;
 }
 
 Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const RecordedFrame& frame) {
     for (const PageArrival& p : frame.pages) {
-        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile()) return {StatusCode::out_of_range, "page"};
+        if (p.tile >= terrain.tile_count() || p.page >= terrain.pages_per_tile())
+            return {StatusCode::out_of_range, "page"};
         bool released = false;
         switch (p.event) {
         case PageEvent::inserted:

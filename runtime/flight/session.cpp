@@ -198,7 +198,7 @@ void adopt_recorded(const Session& session, Profile& profile) {
     profile.method = Method::incremental;
     profile.cut = first.settings;
     profile.cut.visits = unlimited_work; // that frame's
-    profile.refine.error_px = first.settings.error_px;
+    profile.refine.max_error_px = first.settings.max_error_px;
     profile.refine.corner_safe = first.settings.corner_safe;
     profile.width_px = view.width_px;
     profile.height_px = view.height_px;

@@ -49,13 +49,14 @@ struct Tiling {
 };
 
 // Returns whether the tile has ground.
-bool add_ground(const Tiling& tiling, SampleIndex tile, const std::function<bool(double, double)>& has_ground, Enclosed& to) {
+bool add_ground(const Tiling& tiling, SampleIndex tile, const std::function<bool(double, double)>& has_ground,
+                Enclosed& to) {
     bool any = false;
     const double step = static_cast<double>(tiling.side) / places_a_side;
     for (int j = 0; j <= places_a_side; ++j)
         for (int i = 0; i <= places_a_side; ++i) {
-            const double x_m = tiling.x_m(tile.x * static_cast<double>(tiling.side) + i * step),
-                         z_m = tiling.z_m(tile.y * static_cast<double>(tiling.side) + j * step);
+            const double x_m = tiling.x_m(tile.column * static_cast<double>(tiling.side) + i * step),
+                         z_m = tiling.z_m(tile.row * static_cast<double>(tiling.side) + j * step);
             if (!has_ground(x_m, z_m)) continue;
             any = true;
             to.add(x_m, z_m);
@@ -71,11 +72,12 @@ Area start_area(const Terrain& terrain, const std::function<bool(double, double)
     std::vector<SampleIndex> tiles;
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) tiles.push_back(terrain.tile_place(tile));
     const auto off_middle = [&](SampleIndex tile) {
-        const double x = (2.0 * tile.x + 1 - tiling.h.tiles_x) * tiling.h.spacing_m[0],
-                     z = (2.0 * tile.y + 1 - tiling.h.tiles_y) * tiling.h.spacing_m[1];
+        const double x = (2.0 * tile.column + 1 - tiling.h.tiles_x) * tiling.h.spacing_m[0],
+                     z = (2.0 * tile.row + 1 - tiling.h.tiles_y) * tiling.h.spacing_m[1];
         return x * x + z * z;
     };
-    std::stable_sort(tiles.begin(), tiles.end(), [&](SampleIndex a, SampleIndex b) { return off_middle(a) < off_middle(b); });
+    std::stable_sort(tiles.begin(), tiles.end(),
+                     [&](SampleIndex a, SampleIndex b) { return off_middle(a) < off_middle(b); });
     Enclosed ground;
     std::vector<SampleIndex> found;
     for (const SampleIndex tile : tiles)
@@ -88,7 +90,7 @@ Area start_area(const Terrain& terrain, const std::function<bool(double, double)
     for (std::size_t at = 0; at < found.size(); ++at)
         for (std::int32_t dy = -1; dy <= 1; ++dy)
             for (std::int32_t dx = -1; dx <= 1; ++dx) {
-                const SampleIndex next{found[at].x + dx, found[at].y + dy};
+                const SampleIndex next{found[at].column + dx, found[at].row + dy};
                 if (seen.size() > most_tiles || terrain.tile_at(next) == no_tile ||
                     std::find(seen.begin(), seen.end(), next) != seen.end())
                     continue;
@@ -106,8 +108,8 @@ Area area_of_tiles(const Terrain& terrain) {
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const SampleIndex at = terrain.tile_place(tile);
         const double side = tiling.side;
-        tiles.add(tiling.x_m(at.x * side), tiling.z_m(at.y * side));
-        tiles.add(tiling.x_m((at.x + 1) * side), tiling.z_m((at.y + 1) * side));
+        tiles.add(tiling.x_m(at.column * side), tiling.z_m(at.row * side));
+        tiles.add(tiling.x_m((at.column + 1) * side), tiling.z_m((at.row + 1) * side));
     }
     return tiles.area(0, tiling.extent_x_m, tiling.extent_z_m);
 }

@@ -54,7 +54,7 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--look", f.look, "X,Y,Z: the point that --eye looks at");
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
-        ->check(io::within(min_error_px, max_error_px));
+        ->check(io::within(least_threshold_px, most_threshold_px));
     app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
         ->check(io::one_of({"incremental", "recursive"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
@@ -80,11 +80,11 @@ void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
 void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const incremental = "Incremental method";
     app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
-        ->check(io::whole_within(0, max_items))
+        ->check(io::whole_within(0, most_work))
         ->group(incremental);
     app.add_option("--budget-us", f.budget_us,
                    "most microseconds an update may take, the first one too; 0 (default): no limit")
-        ->check(io::within(0, max_budget_us))
+        ->check(io::within(0, most_time_us))
         ->group(incremental);
     app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
         ->check(io::within(0, max_hysteresis))
@@ -227,13 +227,13 @@ void apply(const Flags& f, FlightOptions& o) {
     CutSettings& cut = o.profile.cut;
     for (const Method method : {Method::incremental, Method::recursive})
         if (f.method == facts_of(method).name) o.profile.method = method;
-    if (f.items) cut.items = *f.items ? *f.items : unlimited_work;
-    if (f.budget_us) cut.budget_us = *f.budget_us;
+    if (f.items) cut.max_work = *f.items ? *f.items : unlimited_work;
+    if (f.budget_us) cut.max_time_us = *f.budget_us;
     o.limited = f.items.value_or(0) != 0 || f.budget_us.value_or(0) > 0;
     if (f.hysteresis) cut.hysteresis = *f.hysteresis;
     if (f.offscreen_factor) cut.offscreen_factor = *f.offscreen_factor;
     if (!f.morph.empty()) cut.morph = f.morph == "error" ? Morph::error : f.morph == "time" ? Morph::time : Morph::none;
-    if (f.error_px) refine.error_px = *f.error_px;
+    if (f.error_px) refine.max_error_px = *f.error_px;
     if (f.fov_deg) o.profile.fov_deg = *f.fov_deg;
     if (!f.metric.empty()) refine.metric = f.metric == "depth" ? Metric::depth : Metric::isotropic;
     if (!f.topology.empty()) refine.topology = f.topology == "strip" ? Topology::strip : Topology::triangles;
@@ -357,7 +357,11 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     declare_streaming(app, options, flags);
     declare_outputs(app, options, flags);
     if (!io::parse_command_line(app, argc, argv, "fjell-fly")) return false;
-    if (!options.profile_path.empty()) options.profile = read_profile(options.profile_path);
+    if (!options.profile_path.empty()) {
+        std::vector<std::string> renamed;
+        options.profile = read_profile(options.profile_path, &renamed);
+        for (const std::string& line : renamed) fmt::print(stderr, "fjell-fly: {}\n", line);
+    }
     apply(flags, options);
     check_method(flags, options.profile);
     if (!options.replay.empty()) check_replay(flags);

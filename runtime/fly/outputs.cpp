@@ -111,7 +111,7 @@ json flight_json(const FlightOptions& o, const Session& session, const CameraPat
     const RefineSettings& r = o.profile.refine;
     j.update(session.method->described(o.profile));
     j["corner_safe"] = r.corner_safe;
-    j["error_px"] = r.error_px;
+    j["error_px"] = r.max_error_px;
     j["viewport"] = {o.profile.width_px, o.profile.height_px};
     j["fov_y_deg"] = o.profile.fov_deg;
     j["path"] = path.name;
@@ -149,8 +149,8 @@ std::string stream_rows(const Summary& summary) {
 std::string table(const FlightOptions& o, const Summary& s, const Verification& v) {
     std::string text;
     const auto row = [&](const char* name, const std::string& value) { text += flight::row(name, value); };
-    row("frames",
-        fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged, o.profile.refine.error_px));
+    row("frames", fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged,
+                              o.profile.refine.max_error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
                                    s.update_us.p99, s.update_us.max));
     if (s.rebuilt) row("built from nothing", fmt::format("{:.0f} us, once; not in the figures above", s.rebuild_us));
@@ -176,7 +176,7 @@ std::string table(const FlightOptions& o, const Summary& s, const Verification& 
     if (s.verified)
         row("verified error [px]",
             fmt::format("{:.4f} largest of {} frames, threshold {:g}; nearest to its limit: {:.4f} of {:g}, frame {}",
-                        *s.verified_px_max, s.verified, o.profile.refine.error_px, v.max_px, v.limit_px, v.frame));
+                        *s.verified_px_max, s.verified, o.profile.refine.max_error_px, v.max_px, v.limit_px, v.frame));
     if (s.verified_lagging_px_max)
         row("error while it lagged", fmt::format("{:.4f} px largest measured", *s.verified_lagging_px_max));
     return text;

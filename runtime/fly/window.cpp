@@ -148,8 +148,8 @@ private:
         const Input input = std::exchange(
             input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging});
         mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % picture_modes);
-        profile_.refine.error_px =
-            std::clamp(profile_.refine.error_px * std::pow(1.25, input.threshold_steps), min_error_px, max_error_px);
+        profile_.refine.max_error_px = std::clamp(profile_.refine.max_error_px * std::pow(1.25, input.threshold_steps),
+                                                  least_threshold_px, most_threshold_px);
         camera_.speed_m_s = std::clamp(camera_.speed_m_s * std::pow(1.25, input.wheel), 0.01, 1e6);
         look(camera_, input.drag_x * radians_a_pixel, -input.drag_y * radians_a_pixel);
         if (input.toggle_path) playback_.on = !playback_.on;
@@ -216,16 +216,15 @@ private:
         const bool wanting = (entry.exhausted & (flight::exhausted_vertices | flight::exhausted_indices |
                                                  flight::exhausted_triangles)) != 0;
         const bool missing = entry.missing_px > entry.error_px_requested;
-        const std::string text =
-            fmt::format("Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {}{}{}",
-                        entry.update_us, entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_,
-                        entry.error_bound_px < unbounded_px ? fmt::format("{:.3g} px", entry.error_bound_px)
-                                                                : "unbounded error",
-                        entry.converged ? ""
-                        : wanting       ? " (budget exhausted)"
-                        : missing       ? " (pages missing)"
-                                        : " (lags)",
-                        streaming(entry));
+        const std::string text = fmt::format(
+            "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {}{}{}", entry.update_us,
+            entry.vertices, entry.triangles_drawn, shown_frames_ / shown_seconds_,
+            entry.error_bound_px < unbounded_px ? fmt::format("{:.3g} px", entry.error_bound_px) : "unbounded error",
+            entry.converged ? ""
+            : wanting       ? " (budget exhausted)"
+            : missing       ? " (pages missing)"
+                            : " (lags)",
+            streaming(entry));
         glfwSetWindowTitle(window_->handle(), text.c_str());
         shown_seconds_ = 0;
         shown_frames_ = 0;

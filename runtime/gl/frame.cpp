@@ -136,7 +136,7 @@ void Renderer::State::set_error(const View& view, const DrawOptions& now, FrameB
 TileBlock Renderer::State::make_tile(std::uint32_t tile, std::uint32_t index) const {
     TileBlock block{};
     const SampleIndex place = terrain.tile_place(tile);
-    const auto column = static_cast<std::uint32_t>(place.x), row = static_cast<std::uint32_t>(place.y);
+    const auto column = static_cast<std::uint32_t>(place.column), row = static_cast<std::uint32_t>(place.row);
     block.column = static_cast<std::int32_t>(column << header.tile_log2);
     block.row = static_cast<std::int32_t>(row << header.tile_log2);
     block.index = static_cast<std::int32_t>(index);

@@ -274,8 +274,7 @@ bool GroundColour::paint(const GroundTexels& t) const {
     const std::size_t all = std::size_t{t.side} * t.side;
     const bool by_map = !t.splat.empty();
     if (data_ == nullptr || t.side < 2 || t.rgb.size() != 3 * all) return false;
-    if (by_map &&
-        (t.splat_side < 2 || t.splat.size() != std::size_t{t.splat_side} * t.splat_side * splat_texel_bytes))
+    if (by_map && (t.splat_side < 2 || t.splat.size() != std::size_t{t.splat_side} * t.splat_side * splat_texel_bytes))
         return false;
     if (!by_map && (data_->rules.empty() || t.height_m.size() != all || t.slope_deg.size() != all)) return false;
     // Noise moves places in a splat map by half a texel, but no further than its own patches are wide.

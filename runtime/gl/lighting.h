@@ -69,7 +69,7 @@ inline constexpr unsigned horizon_unit = 20;              // of the first horizo
 // Which lines of the ground's shader are compiled: bits.
 inline constexpr unsigned light_air = 1, light_detail = 2, light_water = 4, light_layers = 8, light_shadows = 16;
 inline constexpr unsigned light_splat = 32; // with light_layers only
-inline constexpr unsigned light_lakes = 64;   // with light_splat and light_water only
+inline constexpr unsigned light_lakes = 64; // with light_splat and light_water only
 inline constexpr unsigned light_none = 128, light_variants = 129;
 
 // Made at the first draw that needs them; the tables anew when the sun or the air changes.

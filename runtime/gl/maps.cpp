@@ -22,15 +22,14 @@ struct Format {
     std::uint32_t across;    // planes of a picture, each way
     bool numbers = false;    // texels as they are, of whole numbers: never filtered
 };
-constexpr Format formats[map_kinds] = {{ChunkKind::colour, "colour map", "RendererOptions::colour",
-                                        GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
-                                        "GL_EXT_texture_compression_s3tc", 1},
-                                       {ChunkKind::normal, "normal map", "RendererOptions::normal",
-                                        GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr, 1},
-                                       {ChunkKind::horizon, "horizon map", "RendererOptions::horizon",
-                                        GL_COMPRESSED_RED_RGTC1, horizon_block_bytes, nullptr, horizon_planes_across},
-                                       {ChunkKind::splat, "splat map", "RendererOptions::splat", GL_RGBA16UI,
-                                        splat_block_bytes, nullptr, 1, true}};
+constexpr Format formats[map_kinds] = {
+    {ChunkKind::colour, "colour map", "RendererOptions::colour", GL_COMPRESSED_SRGB_S3TC_DXT1_EXT, colour_block_bytes,
+     "GL_EXT_texture_compression_s3tc", 1},
+    {ChunkKind::normal, "normal map", "RendererOptions::normal", GL_COMPRESSED_RG_RGTC2, normal_block_bytes, nullptr,
+     1},
+    {ChunkKind::horizon, "horizon map", "RendererOptions::horizon", GL_COMPRESSED_RED_RGTC1, horizon_block_bytes,
+     nullptr, horizon_planes_across},
+    {ChunkKind::splat, "splat map", "RendererOptions::splat", GL_RGBA16UI, splat_block_bytes, nullptr, 1, true}};
 
 std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;

@@ -49,9 +49,9 @@ struct FrameBlock {
     float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
     float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
     float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
-    float splat[4]; // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
-    float shadow[4];  // share of the second; sine of half the penumbra; texels a side of mip 0; mips
-    float relief[4];  // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
+    float splat[4];  // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
+    float shadow[4]; // share of the second; sine of half the penumbra; texels a side of mip 0; mips
+    float relief[4]; // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
 };
 static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 29) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
@@ -67,7 +67,7 @@ struct TileBlock {
     std::int32_t horizon_mip;                                            // the pack's mip that is the array's first
     std::int32_t horizon_layer, horizon_array, splat_layer, splat_array;
     std::int32_t splat_mip; // as of horizons
-    std::uint32_t reserved;   // an array's elements begin at multiples of 16
+    std::uint32_t reserved; // an array's elements begin at multiples of 16
 };
 static_assert(sizeof(TileBlock) == 208 && offsetof(TileBlock, mip) == 32 && offsetof(TileBlock, horizon_layer) == 184,
               "TileBlock is uploaded: change attribute 2 of the renderer and TileBlock in shaders.cpp with it");

@@ -22,10 +22,12 @@ std::int32_t side_of(const Terrain& terrain) {
 // Along one axis: the central difference of the full-resolution heights, one-sided on the domain's rim and beside
 // missing tiles; where pages are missing, over the smallest power of two for which there are heights.
 double slope_at(const Terrain& terrain, SampleIndex sample, SampleIndex axis, double spacing_m) {
-    const auto at = [&](std::int32_t by) { return SampleIndex{sample.x + by * axis.x, sample.y + by * axis.y}; };
+    const auto at = [&](std::int32_t by) {
+        return SampleIndex{sample.column + by * axis.column, sample.row + by * axis.row};
+    };
     const auto inside = [&](SampleIndex c) {
-        return c.x >= 0 && c.y >= 0 && c.x < static_cast<std::int32_t>(terrain.columns()) &&
-               c.y < static_cast<std::int32_t>(terrain.rows());
+        return c.column >= 0 && c.row >= 0 && c.column < static_cast<std::int32_t>(terrain.columns()) &&
+               c.row < static_cast<std::int32_t>(terrain.rows());
     };
     for (std::int32_t step = 1; step <= side_of(terrain); step *= 2)
         for (const auto& [from, to] : {std::pair{-step, step}, {0, step}, {-step, 0}}) {
@@ -73,28 +75,29 @@ TileCollector::TileCollector(const Terrain& the_terrain)
 
 SampleIndex TileCollector::in_tile_of(std::uint32_t tile, const MeshVertex& vertex) const {
     const SampleIndex place = terrain.tile_place(tile);
-    return SampleIndex{vertex.column, vertex.row} - SampleIndex{place.x * side_of(terrain), place.y * side_of(terrain)};
+    return SampleIndex{vertex.column, vertex.row} -
+           SampleIndex{place.column * side_of(terrain), place.row * side_of(terrain)};
 }
 
 bool TileCollector::in_tile(std::uint32_t tile, const MeshVertex& vertex) const {
     const SampleIndex c = in_tile_of(tile, vertex);
-    return c.x >= 0 && c.y >= 0 && c.x <= side_of(terrain) && c.y <= side_of(terrain);
+    return c.column >= 0 && c.row >= 0 && c.column <= side_of(terrain) && c.row <= side_of(terrain);
 }
 
 std::size_t TileCollector::place(std::uint32_t tile, const MeshVertex& vertex) const {
     const SampleIndex c = in_tile_of(tile, vertex);
-    return static_cast<std::size_t>(c.y) * (side + 1) + static_cast<std::size_t>(c.x);
+    return static_cast<std::size_t>(c.row) * (side + 1) + static_cast<std::size_t>(c.column);
 }
 
 SnapshotVertex TileCollector::make_vertex(std::uint32_t tile, const MeshVertex& vertex) const {
     const SampleIndex in_tile = in_tile_of(tile, vertex);
     SnapshotVertex made{};
-    made.position_m[0] = static_cast<float>(in_tile.x * terrain.header().spacing_m[0]);
+    made.position_m[0] = static_cast<float>(in_tile.column * terrain.header().spacing_m[0]);
     made.position_m[1] = vertex.height_m;
-    made.position_m[2] = static_cast<float>(in_tile.y * terrain.header().spacing_m[1]);
+    made.position_m[2] = static_cast<float>(in_tile.row * terrain.header().spacing_m[1]);
     normal_at(terrain, {vertex.column, vertex.row}, made.normal);
-    made.uv[0] = static_cast<float>(in_tile.x);
-    made.uv[1] = static_cast<float>(in_tile.y);
+    made.uv[0] = static_cast<float>(in_tile.column);
+    made.uv[1] = static_cast<float>(in_tile.row);
     // East, less what of it lies along the normal; the normal points up, so something is left.
     const Vec3 n{made.normal[0], made.normal[1], made.normal[2]}, east = normalised(Vec3{1, 0, 0} - n * n.x);
     made.tangent[0] = static_cast<float>(east.x);

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "fjell/sample_index.h"
 #include "fjell/mesh.h"
+#include "fjell/sample_index.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 

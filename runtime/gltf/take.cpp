@@ -79,7 +79,7 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
                              const CutReport& report, Snapshot& snapshot) {
     const CutMesh live = cut_mesh(cut);
     SnapshotInfo info{
-        .view = view, .error_px = view_max_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+        .view = view, .error_px = view_max_error_px(view, settings.max_error_px), .corner_safe = settings.corner_safe};
     std::vector<float> drawn_m;
     try {
         drawn_m.reserve(live.mesh.vertices.size());
@@ -95,7 +95,7 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
             info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
         }
     info.error_bound_px = bound_error_px(cut, view, settings.corner_safe,
-                                             reached_px(info.error_px, report.error_px_requested, report.threshold_px));
+                                         reached_px(info.error_px, report.error_px_requested, report.threshold_px));
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_bound_px <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);
@@ -104,11 +104,10 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                              const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot) {
     SnapshotInfo info{
-        .view = view, .error_px = view_max_error_px(view, settings.error_px), .corner_safe = settings.corner_safe};
+        .view = view, .error_px = view_max_error_px(view, settings.max_error_px), .corner_safe = settings.corner_safe};
     info.culled = settings.cull;
-    info.error_bound_px =
-        bound_error_px(method, view, settings.corner_safe,
-                       reached_px(info.error_px, report.error_px_requested, report.error_bound_px));
+    info.error_bound_px = bound_error_px(method, view, settings.corner_safe,
+                                         reached_px(info.error_px, report.error_px_requested, report.error_bound_px));
     info.lagging = terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_bound_px <= info.error_px;
     return take(terrain, recursive_mesh(method), {}, info, snapshot);
@@ -141,7 +140,7 @@ SnapshotResult take_refined(const Terrain& terrain, const View& view, double err
     if (!terrain.valid()) return refused(2, "there is no terrain behind the handle; load it with load_terrain");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
-        .error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};
+        .max_error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};
     for (std::uint64_t vertices = 1u << 20;; vertices *= 4) {
         const RecursiveBudget budget{std::min(capacity(vertices), largest.vertices),
                                      std::min(capacity(vertices * 6), largest.indices)};

@@ -63,14 +63,15 @@ public:
         const std::int32_t a_side = std::int32_t{1} << (terrain_.header().tile_log2 - grid.step_log2);
         const SampleIndex at = terrain_.tile_place(tile);
         const auto there = [&](std::int32_t dx, std::int32_t dy) {
-            return terrain_.tile_at({at.x + dx, at.y + dy}) != no_tile;
+            return terrain_.tile_at({at.column + dx, at.row + dy}) != no_tile;
         };
         const auto end = [&](std::int32_t place, bool next, std::int32_t all) {
             return std::min((place + 1) * a_side + (next ? 0 : 1), all);
         };
-        const std::int32_t end_x = end(at.x, there(1, 0), grid.columns), end_y = end(at.y, there(0, 1), grid.rows);
-        for (std::int32_t y = at.y * a_side; y < end_y; ++y)
-            for (std::int32_t x = at.x * a_side; x < end_x; ++x) {
+        const std::int32_t end_x = end(at.column, there(1, 0), grid.columns),
+                           end_y = end(at.row, there(0, 1), grid.rows);
+        for (std::int32_t y = at.row * a_side; y < end_y; ++y)
+            for (std::int32_t x = at.column * a_side; x < end_x; ++x) {
                 const TerrainVertex v = terrain_vertex(terrain_, {x << grid.step_log2, y << grid.step_log2});
                 grid.heights_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.columns) +
                                static_cast<std::size_t>(x)] =

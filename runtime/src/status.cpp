@@ -18,7 +18,8 @@ const char* message(StatusCode code) {
         return "the memory is smaller than the matching *_bytes() function says; pass a larger one";
     case StatusCode::budget_too_small: return "the budget cannot hold the coarsest mesh; raise the field";
     case StatusCode::out_of_slots: return "every page slot is taken; unload a page, or raise TerrainBudget::page_slots";
-    case StatusCode::coarser_page_first: return "a page of a coarser step over this one is not loaded; load that one first";
+    case StatusCode::coarser_page_first:
+        return "a page of a coarser step over this one is not loaded; load that one first";
     case StatusCode::not_supported: return "this method cannot read such a pack";
     case StatusCode::unreadable:
         return "the file could not be read there; check the disk, then ask again (stream_retry_failed)";

@@ -23,7 +23,7 @@ struct TerrainData;
 
 struct Violation {
     const char* what = nullptr; // nullptr: none
-    SampleIndex at{-1, -1};           // sample, if it is a vertex'
+    SampleIndex at{-1, -1};     // sample, if it is a vertex'
     [[nodiscard]] explicit operator bool() const { return what != nullptr; }
 };
 

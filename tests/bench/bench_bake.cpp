@@ -73,8 +73,9 @@ class ErrorStage {
 public:
     explicit ErrorStage(ErrorEstimate estimate) : estimate_(estimate) {
         baker::HeightStatistics heights;
-        for_each_tile(
-            [&](SampleIndex corner) { heights.add(baker::measure_tile(at(corner), side + 1, side + 1, dem().columns)); });
+        for_each_tile([&](SampleIndex corner) {
+            heights.add(baker::measure_tile(at(corner), side + 1, side + 1, dem().columns));
+        });
         const HeightScale height_scale = baker::choose_height_scale(heights, {{60, 60}, 0.1, 0});
         scales_ = baker::choose_scales({tree_, {60, 60}, height_scale, heights, 0.05});
         leaf_ = LeafErrors(scales_.errors, height_scale.quantum_m);
@@ -90,7 +91,7 @@ public:
 private:
     static constexpr std::int32_t side = 512, squares = side / 2;
 
-    static const float* at(SampleIndex c) { return dem().heights_m.data() + dem().index(c.x, c.y); }
+    static const float* at(SampleIndex c) { return dem().heights_m.data() + dem().index(c.column, c.row); }
     template <typename Visit>
     void for_each_tile(const Visit& visit) {
         for (std::int32_t y = 0; y + 1 < dem().rows; y += side)
@@ -99,21 +100,21 @@ private:
 
     void tile(SampleIndex corner, bool pages) {
         constexpr std::int32_t around = 2, width = 2 * (squares + baker::reach + 2);
-        baker::QuantisedHeights ground{tree_, {corner.x - around, corner.y - around, width, width}, {}};
+        baker::QuantisedHeights ground{tree_, {corner.column - around, corner.row - around, width, width}, {}};
         for (std::int32_t y = 0; y < width; ++y) {
             const std::int32_t row = std::clamp(ground.steps.y + y, 0, dem().rows - 1),
                                x0 = std::max(ground.steps.x, 0), x1 = std::min(ground.steps.x + width, dem().columns);
             baker::quantise(at({x0, row}), static_cast<std::size_t>(x1 - x0), scales_.height_scale,
                             ground.steps.at(x0, ground.steps.y + y));
         }
-        const baker::Region region{corner, {corner.x + side, corner.y + side}};
+        const baker::Region region{corner, {corner.column + side, corner.row + side}};
         baker::Patch<std::uint8_t> own;
         baker::unsaturated_errors({ground, region, scales_, leaf_, estimate_, {60, 60}}, own);
         benchmark::DoNotOptimize(own.values.data());
         baker::VertexPlanes<std::int32_t> steps(squares, squares);
         baker::split_planes(ground.steps, steps);
         baker::VertexPlanes<std::uint8_t> error(squares, squares);
-        const baker::StepInput level{scales_, tree_,   {60, 60}, 0,    {corner.x / 2, corner.y / 2},
+        const baker::StepInput level{scales_, tree_,   {60, 60}, 0,    {corner.column / 2, corner.row / 2},
                                      squares, squares, steps,    error};
         baker::leaf_errors(level, leaf_);
         baker::saturate_errors(level);

@@ -38,7 +38,7 @@ Flight fly_recursive(const Terrain& terrain, const std::vector<View>& views, dou
     RecursiveMethod method;
     if (!create_recursive(terrain, budget, {memory.get(), bytes}, method).ok()) std::abort();
     RefineSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     FrameReport report;
     Flight f;
     for (int i = 0; i < 8; ++i) (void)update_recursive(method, views[0], settings, report);
@@ -147,7 +147,7 @@ void compare(benchmark::State& state, const Scene& scene, double cells, double t
     const Terrain& t = scene.pack.terrain;
     const std::vector<View> views = flight_views(t, cells, 600, turns);
     CutSettings settings;
-    settings.error_px = scene.error_px;
+    settings.max_error_px = scene.error_px;
     CutSettings offscreen_settings = settings;
     offscreen_settings.offscreen_factor = 8;
     Flight lean, recursive, cut, offscreen;
@@ -220,7 +220,7 @@ void from_nothing(benchmark::State& state, double error_px) {
         const std::size_t bytes = cut_bytes(t, budget);
         memory[two] = io::allocate(bytes);
         if (!create_cut(t, budget, {memory[two].get(), bytes}, cuts[two]).ok()) std::abort();
-        settings[two].error_px = error_px;
+        settings[two].max_error_px = error_px;
         if (two != 0) settings[two].jobs = pool.jobs();
     }
     double triangles = 0;
@@ -271,9 +271,9 @@ void from_nothing_sizes(benchmark::State& state) {
             CutSettings settings;
             double low = std::log(0.1), high = std::log(1e3); // fewer vertices with a higher threshold
             for (int i = 0; i < 24; ++i) {
-                settings.error_px = std::exp((low + high) / 2);
+                settings.max_error_px = std::exp((low + high) / 2);
                 (void)rebuild_cut(cut, {&views[views.size() / 2], 1}, settings, report);
-                (report.vertices > wanted || !report.converged ? low : high) = std::log(settings.error_px);
+                (report.vertices > wanted || !report.converged ? low : high) = std::log(settings.max_error_px);
             }
             std::vector<double> each;
             double vertices = 0;
@@ -285,7 +285,7 @@ void from_nothing_sizes(benchmark::State& state) {
                 vertices += report.vertices;
             }
             us[n] = rank(each, 0.5);
-            state.counters["px_" + name] = settings.error_px;
+            state.counters["px_" + name] = settings.max_error_px;
             state.counters["vertices_" + name] = vertices / static_cast<double>(each.size());
             state.counters["us_" + name] = us[n];
         }
@@ -298,7 +298,7 @@ void from_nothing_sizes(benchmark::State& state) {
 void compare_sizes(benchmark::State& state) {
     const Terrain &large = mountains().pack.terrain, &small = small_mountains().pack.terrain;
     CutSettings settings;
-    settings.error_px = 8; // what there is to refine lies near
+    settings.max_error_px = 8; // what there is to refine lies near
     std::vector<View> near_views = flight_views(small, 0.25, 600), views = near_views;
     for (View& view : views) view.eye_m = view.eye_m + Vec3{large.x_m(1843), 0, large.z_m(1843)};
     Flight of_small, of_large;

@@ -34,7 +34,7 @@ public:
     static constexpr int frames = 100'000;
 
     explicit Teleports(double offscreen_factor) {
-        settings_.error_px = 2;
+        settings_.max_error_px = 2;
         settings_.offscreen_factor = offscreen_factor;
     }
 
@@ -45,7 +45,7 @@ public:
         const io::AlignedMemory memory = io::allocate(bytes);
         LiveCut cut;
         if (!create_cut(terrain_, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
-        settings_.budget_us = budget_us;
+        settings_.max_time_us = budget_us;
         std::uint32_t seed = 1;
         const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
         std::vector<View> views = flight_views(terrain_, 0.25, 1);
@@ -93,8 +93,7 @@ void teleport_budget(benchmark::State& state, double offscreen_factor) {
         teleports.fly(budget_us, [&](double frame_us, const CutReport& report) {
             us.push_back(frame_us);
             converged += report.converged;
-            if (report.error_bound_px > coarse_thresholds * report.threshold_px)
-                claim_us.push_back(report.output_us);
+            if (report.error_bound_px > coarse_thresholds * report.threshold_px) claim_us.push_back(report.output_us);
             const double start = worked_us();
             for (const Clock::time_point begin = Clock::now(); us_since(begin) < budget_us;) {
             }
@@ -120,19 +119,19 @@ void lag(benchmark::State& state, double budget_us) {
     LiveCut cut;
     if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;
-    settings.error_px = scene.error_px;
+    settings.max_error_px = scene.error_px;
     std::vector<double> claimed_px, output_us;
     double coarse = 0;
     for (auto _ : state) {
         const std::vector<View> views = flight_views(t, 1, 600);
         CutReport report;
         (void)rebuild_cut(cut, {&views[0], 1}, settings, report);
-        settings.budget_us = budget_us;
+        settings.max_time_us = budget_us;
         for (const View& view : views) {
             (void)update_cut(cut, {&view, 1}, settings, report);
             claimed_px.push_back(report.error_bound_px);
             output_us.push_back(report.output_us);
-            coarse += report.error_bound_px > coarse_thresholds * settings.error_px;
+            coarse += report.error_bound_px > coarse_thresholds * settings.max_error_px;
         }
     }
     state.counters["claimed_p50_px"] = rank(claimed_px, 0.5);
@@ -152,7 +151,7 @@ public:
         LiveCut cut;
         if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
         CutSettings settings;
-        settings.error_px = error_px;
+        settings.max_error_px = error_px;
         CutReport report;
         (void)rebuild_cut(cut, {&view, 1}, settings, report);
         const Frustum frustum = make_frustum(view);
@@ -197,7 +196,7 @@ void teleport_recovery(benchmark::State& state) {
     LiveCut cut;
     if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
     CutSettings settings;
-    settings.error_px = scene.error_px;
+    settings.max_error_px = scene.error_px;
     std::vector<double> frames_to_99;
     double after_five = 0;
     constexpr int teleports = 8;
@@ -206,9 +205,9 @@ void teleport_recovery(benchmark::State& state) {
             View view = flight_views(t, 0.25, 1)[0];
             view.eye_m.x = t.x_m(1024 + 2048 * (n % 2)), view.eye_m.z = t.z_m(700 + 380 * n);
             view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
-            const Visible whole(t, view, settings.error_px);
+            const Visible whole(t, view, settings.max_error_px);
             state.counters["visible_vertices"] = static_cast<double>(whole.count());
-            settings.budget_us = 2000;
+            settings.max_time_us = 2000;
             CutReport report;
             int frame = 1;
             for (; frame <= 200; ++frame) {
@@ -237,11 +236,11 @@ void teleport_claims(benchmark::State& state, double budget_us) {
     const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
     View view = flight_views(t, 0.25, 1)[0];
     CutSettings settings;
-    settings.error_px = mountains().error_px;
+    settings.max_error_px = mountains().error_px;
     CutReport report;
     std::vector<double> coarse, at_once_px, before_px, claimed_px, ratio;
     (void)rebuild_cut(cut, {&view, 1}, settings, report);
-    settings.budget_us = budget_us;
+    settings.max_time_us = budget_us;
     for (auto _ : state)
         for (int jump = 0; jump < 8; ++jump) {
             view.eye_m = {(0.15 + 0.7 * random()) * t.x_m(4096), 0, (0.15 + 0.7 * random()) * t.z_m(4096)};
@@ -251,7 +250,7 @@ void teleport_claims(benchmark::State& state, double budget_us) {
             before_px.push_back(measure_error(t, cut_mesh(cut).mesh, view, &frustum).max_px);
             at_once_px.push_back(report.error_bound_px);
             int frames = 0;
-            for (; report.error_bound_px > coarse_thresholds * settings.error_px; ++frames)
+            for (; report.error_bound_px > coarse_thresholds * settings.max_error_px; ++frames)
                 (void)update_cut(cut, {&view, 1}, settings, report);
             const double true_px = measure_error(t, cut_mesh(cut).mesh, view).max_px;
             if (true_px > report.error_bound_px) return state.SkipWithError("a claim was too low");

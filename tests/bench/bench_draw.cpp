@@ -104,7 +104,7 @@ void draw(benchmark::State& state, const Picture& picture) {
     require(error);
     if (drawing.layers.on) require(renderer->set_layers(ground_layers().first, ground_layers().second));
     CutSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     CutReport report;
     const double extent = pack.terrain.x_m(data_of(pack.terrain).tree.columns() - 1);
     Vec3 eye{0.5 * extent, above_m, 0.5 * extent};

@@ -86,7 +86,7 @@ void recursive(benchmark::State& state, const Case& c) {
     if (!create_recursive(s.pack.terrain, budget, {memory.get(), bytes}, method).ok())
         return state.SkipWithError("budget");
     RefineSettings settings;
-    settings.error_px = c.error_px;
+    settings.max_error_px = c.error_px;
     settings.cull = c.cull;
     settings.topology = c.topology;
     settings.metric = c.metric;

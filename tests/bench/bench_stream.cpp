@@ -42,7 +42,7 @@ using namespace fjell::bench;
 void frame(benchmark::State& state, double cells, bool rests = false) {
     Engine e(mountains(PageOrder::planar), 610, {});
     CutSettings settings;
-    settings.error_px = 4;
+    settings.max_error_px = 4;
     StreamSettings stream_settings;
     StreamReport stream;
     CutReport report;
@@ -131,8 +131,8 @@ void soak(benchmark::State& state) {
     }
     FileEngine e(path, 550, budget);
     const io::StreamReader reader(e.stream, e.file);
-    e.refine.error_px = 4;
-    e.refine.items = 4000; // what a frame may do, teleports or not
+    e.refine.max_error_px = 4;
+    e.refine.max_work = 4000; // what a frame may do, teleports or not
     View view = view_at(e.terrain, 0.1, 0.9, 3500);
     (void)e.rest(view, false);
     const double cell = e.terrain.header().spacing_m[0];
@@ -178,7 +178,7 @@ void first_picture(benchmark::State& state, const Disk& disk, std::uint32_t thre
         state.counters["cached"] = cached(path);
         const auto start = Clock::now();
         FileEngine e(path, 8192, {.decoders = threads});
-        e.refine.error_px = 1.5;
+        e.refine.max_error_px = 1.5;
         const double opened_s = us_since(start) * 1e-6;
         io::StreamReaderOptions options = disk.options;
         options.threads = threads;
@@ -203,7 +203,7 @@ void teleport(benchmark::State& state, PageOrder order, const Disk& disk) {
     const std::string path = mountains(order);
     for (auto _ : state) {
         FileEngine e(path, 8192, {});
-        e.refine.error_px = 1.5;
+        e.refine.max_error_px = 1.5;
         e.settings.texel_px =
             100;               // maps' tails alone: linear order, beside which this stands, is measured without them
         e.settings.pages = 64; // not the frame's limit but the reader's pace
@@ -232,7 +232,7 @@ std::set<std::uint32_t> linear_pages(const Terrain& t, const View& view, double 
     RecursiveMethod method;
     require(create_recursive(t, budget, {memory.get(), bytes}, method));
     RefineSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     settings.cull = false;
     FrameReport report;
     require(update_recursive(method, view, settings, report));
@@ -329,7 +329,7 @@ std::string rough(std::int32_t columns, std::int32_t rows, int tile_log2) {
 void by_size(benchmark::State& state, const std::string& path, std::uint32_t slots, double error_px, double cells) {
     Engine e(path, slots, {}, false); // a cut's own capacities would raise the threshold before the slots are full
     CutSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     StreamSettings stream_settings;
     StreamReport stream;
     View view = view_at(e.terrain, 0.2, 0.4, 1500);

@@ -160,7 +160,7 @@ void fly(benchmark::State& state, Way way, double cells, bool finished) {
     LiveCut cut;
     if (!create_cut(terrain, budget, {memory.get(), bytes}, cut).ok()) stop("the cut's budget does not do");
     CutSettings settings;
-    settings.error_px = 4;
+    settings.max_error_px = 4;
     CutReport report;
     std::vector<double> us;
     double changed = 0, calls = 0;

@@ -78,7 +78,7 @@ int run(int argc, char** argv) {
     profile.width_px = width_px;
     profile.height_px = height_px;
     profile.fov_deg = 50;
-    profile.refine.error_px = TIMES_ERROR_PX;
+    profile.refine.max_error_px = TIMES_ERROR_PX;
     profile.cut.morph = Morph::error;
     profile.page_slots = TIMES_PAGES;
     profile.samples = 1;

@@ -24,12 +24,13 @@ constexpr std::uint32_t second_half(std::uint32_t parent, std::uint32_t middle) 
 }
 
 constexpr SampleIndex between(SampleIndex a, SampleIndex b) {
-    return {(a.x + b.x) / 2, (a.y + b.y) / 2};
+    return {(a.column + b.column) / 2, (a.row + b.row) / 2};
 }
 
 // Calls set(index, coordinate) for every vertex, inner ones twice.
 template <typename Set>
-void walk(std::uint32_t parent, std::uint32_t middle, SampleIndex from, SampleIndex to, SampleIndex apex, int levels, const Set& set) {
+void walk(std::uint32_t parent, std::uint32_t middle, SampleIndex from, SampleIndex to, SampleIndex apex, int levels,
+          const Set& set) {
     if (levels == 0) return;
     const SampleIndex at = between(from, to);
     set(middle, at);
@@ -39,7 +40,8 @@ void walk(std::uint32_t parent, std::uint32_t middle, SampleIndex from, SampleIn
 
 template <typename Set>
 void walk_square(std::int32_t side, int levels, const Set& set) {
-    const SampleIndex corners[] = {{0, side}, {side, side}, {side, 0}, {0, 0}}, middle = between(corners[0], corners[2]);
+    const SampleIndex corners[] = {{0, side}, {side, side}, {side, 0}, {0, 0}},
+                      middle = between(corners[0], corners[2]);
     for (std::uint32_t i = 0; i < 4; ++i) set(i, corners[i]);
     set(centre, middle);
     for (std::uint32_t i = 0; i < 4; ++i)
@@ -145,7 +147,7 @@ LeanRecursion::LeanRecursion(const Terrain& terrain, std::size_t strip) : strip_
         const TerrainData::Vertex v = data.vertex(c);
         const bool always = data.tree.is_corner(c);
         constexpr float infinite = std::numeric_limits<float>::infinity();
-        vertices_[index] = {terrain.x_m(c.x), v.height_m, terrain.z_m(c.y), always ? infinite : v.error_m,
+        vertices_[index] = {terrain.x_m(c.column), v.height_m, terrain.z_m(c.row), always ? infinite : v.error_m,
                             always ? infinite : v.radius_m};
     });
 }

@@ -133,7 +133,8 @@ TEST_CASE("Every truncation of a small pack is refused") {
         Pack pack;
         const Status s = open_pack(cut, pack);
         CAPTURE(size);
-        if (s.code != (size < sizeof pack_magic ? StatusCode::not_a_pack : StatusCode::truncated)) FAIL(message(s.code));
+        if (s.code != (size < sizeof pack_magic ? StatusCode::not_a_pack : StatusCode::truncated))
+            FAIL(message(s.code));
         if (pack.directory) FAIL("a pack that was refused was handed out");
     }
 }

@@ -135,12 +135,13 @@ void check_records(const Terrain& t, const Terrain& whole) {
 void check_vertex(const Terrain& t, std::uint32_t tile, const MeshVertex& v) {
     const std::int32_t side = data_of(t).tree.side();
     const SampleIndex place = t.tile_place(tile);
-    const std::int32_t x = v.column - place.x * side, y = v.row - place.y * side;
+    const std::int32_t x = v.column - place.column * side, y = v.row - place.row * side;
     must(x >= 0 && y >= 0 && x <= side && y <= side, "a vertex lies in its tile");
     must(std::isfinite(v.height_m), "a height is finite");
     const SampleIndex at{v.column, v.row};
     if (x == 0 || y == 0 || x == side || y == side) return;
-    if (at.x >= data_of(t).tree.columns() - 1 || at.y >= data_of(t).tree.rows() - 1) return; // others stand there, too
+    if (at.column >= data_of(t).tree.columns() - 1 || at.row >= data_of(t).tree.rows() - 1)
+        return; // others stand there, too
     const TerrainData::Vertex vertex = data_of(t).vertex(at);
     must(vertex.loaded && vertex.height_m == v.height_m, "a vertex of the mesh has the terrain's height");
 }
@@ -191,7 +192,7 @@ struct Refiner {
     void frames() {
         if (!memory) return;
         RefineSettings settings;
-        settings.error_px = script.frame & 2 ? 1e-3 : script.frame & 4 ? 50 : 1;
+        settings.max_error_px = script.frame & 2 ? 1e-3 : script.frame & 4 ? 50 : 1;
         settings.corner_safe = (script.frame & 8) != 0;
         settings.cull = (script.frame & 48) != 0;
         settings.metric = (script.frame & 48) == 48 ? Metric::depth : Metric::isotropic;
@@ -239,7 +240,9 @@ void move_page(const Pack& pack, Terrain& terrain, std::uint32_t bits, bool unlo
     const std::uint64_t changes = data_of(terrain).changes;
     const Status s = load_page(pack, terrain, tile, item);
     switch (s.code) {
-    case StatusCode::ok: must(data_of(terrain).page_table[page].slot != no_index, "a page that was loaded is there"); break;
+    case StatusCode::ok:
+        must(data_of(terrain).page_table[page].slot != no_index, "a page that was loaded is there");
+        break;
     case StatusCode::out_of_slots: {
         const std::uint32_t leaves = data_of(terrain).slot_page[bits / 7 % data_of(terrain).slot_count];
         must(!there && leaves != no_index, "no slot is free");

@@ -15,13 +15,14 @@ extern "C" int fuzz_profile(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
         const Profile p = parse_profile(text, "fuzz");
-        must(p.refine.error_px >= min_error_px && p.refine.error_px <= max_error_px, "error_px keeps to its range");
+        must(p.refine.max_error_px >= least_threshold_px && p.refine.max_error_px <= most_threshold_px,
+             "error_px keeps to its range");
         must(p.cut.hysteresis >= 0 && p.cut.hysteresis <= max_hysteresis, "hysteresis keeps to its range");
         must(p.cut.offscreen_factor >= 1 && p.cut.offscreen_factor <= max_offscreen_factor,
              "offscreen_factor keeps to its range");
         must(p.cut.morph_s >= min_morph_s && p.cut.morph_s <= max_morph_s, "morph_s keeps to its range");
-        must(p.cut.budget_us >= 0 && p.cut.budget_us <= max_budget_us, "budget_us keeps to its range");
-        must(p.cut.items > 0, "no items means all");
+        must(p.cut.max_time_us >= 0 && p.cut.max_time_us <= most_time_us, "budget_us keeps to its range");
+        must(p.cut.max_work > 0, "no items means all");
         must(p.cut_budget.vertices <= max_vertices && p.cut_budget.triangles <= max_triangles,
              "budgets keep to theirs");
         must(p.budget.vertices <= max_vertices && p.budget.indices <= max_indices, "budgets keep to theirs");
@@ -29,7 +30,7 @@ extern "C" int fuzz_profile(const std::uint8_t* data, std::size_t size) {
         must(p.fov_deg >= min_fov_deg && p.fov_deg <= max_fov_deg, "fov_deg keeps to its range");
         const Profile back = parse_profile(profile_text(p, profile_heading(text)), "fuzz: written");
         must(differing_keys(p, back).empty(), "what is written reads back");
-        must(cut_settings(p, 1).error_px == p.refine.error_px, "both methods have the same error");
+        must(cut_settings(p, 1).max_error_px == p.refine.max_error_px, "both methods have the same error");
     } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && std::strncmp(refused.what(), "fuzz", 4) == 0, "a refusal names the file");
     }

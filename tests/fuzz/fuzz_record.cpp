@@ -43,7 +43,7 @@ void repeat(const flight::Recording& recording) {
         CutReport report;
         const Status done = (f.rebuild ? rebuild_cut : update_cut)(cut.cut, f.views, f.settings, report);
         if (!done.ok()) continue;
-        must(f.rebuild || report.items <= f.settings.items, "a frame keeps to its items");
+        must(f.rebuild || report.work <= f.settings.max_work, "a frame keeps to its items");
         must(check_cut(cut).empty(), "a cut is whole after any frame");
     }
 }

@@ -179,15 +179,14 @@ constexpr std::array seed_packs{
 
 io::LoadedPack make_pack(Random& random, PageOrder order, const SeedPack& seed) {
     const Shape shape = seed.lossless ? Shape::fractal : static_cast<Shape>(pick(random, 0, 4));
-    baker::Dem dem = random_dem(random, seed.samples.x, seed.samples.y, shape);
+    baker::Dem dem = random_dem(random, seed.samples.column, seed.samples.row, shape);
     if (seed.lossless) make_lossless(dem);
     if (seed.holes) make_holes(dem);
     if (seed.log2 % 2 == 1) dem.crs_wkt = "LOCAL_CS[\"seed\"]";
     baker::BakeOptions options = small_bake(seed.log2);
     options.order = order;
     if (seed.log2 == 6 && seed.holes) options.horizon_spacing = 4;
-    if (seed.log2 == 5 || seed.log2 == 6)
-        options.layers_path = FJELL_SOURCE_DIR "/content/materials/splat/alpine.json";
+    if (seed.log2 == 5 || seed.log2 == 6) options.layers_path = FJELL_SOURCE_DIR "/content/materials/splat/alpine.json";
     if (seed.log2 == 4) options.estimate = ErrorEstimate::midpoint;
     return bake_and_load(std::move(dem), options);
 }
@@ -229,8 +228,8 @@ void make_recordings(const std::filesystem::path& folder) {
                 const Vec3 eye{uniform(random, -100, 2000), uniform(random, 0, 900), uniform(random, -100, 2000)};
                 f.views.push_back(make_view(eye, {1, -0.5, uniform(random, -1, 1)}, {0, 1, 0}, 0.8, 640, 480, 1, 1e5));
             }
-            f.settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
-            f.settings.items = frame % 2 ? unlimited_work : 50;
+            f.settings.max_error_px = std::pow(10.0, uniform(random, -1, 1.5));
+            f.settings.max_work = frame % 2 ? unlimited_work : 50;
             f.settings.hysteresis = seed == 4 ? 0.5 : 0;
             f.settings.corner_safe = seed == 5;
             f.settings.morph = static_cast<Morph>(seed % 3);
@@ -363,7 +362,7 @@ void make_seeds(const std::filesystem::path& folder) {
         for (const SeedPack& seed : seed_packs) {
             const auto pack = make_pack(random, order, seed);
             std::ostringstream name;
-            name << order_name << '_' << seed.samples.x << 'x' << seed.samples.y;
+            name << order_name << '_' << seed.samples.column << 'x' << seed.samples.row;
             seeds.packs(name.str(), pack);
             seeds.pages(name.str(), pack);
         }

@@ -86,7 +86,7 @@ std::unique_ptr<Drawing::Method> Drawing::recursive(double error_px) {
     const RecursiveBudget budget{vertices_, 6 * vertices_};
     const std::size_t bytes = recursive_bytes(pack_.terrain, budget);
     made->memory = io::allocate(bytes);
-    made->settings.error_px = error_px;
+    made->settings.max_error_px = error_px;
     need(create_recursive(pack_.terrain, budget, {made->memory.get(), bytes}, made->method));
     return made;
 }
@@ -113,7 +113,7 @@ std::unique_ptr<Drawing::Method> Drawing::incremental(double error_px, double of
     const CutBudget budget{vertices_, 2 * vertices_ + 1024 * pack_.terrain.tile_count(), 512, 1};
     const std::size_t bytes = cut_bytes(pack_.terrain, budget);
     made->memory = io::allocate(bytes);
-    made->settings.error_px = error_px;
+    made->settings.max_error_px = error_px;
     made->settings.offscreen_factor = offscreen_factor;
     need(create_cut(pack_.terrain, budget, {made->memory.get(), bytes}, made->cut));
     return made;

@@ -112,7 +112,7 @@ Flight fly_recursive(const Recipe& recipe, const Case& c, World& world, const st
     RecursiveMethod method;
     check(create_recursive(terrain, budget, {memory.get(), bytes}, method));
     RefineSettings settings;
-    settings.error_px = c.error_px;
+    settings.max_error_px = c.error_px;
     settings.topology = Topology::strip; // as in the thesis
     FrameReport report;
     Flight f;
@@ -143,7 +143,7 @@ Flight fly_incremental(const Recipe& recipe, const Case& c, World& world, const 
     LiveCut cut;
     check(create_cut(terrain, budget, {memory.get(), bytes}, cut));
     CutSettings settings;
-    settings.error_px = c.error_px;
+    settings.max_error_px = c.error_px;
     settings.offscreen_factor = c.offscreen_factor;
     CutReport report;
     const auto begin = [&] {

@@ -7,9 +7,9 @@
 #include "baker/bake/context.h"
 #include "baker/check/verify.h"
 #include "pack/terrain_data.h"
-#include "support/splat_rules.h"
 #include "support/dem.h"
 #include "support/rounds.h"
+#include "support/splat_rules.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -19,10 +19,10 @@ namespace {
 
 VertexRecord& record_of(io::LoadedPack& pack, SampleIndex c) {
     const Terrain& t = pack.terrain;
-    const std::int32_t side = data_of(t).tree.side(), tx = std::min(c.x / side, data_of(t).tree.tiles_x - 1),
-                       ty = std::min(c.y / side, data_of(t).tree.tiles_y - 1);
-    const PagePlace at = data_of(t).pages.place(static_cast<std::uint32_t>(c.x - tx * side),
-                                                static_cast<std::uint32_t>(c.y - ty * side));
+    const std::int32_t side = data_of(t).tree.side(), tx = std::min(c.column / side, data_of(t).tree.tiles_x - 1),
+                       ty = std::min(c.row / side, data_of(t).tree.tiles_y - 1);
+    const PagePlace at = data_of(t).pages.place(static_cast<std::uint32_t>(c.column - tx * side),
+                                                static_cast<std::uint32_t>(c.row - ty * side));
     const PageEntry page =
         data_of(t)
             .page_table[static_cast<std::uint32_t>(ty * data_of(t).tree.tiles_x + tx) * t.pages_per_tile() + at.page];
@@ -266,23 +266,25 @@ namespace {
 
 // How far ground is from any triangle over it that could be drawn, by bisection.
 double worst_on_ground_m(const Terrain& terrain, SampleIndex apex, SampleIndex left, SampleIndex right) {
-    if (((left.x + right.x) | (left.y + right.y)) & 1) return 0;
+    if (((left.column + right.column) | (left.row + right.row)) & 1) return 0;
     const TerrainData& t = data_of(terrain);
     const SampleIndex a = t.tree.sample(apex), b = t.tree.sample(left), c = t.tree.sample(right);
     double worst = 0;
-    const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y, area = bx * cy - by * cx;
+    const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row,
+                 area = bx * cy - by * cx;
     const auto hole = [&](SampleIndex s) { return t.vertex(s).hole; };
     const auto height = [&](SampleIndex s) { return static_cast<double>(t.height_m(s)); };
-    const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
-    const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
+    const auto [x0, x1] = std::minmax({a.column, b.column, c.column});
+    const auto [y0, y1] = std::minmax({a.row, b.row, c.row});
     for (std::int32_t y = y0; area != 0 && y <= y1; ++y)
         for (std::int32_t x = x0; x <= x1; ++x) {
-            const double v = ((x - a.x) * cy - (y - a.y) * cx) / area, w = ((y - a.y) * bx - (x - a.x) * by) / area;
+            const double v = ((x - a.column) * cy - (y - a.row) * cx) / area,
+                         w = ((y - a.row) * bx - (x - a.column) * by) / area;
             if (v < 0 || w < 0 || v + w > 1 || hole({x, y}) || hole(a) || hole(b) || hole(c)) continue;
             const double plane = height(a) + v * (height(b) - height(a)) + w * (height(c) - height(a));
             worst = std::max(worst, std::abs(height({x, y}) - plane));
         }
-    const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    const SampleIndex middle{(left.column + right.column) / 2, (left.row + right.row) / 2};
     return std::max(
         {worst, worst_on_ground_m(terrain, middle, apex, left), worst_on_ground_m(terrain, middle, right, apex)});
 }

@@ -17,11 +17,11 @@ namespace {
 
 CutSettings random_settings(Random& random) {
     CutSettings settings;
-    settings.error_px = random_threshold(random);
+    settings.max_error_px = random_threshold(random);
     settings.morph = static_cast<Morph>(pick(random, 0, 2));
     settings.hysteresis = pick(random, 0, 3) == 0 ? 0.3 : 0;
     if (pick(random, 0, 2) == 0) settings.offscreen_factor = uniform(random, 1, 20);
-    if (pick(random, 0, 1) == 0) settings.items = static_cast<std::uint32_t>(pick(random, 1, 300));
+    if (pick(random, 0, 1) == 0) settings.max_work = static_cast<std::uint32_t>(pick(random, 1, 300));
     return settings;
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("while a jump is built the claim is finite, and no sample that is show
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
         CutSettings settings = random_settings(random);
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         View view = random_view(random, terrain);
         (void)cut.update({&view, 1}, settings);
         for (int frame = 0; frame < 12; ++frame) {
@@ -80,7 +80,7 @@ TEST_CASE("while a jump is built the claim is finite, and no sample that is show
             live.mesh.vertices = drawn;
             const Frustum frustum = make_frustum(view);
             const double shown_px = measure_error(terrain, live.mesh, view, &frustum).max_px;
-            CAPTURE(round, frame, settings.error_px, settings.morph, report.error_bound_px, shown_px);
+            CAPTURE(round, frame, settings.max_error_px, settings.morph, report.error_bound_px, shown_px);
             REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
             // All errors are less than the terrain's extent, and no view's near plane is nearer than 1e-5 of that.
             REQUIRE(report.error_bound_px < 1e6 * focal_length_px(view));
@@ -119,7 +119,7 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
             const bool all_around = settings.offscreen_factor == 1;
             const double shown_px =
                 all_around ? measured_px : measure_error(pack.terrain, live.mesh, view, &frustum).max_px;
-            CAPTURE(round, frame, whole, settings.error_px, settings.morph, report.waiting, report.morphing,
+            CAPTURE(round, frame, whole, settings.max_error_px, settings.morph, report.waiting, report.morphing,
                     measured_px, bound_px, report.error_bound_px);
             REQUIRE(measured_px <= bound_px);
             if (whole) {
@@ -135,7 +135,7 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
             const bool added = terrain.has_voids() && settings.morph != Morph::none;
             if (report.waiting == 0 && report.morphing == 0 && whole && !added && all_around)
                 REQUIRE(bound_px <= report.error_bound_px * (1 + 1e-6));
-            behind += measured_px > settings.error_px;
+            behind += measured_px > settings.max_error_px;
             paged += !whole;
             view = moved(random, view, random_step_m(random, terrain));
             if (!all_around) view = turned(random, view, 0.3);
@@ -161,13 +161,13 @@ TEST_CASE("no sample is farther from a recursive mesh than its bound, culled or 
         Recursive method(pack.terrain, budget);
         const View view = random_view(random, pack.terrain);
         RefineSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.cull = pick(random, 0, 1) == 0;
         settings.topology = pick(random, 0, 1) == 0 ? Topology::strip : Topology::triangles;
         const FrameReport report = method.update(view, settings);
         const double measured_px = measure_error(pack.terrain, method.mesh(), view).max_px;
         const double bound_px = bound_error_px(method.method, view, false, 1e-3);
-        CAPTURE(round, settings.error_px, settings.cull, report.error_bound_px, measured_px, bound_px);
+        CAPTURE(round, settings.max_error_px, settings.cull, report.error_bound_px, measured_px, bound_px);
         REQUIRE(measured_px <= bound_px);
         if (!pack.terrain.has_voids() && measured_px < 1e6) REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
         if (!settings.cull) REQUIRE(bound_px <= report.error_bound_px * (1 + 1e-6));

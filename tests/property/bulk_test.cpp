@@ -20,14 +20,14 @@ TEST_CASE("a cut built at once is the same as one refined step by step, and live
             if (pick(random, 0, 2) == 0) view = random_view(random, terrain);
             view = moved(random, view, random_step_m(random, terrain));
             CutSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             const CutReport report =
                 frame % 2 == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.tile_log2, data_of(terrain).tree.columns(),
-                    data_of(terrain).tree.rows());
+            CAPTURE(round, frame, settings.max_error_px, data_of(terrain).tree.tile_log2,
+                    data_of(terrain).tree.columns(), data_of(terrain).tree.rows());
             REQUIRE(check_cut(cut) == "");
             REQUIRE(report.converged);
-            REQUIRE(triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px));
+            REQUIRE(triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.max_error_px));
         }
     }
 }
@@ -44,13 +44,14 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
         if (round % 2 == 0) cut.state().bulk.pages_together = 1;
         std::vector<View> views{random_view(random, terrain)};
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.morph = round % 4 == 1 ? Morph::error : Morph::none;
         const auto step = [&](std::uint32_t visits) {
             settings.visits = visits;
             settings.now_s += 1.0 / 60;
             const CutReport report = cut.update(views, settings);
-            CAPTURE(round, settings.error_px, visits, views.size(), budget.vertices, static_cast<int>(settings.morph));
+            CAPTURE(round, settings.max_error_px, visits, views.size(), budget.vertices,
+                    static_cast<int>(settings.morph));
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             ++frames_in[static_cast<std::size_t>(cut.state().bulk.phase)];
             REQUIRE((cut.state().bulk.phase == BulkPhase::idle || !report.converged));
@@ -68,7 +69,7 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
             for (int frame = 0; frame < 40 && !step(unlimited_work).converged; ++frame) {
             }
             REQUIRE(difference(active_set(cut), settings.morph == Morph::none
-                                                    ? target_set(terrain, terrain, views, settings.error_px)
+                                                    ? target_set(terrain, terrain, views, settings.max_error_px)
                                                     : active_set(cut)) == "");
             ++rested;
         }
@@ -91,14 +92,14 @@ TEST_CASE("a jump that the clock has cut into frames is replayed by their visits
         Cut flown(terrain, ample_cut(terrain)), replayed(terrain, ample_cut(terrain));
         View view = random_view(random, terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 20; ++frame) {
             view = frame % 8 == 0 ? random_view(random, terrain) : moved(random, view, random_step_m(random, terrain));
-            settings.budget_us = pick(random, 0, 3) ? uniform(random, 1, 60) : 0;
+            settings.max_time_us = pick(random, 0, 3) ? uniform(random, 1, 60) : 0;
             settings.visits = unlimited_work;
             const CutReport report = flown.update({&view, 1}, settings);
             building += flown.state().bulk.phase != BulkPhase::idle;
-            settings.budget_us = 0;
+            settings.max_time_us = 0;
             settings.visits = report.visits;
             const CutReport again = replayed.update({&view, 1}, settings);
             CAPTURE(round, frame, report.visits);
@@ -129,10 +130,10 @@ TEST_CASE("a host that copies only what was written has the mesh, from the first
             if (pick(random, 0, 3) == 0) view = random_view(random, terrain);
             view = moved(random, view, random_step_m(random, terrain));
             CutSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.morph = frame > 6 ? Morph::error : Morph::none;
             settings.now_s = frame;
-            settings.items = pick(random, 0, 1) ? unlimited_work : 200;
+            settings.max_work = pick(random, 0, 1) ? unlimited_work : 200;
             settings.visits = pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 90));
             pick(random, 0, 3) == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             const CutMesh live = cut_mesh(cut.cut);
@@ -170,7 +171,7 @@ TEST_CASE("a head that turns while a jump is built, between two parts of a page,
     const double extent = terrain.x_m(512);
     Cut cut(terrain, ample_cut(terrain));
     CutSettings settings;
-    settings.error_px = 0.5;
+    settings.max_error_px = 0.5;
     const auto look = [&](double x, double to) {
         return make_view({x, terrain.header().max_m + extent / 100, extent / 2}, {to, -0.1, 0}, {0, 1, 0}, 0.5, 640,
                          480, 1, 1e6);

@@ -60,10 +60,10 @@ TEST_CASE("renderers one and three frames behind have the buffers of one in step
             if (pick(random, 0, 5) == 0) view = random_view(random, terrain);
             view = moved(random, view, random_step_m(random, terrain));
             CutSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.morph = frame > 10 ? Morph::error : Morph::none;
             settings.now_s = frame * 0.1;
-            settings.items = pick(random, 0, 1) ? unlimited_work : 200;
+            settings.max_work = pick(random, 0, 1) ? unlimited_work : 200;
             const bool rebuilds = pick(random, 0, 7) == 0;
             for (Renderer* renderer : {&in_step, &one, &three}) {
                 rebuilds ? renderer->cut.rebuild({&view, 1}, settings) : renderer->cut.update({&view, 1}, settings);
@@ -120,7 +120,7 @@ TEST_CASE("a rebuild that cuts a jump short tells what the jump has written") {
         const auto pack = random_terrain(random, 140, 6);
         Cut cut(pack.terrain, ample_cut(pack.terrain, 2));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.morph = Morph::error;
         View view = random_view(random, pack.terrain);
         cut.rebuild({&view, 1}, settings);

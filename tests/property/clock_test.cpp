@@ -33,7 +33,7 @@ struct Host {
         });
     }
     void rest(const View& view, CutSettings settings, int round) {
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         for (int frame = frames_a_round; frame < frames_a_round + updates_to_settle; ++frame) {
             settings.now_s = begins_s(round) + frame / 20.0;
             update(view, settings);
@@ -49,7 +49,7 @@ struct Host {
 std::string difference(const Terrain& terrain, Host& a, Host& b) {
     const CutMesh x = cut_mesh(a.cut.cut), y = cut_mesh(b.cut.cut);
     if (std::memcmp(x.mesh.indices.data(), y.mesh.indices.data(), x.mesh.indices.size_bytes()) != 0) return "triangles";
-    if (a.report.vertices != b.report.vertices || a.report.items != b.report.items) return "vertices or items";
+    if (a.report.vertices != b.report.vertices || a.report.work != b.report.work) return "vertices or items";
     if (a.report.morphing != b.report.morphing) return "how many morph";
     // In ticks of 2^-14 s times are exact, and so is what follows from them.
     for (const TileRange& range : a.cut.mesh().tiles)
@@ -78,7 +78,7 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
                         {"48 hours", [](int round) { return round == 0 ? 0.0 : 3072.0 * round - 0.25; }, terrain},
                         {"Unix", [](int round) { return 1.7e9 + 46'800.0 * round; }, terrain}};
         CutSettings settings;
-        settings.error_px = 0.5;
+        settings.max_error_px = 0.5;
         settings.morph = morph;
         for (int round = 0; round < rounds_flown; ++round) {
             View view = random_view(random, terrain); // a jump
@@ -88,7 +88,7 @@ TEST_CASE("48 hours of 60 Hz time and 30 days of Unix time behave like the first
                 static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(terrain.pages_per_tile()) - 1));
             for (int frame = 0; frame < frames_a_round; ++frame) {
                 view = moved(random, view, step_m);
-                settings.items = frame % 4 ? 60 : unlimited_work;
+                settings.max_work = frame % 4 ? 60 : unlimited_work;
                 for (Host& host : hosts) {
                     settings.now_s = host.begins_s(round) + frame / 60.0;
                     bool released = false;
@@ -118,9 +118,9 @@ TEST_CASE("a clock that runs backwards stands, and one of any size is taken") {
     Cut cut(pack.terrain, ample_cut(pack.terrain));
     const View view = random_view(random, pack.terrain);
     CutSettings settings;
-    settings.error_px = 0.5;
+    settings.max_error_px = 0.5;
     settings.morph = Morph::time;
-    settings.items = 20;
+    settings.max_work = 20;
     for (const double now_s : {0.0, 1.0, -1e300, 1e300, 1e18, -5.0, 3.0, 3.2, 3.4, 3.6}) {
         const float before_s = cut_morph(cut.cut).now_s;
         settings.now_s = now_s;
@@ -129,7 +129,7 @@ TEST_CASE("a clock that runs backwards stands, and one of any size is taken") {
         const float age_s = morph_age_s(cut_morph(cut.cut).now_s, before_s);
         REQUIRE((age_s >= 0 && age_s <= 16));
     }
-    settings.items = unlimited_work;
+    settings.max_work = unlimited_work;
     CutReport report;
     for (int frame = 0; frame < 60; ++frame) {
         settings.now_s += 0.1;

@@ -103,7 +103,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
         const auto bit = static_cast<CutBudgetBit>(1u << (round % 4));
         CutBudget budget = ample_cut(terrain);
         CutSettings settings, far;
-        settings.error_px = std::pow(10.0, uniform(random, -2, -0.5));
+        settings.max_error_px = std::pow(10.0, uniform(random, -2, -0.5));
         switch (bit) {
         case cut_budget_vertices:
             budget.vertices = corners_of(terrain) + static_cast<std::uint32_t>(pick(random, 0, 200));
@@ -112,8 +112,8 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             budget.segment_triangles = 8;
             budget.triangles = 8 * (terrain.tile_count() + 3 + static_cast<std::uint32_t>(pick(random, 0, 60)));
             break;
-        case cut_budget_work: settings.items = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
-        case cut_budget_time: settings.budget_us = 1e-3; break; // less than a look at the clock takes
+        case cut_budget_work: settings.max_work = static_cast<std::uint32_t>(pick(random, 2, 60)); break;
+        case cut_budget_time: settings.max_time_us = 1e-3; break; // less than a look at the clock takes
         }
         Cut cut(terrain, budget);
         bool ran_out = false;
@@ -122,7 +122,7 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
             view = moved(random, view, random_step_m(random, terrain));
             if (frame == 15) view = random_view(random, terrain);
             const CutReport report = cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles, settings.items);
+            CAPTURE(round, frame, settings.max_error_px, budget.vertices, budget.triangles, settings.max_work);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE((report.exhausted & ~bit) == 0);
             if (!report.converged && report.threshold_px == report.error_px_requested) REQUIRE(report.exhausted == bit);
@@ -135,12 +135,12 @@ TEST_CASE("each budget that is too small alone lowers quality, names itself, bre
         if (ran_out) seen |= bit;
         // The camera leaves to where the coarsest mesh will do, at the same threshold, and all is well again.
         far = settings;
-        far.items = unlimited_work;
-        far.budget_us = 0;
-        far.error_px = 1e6;
+        far.max_work = unlimited_work;
+        far.max_time_us = 0;
+        far.max_error_px = 1e6;
         const CutReport report = settle(cut, {&view, 1}, far, 300);
         CAPTURE(round, budget.vertices, budget.triangles, report.error_bound_px, report.waiting, report.blocked);
-        const VertexSet target = target_set(terrain, terrain, {&view, 1}, far.error_px);
+        const VertexSet target = target_set(terrain, terrain, {&view, 1}, far.max_error_px);
         const auto size = static_cast<std::uint32_t>(std::count(target.begin(), target.end(), true));
         // The governor stays where four fifths are in use; and spheres that hold the eye count at any threshold.
         if (size * 5 > budget.vertices * 4 || bit == cut_budget_triangles) continue;
@@ -167,8 +167,8 @@ TEST_CASE("when the camera leaves, the threshold comes back to the requested one
         CutSettings settings;
         // Half of what the budget holds: found from afar, where it suffices.
         const View near_by = view_from_above(terrain, 0.01), far = view_from_above(terrain, 3);
-        settings.error_px = 1e-3;
-        for (;; settings.error_px *= 1.2) {
+        settings.max_error_px = 1e-3;
+        for (;; settings.max_error_px *= 1.2) {
             Cut free(terrain, ample_cut(terrain));
             const CutReport wish = free.update({&far, 1}, settings);
             if (wish.vertices * 2 < budget.vertices && wish.triangle_slots.used * 2 < budget.triangles) break;
@@ -178,18 +178,18 @@ TEST_CASE("when the camera leaves, the threshold comes back to the requested one
         const bool found = round % 3 == 0;
         const int stay = found ? 100 : pick(random, 1, 12);
         for (int frame = 0; frame < stay; ++frame) report = cut.update({&near_by, 1}, settings);
-        CAPTURE(round, stay, settings.error_px, report.error_bound_px, report.vertices);
+        CAPTURE(round, stay, settings.max_error_px, report.error_bound_px, report.vertices);
         REQUIRE_FALSE(report.converged);
-        if (stay > 1) REQUIRE(report.threshold_px > settings.error_px);
+        if (stay > 1) REQUIRE(report.threshold_px > settings.max_error_px);
         REQUIRE(check_frame(cut, terrain, report, settings) == "");
         // Most of the scarce capacity stays in use: what is governed is not thrown away.
         REQUIRE(std::max(report.vertex_slots.used / static_cast<double>(report.vertex_slots.capacity),
                          report.triangle_slots.used / static_cast<double>(report.triangle_slots.capacity)) > 0.6);
         report = settle(cut, {&far, 1}, settings, 200);
         REQUIRE(report.converged);
-        REQUIRE(report.error_bound_px == settings.error_px);
+        REQUIRE(report.error_bound_px == settings.max_error_px);
         REQUIRE(report.exhausted == 0);
-        REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&far, 1}, settings.error_px)) == "");
+        REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&far, 1}, settings.max_error_px)) == "");
     }
 }
 
@@ -208,27 +208,27 @@ TEST_CASE("after a step of the threshold or the camera the governor turns at mos
         Cut cut(terrain, budget);
         View view = random_view(random, terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random) / 10;
+        settings.max_error_px = random_threshold(random) / 10;
         for (int leg = 0; leg < 4; ++leg) {
             // Some threshold must suffice: not when the spheres around the eye alone are too many.
             Cut coarse(terrain, ample_cut(terrain));
             CutSettings coarsest;
-            coarsest.error_px = 1e4;
+            coarsest.max_error_px = 1e4;
             const CutReport least = coarse.update({&view, 1}, coarsest);
             const bool suffices =
                 least.vertices * 2 < budget.vertices && (least.triangle_slots.used + 64) * 2 < budget.triangles;
             const Rest r = rest(cut, view, settings, 200);
-            CAPTURE(round, leg, settings.error_px, budget.vertices, budget.triangles, r.last.error_bound_px,
+            CAPTURE(round, leg, settings.max_error_px, budget.vertices, budget.triangles, r.last.error_bound_px,
                     r.last.vertices, r.last.triangle_slots.used, r.last.blocked);
             if (suffices) CHECK(r.turns <= 1);
             if (suffices) CHECK(r.stands);
             if (suffices) CHECK(r.last.blocked == 0);
             REQUIRE(check_frame(cut, terrain, r.last, settings) == "");
-            governed += r.last.threshold_px > settings.error_px;
+            governed += r.last.threshold_px > settings.max_error_px;
             if (pick(random, 0, 1))
                 view = random_view(random, terrain);
             else
-                settings.error_px = random_threshold(random) / 10;
+                settings.max_error_px = random_threshold(random) / 10;
         }
     }
     REQUIRE(governed > 20);
@@ -245,7 +245,7 @@ TEST_CASE("where half of the vertices come in one step of the threshold, the one
     const View view = view_from_above(pack.terrain, 50);
     Cut free(pack.terrain, ample_cut(pack.terrain));
     CutSettings settings;
-    settings.error_px = focal_length_px(view) * 10 / (50 * 64) / 2; // half of what a bump measures on screen
+    settings.max_error_px = focal_length_px(view) * 10 / (50 * 64) / 2; // half of what a bump measures on screen
     const CutReport wish = free.update({&view, 1}, settings);
     CutBudget budget = ample_cut(pack.terrain);
     budget.vertices = wish.vertices / 2;
@@ -269,10 +269,10 @@ TEST_CASE("the smallest budgets that are taken give the coarsest meshes, with ho
         CutSettings settings;
         for (int frame = 0; frame < 40; ++frame) {
             const View view = random_view(random, terrain);
-            settings.error_px = random_threshold(random) / (frame % 2 ? 10 : 1);
+            settings.max_error_px = random_threshold(random) / (frame % 2 ? 10 : 1);
             for (int again = 0; again < 3; ++again) {
                 const CutReport report = cut.update({&view, 1}, settings);
-                CAPTURE(round, frame, settings.error_px, budget.vertices, budget.triangles);
+                CAPTURE(round, frame, settings.max_error_px, budget.vertices, budget.triangles);
                 REQUIRE(check_frame(cut, terrain, report, settings) == "");
             }
         }
@@ -288,7 +288,7 @@ TEST_CASE("the smallest budget of triangles is used, by a rebuild as by updates"
         CAPTURE(round, budget.triangles);
         const View view = view_from_above(pack.terrain, 0.3);
         CutSettings settings;
-        settings.error_px = 0.05;
+        settings.max_error_px = 0.05;
         for (const bool rebuilt : {false, true}) {
             Cut cut(pack.terrain, budget);
             if (rebuilt) REQUIRE((cut.rebuild({&view, 1}, settings).exhausted & cut_budget_triangles) != 0);
@@ -314,11 +314,11 @@ TEST_CASE("a budget that just holds what is requested is found to hold it, whate
         CutSettings settings;
         for (int frame = 0; frame < 60; ++frame) {
             const View view = random_view(random, terrain);
-            settings.error_px = random_threshold(random) / 10;
+            settings.max_error_px = random_threshold(random) / 10;
             (void)cut.update({&view, 1}, settings);
         }
         const View view = random_view(random, terrain);
-        settings.error_px = 1e5;
+        settings.max_error_px = 1e5;
         const CutReport old = settle(cut, {&view, 1}, settings, 400);
         Cut fresh(terrain, budget);
         const CutReport wish = settle(fresh, {&view, 1}, settings, 400);
@@ -341,7 +341,7 @@ TEST_CASE("where no threshold suffices the effective one does not run away, and 
     View view = view_from_above(pack.terrain, 1);
     view.eye_m = {middle, data_of(pack.terrain).ground_m(middle, pack.terrain.z_m(32)), pack.terrain.z_m(32)};
     CutSettings settings;
-    settings.error_px = 1;
+    settings.max_error_px = 1;
     CutReport report;
     for (int frame = 0; frame < 10'000; ++frame) report = cut.update({&view, 1}, settings); // three minutes
     CAPTURE(report.error_bound_px);
@@ -470,13 +470,13 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
             refused(good, settings, name);
         }
     };
-    setting(&CutSettings::error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::error_px");
+    setting(&CutSettings::max_error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::error_px");
     setting(&CutSettings::hysteresis, {-1e-9, 11, nan}, "CutSettings::hysteresis");
     setting(&CutSettings::offscreen_factor, {0.99, 101, nan}, "CutSettings::offscreen_factor");
-    setting(&CutSettings::budget_us, {-1, nan}, "CutSettings::budget_us");
+    setting(&CutSettings::max_time_us, {-1, nan}, "CutSettings::budget_us");
     setting(&CutSettings::morph_s, {0, 0.001, 11, nan}, "CutSettings::morph_s");
     setting(&CutSettings::now_s, {nan, 1.0 / 0.0}, "CutSettings::now_s");
-    REQUIRE(cut.update({&good, 1}, {}).items == 0);
+    REQUIRE(cut.update({&good, 1}, {}).work == 0);
 }
 
 TEST_CASE("every bit names its field") {

@@ -60,7 +60,7 @@ std::string compare(const Criterion& decision, const LaneGroup& group) {
 
 // All that two runs must have in common: everything but the times.
 std::string compare(const CutReport& a, const CutReport& b) {
-    if (a.items != b.items || a.evaluations != b.evaluations || a.activations != b.activations ||
+    if (a.work != b.work || a.evaluations != b.evaluations || a.activations != b.activations ||
         a.deactivations != b.deactivations)
         return "work";
     if (a.vertices != b.vertices || a.triangles != b.triangles || a.tiles_drawn != b.tiles_drawn ||
@@ -252,9 +252,9 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
             for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
             if (pick(random, 0, 9) == 0)
                 views.assign(static_cast<std::size_t>(pick(random, 1, 3)), random_view(random, pack.terrain));
-            if (pick(random, 0, 9) == 0) settings.error_px = random_threshold(random);
+            if (pick(random, 0, 9) == 0) settings.max_error_px = random_threshold(random);
             settings.hysteresis = frame / 20 % 2 ? 0.3 : 0;
-            settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 300));
+            settings.max_work = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 300));
             const std::uint32_t tile = static_cast<std::uint32_t>(
                                     pick(random, 0, static_cast<int>(pack.terrain.tile_count()) - 1)),
                                 page = static_cast<std::uint32_t>(
@@ -272,7 +272,7 @@ TEST_CASE("two runs alike give the same buffers and reports, and the scalar eval
                     (void)unload_page(terrain, tile, page);
                 reports[run] = cuts[run]->update(views, settings);
             }
-            CAPTURE(round, frame, settings.error_px, settings.items);
+            CAPTURE(round, frame, settings.max_error_px, settings.max_work);
             for (std::size_t run = 1; run < 3; ++run) {
                 CAPTURE(run);
                 REQUIRE(compare(reports[0], reports[run]) == "");

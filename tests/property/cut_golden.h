@@ -131,10 +131,10 @@ struct Golden {
         views[0].eye_m = eye;
         views[1].eye_m = Vec3{1400, 300, 1300} - eye * 0.25;
         CutSettings settings;
-        settings.error_px = 0.75 + 3.25 * ((frame / 30) % 4);
-        if (frame >= 180) settings.error_px = 0.125;
+        settings.max_error_px = 0.75 + 3.25 * ((frame / 30) % 4);
+        if (frame >= 180) settings.max_error_px = 0.125;
         settings.hysteresis = frame % 120 < 60 ? 0 : 0.25;
-        settings.items = frame % 7 < 3 ? 150 : unlimited_work;
+        settings.max_work = frame % 7 < 3 ? 150 : unlimited_work;
         CutReport report;
         if (!update_cut(cut, {views, frame % 50 < 30 ? 1u : 2u}, settings, report).ok()) return result;
         result.exhausted |= report.exhausted;

@@ -59,7 +59,7 @@ std::string difference(const Updated& a, const Updated& b) {
     const CutReport &r = a.report, &q = b.report;
     if (r.vertices != q.vertices || r.triangles != q.triangles || r.triangles_drawn != q.triangles_drawn)
         return "the counts differ";
-    if (r.visits != q.visits || r.items != q.items || r.evaluations != q.evaluations) return "the work differs";
+    if (r.visits != q.visits || r.work != q.work || r.evaluations != q.evaluations) return "the work differs";
     if (r.exhausted != q.exhausted || r.converged != q.converged || r.waiting != q.waiting ||
         r.error_bound_px != q.error_bound_px || r.vertices_changed != q.vertices_changed ||
         r.triangles_changed != q.triangles_changed)
@@ -95,7 +95,7 @@ TEST_CASE("a cut is the same bit for bit with any number of workers, in whatever
         budget.workers = static_cast<std::uint32_t>(pick(random, 2, 4));
         Cut mixed(terrain, budget), threaded(terrain, budget);
         CutSettings settings;
-        settings.error_px = random_threshold(random) / 4;
+        settings.max_error_px = random_threshold(random) / 4;
         settings.morph = round % 2 == 1 ? Morph::error : Morph::none;
         settings.offscreen_factor = round % 5 == 2 ? 8 : 1;
         View view = random_view(random, terrain);
@@ -112,7 +112,7 @@ TEST_CASE("a cut is the same bit for bit with any number of workers, in whatever
             const Updated should_be(alone, step(alone, {})),
                 in_any_order(mixed, step(mixed, {&Shuffled::run, &shuffled})),
                 on_threads(threaded, step(threaded, {&run_threads, nullptr}));
-            CAPTURE(round, frame, settings.error_px, settings.visits, rebuild, budget.workers, budget.vertices);
+            CAPTURE(round, frame, settings.max_error_px, settings.visits, rebuild, budget.workers, budget.vertices);
             jumps += mixed.state().bulk.phase != BulkPhase::idle;
             REQUIRE(check_cut(mixed) == "");
             REQUIRE(difference(in_any_order, should_be) == "");

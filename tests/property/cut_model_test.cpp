@@ -34,16 +34,16 @@ struct Wishes {
             if (pick(random, 0, 5) == 0) view = random_view(random, terrain);
             view = moved(random, view, random_step_m(random, terrain));
             if (pick(random, 0, 2) == 0) view = turned(random, view, 1);
-            if (pick(random, 0, 19) == 0) view.error_px = pick(random, 0, 1) ? random_threshold(random) : 0;
+            if (pick(random, 0, 19) == 0) view.max_error_px = pick(random, 0, 1) ? random_threshold(random) : 0;
         }
         if (views.size() < 3 && pick(random, 0, 14) == 0) views.push_back(random_view(random, terrain));
         if (views.size() > 1 && pick(random, 0, 9) == 0) views.erase(views.begin() + pick(random, 0, 1));
     }
     void set() {
-        settings.items = limit(120);
+        settings.max_work = limit(120);
         settings.visits = limit(60);
         settings.now_s += pick(random, 0, 9) == 0 ? uniform(random, 0, 20) : 1.0 / 60;
-        if (pick(random, 0, 14) == 0) settings.error_px = random_threshold(random);
+        if (pick(random, 0, 14) == 0) settings.max_error_px = random_threshold(random);
         if (pick(random, 0, 14) == 0) settings.hysteresis = pick(random, 0, 1) ? uniform(random, 0, 1) : 0;
         if (pick(random, 0, 14) == 0) settings.corner_safe = !settings.corner_safe;
         if (pick(random, 0, 14) == 0) settings.offscreen_factor = pick(random, 0, 1) ? uniform(random, 1, 20) : 1;
@@ -52,7 +52,7 @@ struct Wishes {
     }
     // Nothing that what was before can show in.
     void rest() {
-        settings.items = settings.visits = unlimited_work;
+        settings.max_work = settings.visits = unlimited_work;
         settings.hysteresis = 0;
         settings.offscreen_factor = 1;
         settings.morph = Morph::none;
@@ -75,7 +75,7 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
     Host host{random, pack.pack, paged.terrain, cut, abrupt, {}, {}};
     host.load_all();
     Wishes wishes{random, pack.terrain, {random_view(random, pack.terrain)}, {}};
-    wishes.settings.error_px = random_threshold(random);
+    wishes.settings.max_error_px = random_threshold(random);
     for (int leg = 0; leg < 3; ++leg) {
         for (int frame = 0; frame < 20; ++frame) {
             if (pick(random, 0, 2) == 0) host.act();
@@ -85,10 +85,10 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
             const bool rebuild = pick(random, 0, 19) == 0;
             CutSettings& settings = wishes.settings;
             const CutReport report = rebuild ? cut.rebuild(wishes.views, settings) : cut.update(wishes.views, settings);
-            CAPTURE(leg, frame, rebuild, settings.error_px, settings.items, settings.visits, settings.hysteresis,
+            CAPTURE(leg, frame, rebuild, settings.max_error_px, settings.max_work, settings.visits, settings.hysteresis,
                     settings.offscreen_factor, static_cast<int>(settings.morph), wishes.views.size());
             CutSettings unlimited = settings;
-            unlimited.items = unlimited_work;
+            unlimited.max_work = unlimited_work;
             REQUIRE(check_frame(cut, pack.terrain, report, rebuild ? unlimited : settings) == "");
             met.built_beside += cut.state().bulk.phase != BulkPhase::idle;
             met.rebuilt += rebuild;
@@ -103,7 +103,7 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
             wishes.settings.now_s += 0.5;
             report = cut.update(wishes.views, wishes.settings);
         }
-        CAPTURE(leg, wishes.settings.error_px, wishes.views.size(), paged.terrain.pages_missing());
+        CAPTURE(leg, wishes.settings.max_error_px, wishes.views.size(), paged.terrain.pages_missing());
         REQUIRE(check_frame(cut, pack.terrain, report, wishes.settings) == "");
         if (scarce && report.exhausted != 0) { // what is refined to is the governor's way, then
             ++met.scarce;

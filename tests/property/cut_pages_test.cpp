@@ -38,21 +38,21 @@ void live_with(std::uint32_t seed, const Way& way, int count) {
         host.load_all();
         View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int leg = 0; leg < 3; ++leg) {
             for (int frame = 0; frame < 12; ++frame) {
                 host.act();
                 if (pick(random, 0, 4) == 0) view = random_view(random, pack.terrain);
                 view = moved(random, view, random_step_m(random, pack.terrain));
-                settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
-                settings.visits =
-                    pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 60));
+                settings.max_work =
+                    pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
+                settings.visits = pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 60));
                 const CutReport report = cut.update({&view, 1}, settings);
-                CAPTURE(round, leg, frame, settings.error_px, settings.items, paged.terrain.pages_missing());
+                CAPTURE(round, leg, frame, settings.max_error_px, settings.max_work, paged.terrain.pages_missing());
                 REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
                 incomplete += paged.terrain.pages_missing() != 0;
             }
-            settings.items = settings.visits = unlimited_work;
+            settings.max_work = settings.visits = unlimited_work;
             CutReport report;
             for (int frame = 0; frame < (way.scarce ? 120 : 4); ++frame) {
                 host.collect();
@@ -60,7 +60,8 @@ void live_with(std::uint32_t seed, const Way& way, int count) {
                 if (frame % 16 == 15) REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
             }
             REQUIRE(host.evicting.empty());
-            CAPTURE(round, leg, settings.error_px, paged.terrain.pages_missing(), data_of(paged.terrain).slot_count);
+            CAPTURE(round, leg, settings.max_error_px, paged.terrain.pages_missing(),
+                    data_of(paged.terrain).slot_count);
             REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
             // Where states do not suffice the threshold has risen until they did, or as far as it can.
             const bool suffice = !way.scarce || report.exhausted == 0;
@@ -96,7 +97,7 @@ TEST_CASE(
         Cut cut(pack.terrain, ample_cut(pack.terrain));
         View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.morph = pick(random, 0, 1) ? Morph::error : Morph::time;
         settings.morph_s = 0.05;
         const auto any = [&](std::uint32_t count) {
@@ -109,7 +110,7 @@ TEST_CASE(
             bool released = false;
             REQUIRE(cut_release_page(cut.cut, evicting.back().tile, evicting.back().page, released).ok());
             if (pick(random, 0, 3) == 0) view = random_view(random, pack.terrain);
-            settings.items = static_cast<std::uint32_t>(pick(random, 0, 30));
+            settings.max_work = static_cast<std::uint32_t>(pick(random, 0, 30));
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
         }
@@ -119,17 +120,17 @@ TEST_CASE(
                 (void)cut_cancel_release(cut.cut, evicting.back().tile, evicting.back().page);
                 evicting.pop_back();
             }
-            settings.items = static_cast<std::uint32_t>(pick(random, 1, frame < 60 ? 300 : 6));
+            settings.max_work = static_cast<std::uint32_t>(pick(random, 1, frame < 60 ? 300 : 6));
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
         }
         REQUIRE(evicting.empty());
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         for (int frame = 0; frame < 90; ++frame) {
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
         }
-        CAPTURE(round, settings.error_px, static_cast<int>(settings.morph), report.waiting, report.morphing);
+        CAPTURE(round, settings.max_error_px, static_cast<int>(settings.morph), report.waiting, report.morphing);
         REQUIRE(report.converged);
         Cut anew(pack.terrain, ample_cut(pack.terrain));
         REQUIRE(anew.rebuild({&view, 1}, settings).converged);
@@ -145,7 +146,7 @@ TEST_CASE("a page that is kept after all while a jump is built is refined as any
         Cut cut(pack.terrain, ample_cut(pack.terrain, 2));
         View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         (void)settle(cut, {&view, 1}, settings);
         const auto any = [&](std::uint32_t count) {
             return static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(count) - 1));
@@ -164,7 +165,7 @@ TEST_CASE("a page that is kept after all while a jump is built is refined as any
         settings.visits = unlimited_work;
         for (int frame = 0; frame == 0 || (frame < 40 && !report.converged); ++frame)
             report = cut.update({&view, 1}, settings);
-        CAPTURE(round, settings.error_px);
+        CAPTURE(round, settings.max_error_px);
         REQUIRE(report.converged);
         Cut anew(pack.terrain, ample_cut(pack.terrain, 2));
         REQUIRE(anew.rebuild({&view, 1}, settings).converged);
@@ -187,9 +188,9 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         host.load_all();
         View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = 0.5;
+        settings.max_error_px = 0.5;
         (void)settle(cut, {&view, 1}, settings);
-        settings.items = 2;
+        settings.max_work = 2;
         const Page p = host.any();
         bool released = false;
         int frames = 0;
@@ -204,10 +205,10 @@ TEST_CASE("a page is released step by step, each a whole mesh, and nothing of it
         const std::uint32_t first = cut.state().pages.page_groups[p.tile * pack.terrain.pages_per_tile() + p.page];
         REQUIRE((first == no_index || cut.state().pages.state[first / max_page_groups].active == 0));
         (void)unload_page(paged.terrain, p.tile, p.page);
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         REQUIRE(cut.update({&view, 1}, settings).converged);
-        REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) ==
-                "");
+        REQUIRE(difference(active_set(cut),
+                           target_set(pack.terrain, paged.terrain, {&view, 1}, settings.max_error_px)) == "");
     }
 }
 
@@ -221,7 +222,7 @@ TEST_CASE("a page that went and came back between two frames is drawn again") {
     host.load_all();
     const View view = view_from_above(pack.terrain, 0.1);
     CutSettings settings;
-    settings.error_px = 0.1;
+    settings.max_error_px = 0.1;
     (void)settle(cut, {&view, 1}, settings);
     bool released = false;
     REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
@@ -232,7 +233,8 @@ TEST_CASE("a page that went and came back between two frames is drawn again") {
     REQUIRE(load_page(pack.pack, paged.terrain, 0, 0).ok()); // into the same slot, most likely
     const CutReport report = settle(cut, {&view, 1}, settings, 10);
     REQUIRE(check_cut(cut) == "");
-    REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.error_px)) == "");
+    REQUIRE(difference(active_set(cut), target_set(pack.terrain, paged.terrain, {&view, 1}, settings.max_error_px)) ==
+            "");
     REQUIRE(report.converged);
 }
 
@@ -245,7 +247,7 @@ TEST_CASE("a bulk pass does not forget which pages are being evicted") {
     host.load_all();
     const View view = view_from_above(pack.terrain, 0.1);
     CutSettings settings;
-    settings.error_px = 0.1;
+    settings.max_error_px = 0.1;
     (void)settle(cut, {&view, 1}, settings);
     bool released = false;
     REQUIRE(cut_release_page(cut.cut, 0, 0, released).ok());
@@ -284,7 +286,7 @@ TEST_CASE("a rebuild finds the states of the pages that it leaves") {
         Cut cut(pack.terrain, ample_cut(pack.terrain)), fresh(pack.terrain, ample_cut(pack.terrain));
         make_states_scarce(random, cut);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 6; ++frame) {
             const View view = random_view(random, pack.terrain);
             const CutReport report = cut.rebuild({&view, 1}, settings), full = fresh.rebuild({&view, 1}, settings);

@@ -26,19 +26,19 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
         Cut cut(terrain, ample_cut(terrain));
         View view = random_view(random, terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 12; ++frame) {
             switch (pick(random, 0, 5)) {
             case 0: view = random_view(random, terrain); break;
-            case 1: settings.error_px = random_threshold(random); break;
+            case 1: settings.max_error_px = random_threshold(random); break;
             default: view = moved(random, view, random_step_m(random, terrain));
             }
             const CutReport report = cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.tile_log2, data_of(terrain).tree.columns(),
-                    data_of(terrain).tree.rows());
+            CAPTURE(round, frame, settings.max_error_px, data_of(terrain).tree.tile_log2,
+                    data_of(terrain).tree.columns(), data_of(terrain).tree.rows());
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             REQUIRE(report.converged);
-            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px)));
+            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.max_error_px)));
         }
     }
 }
@@ -54,13 +54,13 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
         for (int leg = 0; leg < 3; ++leg) {
             const View view = random_view(random, terrain);
             CutSettings settings;
-            settings.error_px = random_threshold(random) * 3;
-            settings.items = 1;
+            settings.max_error_px = random_threshold(random) * 3;
+            settings.max_work = 1;
             CutReport report;
             int frame = 0;
             for (; frame < 20'000 && !report.converged; ++frame) {
                 report = cut.update({&view, 1}, settings);
-                CAPTURE(round, leg, frame, settings.error_px);
+                CAPTURE(round, leg, frame, settings.max_error_px);
                 const std::string wrong = check_frame(cut, terrain, report, settings);
                 if (!wrong.empty()) REQUIRE(wrong == "");
                 REQUIRE(report.activations + report.deactivations <= 1);
@@ -69,7 +69,7 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
             }
             CAPTURE(round, leg, frame, report.waiting);
             REQUIRE(report.converged);
-            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.error_px)));
+            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, view, settings.max_error_px)));
         }
     }
     REQUIRE(steps > rounds<std::size_t>(600, 2'000));
@@ -82,12 +82,12 @@ TEST_CASE("one item a frame is enough to arrive") {
         Cut cut(pack.terrain, ample_cut(pack.terrain));
         const View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
-        settings.items = 1;
+        settings.max_error_px = random_threshold(random);
+        settings.max_work = 1;
         const CutReport report = settle(cut, {&view, 1}, settings, 50'000);
         CAPTURE(round, report.waiting, report.vertices);
         REQUIRE(report.converged);
-        REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(pack.terrain, view, settings.error_px)));
+        REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(pack.terrain, view, settings.max_error_px)));
     }
 }
 
@@ -101,12 +101,12 @@ TEST_CASE(
         Cut cut(terrain, ample_cut(terrain));
         View view = random_view(random, terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int leg = 0; leg < 2; ++leg) {
             for (int frame = 0; frame < 24; ++frame) {
                 switch (pick(random, 0, 7)) {
                 case 0: view = random_view(random, terrain); break;
-                case 1: settings.error_px = random_threshold(random); break;
+                case 1: settings.max_error_px = random_threshold(random); break;
                 case 2: // another lens, the same place
                     view = make_view(view.eye_m, view.forward, view.up, uniform(random, 0.1, 2.5),
                                      static_cast<std::uint32_t>(pick(random, 1, 4000)),
@@ -116,27 +116,27 @@ TEST_CASE(
                 case 4: break;
                 default: view = moved(random, view, random_step_m(random, terrain));
                 }
-                settings.items = pick(random, 0, 5) == 0
-                                     ? unlimited_work
-                                     : static_cast<std::uint32_t>(std::pow(10.0, uniform(random, 0, 4))) - 1;
+                settings.max_work = pick(random, 0, 5) == 0
+                                        ? unlimited_work
+                                        : static_cast<std::uint32_t>(std::pow(10.0, uniform(random, 0, 4))) - 1;
                 const CutReport report = cut.update({&view, 1}, settings);
-                CAPTURE(round, leg, frame, settings.error_px, settings.items);
+                CAPTURE(round, leg, frame, settings.max_error_px, settings.max_work);
                 REQUIRE(check_frame(cut, terrain, report, settings) == "");
                 REQUIRE((report.exhausted & ~cut_budget_work) == 0);
                 if (!report.converged) REQUIRE(report.exhausted == cut_budget_work);
                 lagging += !report.converged;
             }
-            settings.items = 2000;
+            settings.max_work = 2000;
             const CutReport report = settle(cut, {&view, 1}, settings, 2000);
-            CAPTURE(round, leg, settings.error_px, settings.corner_safe);
+            CAPTURE(round, leg, settings.max_error_px, settings.corner_safe);
             REQUIRE(report.converged);
-            REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&view, 1}, settings.error_px,
+            REQUIRE(difference(active_set(cut), target_set(terrain, terrain, {&view, 1}, settings.max_error_px,
                                                            settings.corner_safe)) == "");
             REQUIRE((triangles_of(cut.mesh()) ==
-                     recursive_triangles(terrain, view, settings.error_px, settings.corner_safe)));
+                     recursive_triangles(terrain, view, settings.max_error_px, settings.corner_safe)));
             // And then nothing is done any more.
             const CutReport rest = cut.update({&view, 1}, settings);
-            REQUIRE(rest.items == 0);
+            REQUIRE(rest.work == 0);
             REQUIRE(rest.vertices_changed + rest.triangles_changed == 0);
         }
     }
@@ -156,13 +156,13 @@ TEST_CASE("a frame that reports converged keeps the screen bound, with its corne
         for (int frame = 0; frame < 8; ++frame) {
             view =
                 pick(random, 0, 3) ? moved(random, view, random_step_m(random, terrain)) : random_view(random, terrain);
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.corner_safe = pick(random, 0, 1) == 1;
-            settings.items = pick(random, 0, 1) ? unlimited_work : 5000;
+            settings.max_work = pick(random, 0, 1) ? unlimited_work : 5000;
             if (!cut.update({&view, 1}, settings).converged) continue;
-            const double bound_px = settings.error_px / (settings.corner_safe ? corner_factor(view) : 1);
+            const double bound_px = settings.max_error_px / (settings.corner_safe ? corner_factor(view) : 1);
             const MeasuredError error = measure_error(terrain, cut.mesh(), view);
-            CAPTURE(round, frame, settings.error_px, settings.corner_safe, error.max_px);
+            CAPTURE(round, frame, settings.max_error_px, settings.corner_safe, error.max_px);
             REQUIRE(within(error.max_px, bound_px));
             closest = std::max(closest, error.max_px / bound_px);
         }

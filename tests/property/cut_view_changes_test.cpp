@@ -54,7 +54,7 @@ void change_views(Random& random, const Terrain& terrain, std::vector<View>& vie
     case 6: return std::shuffle(views.begin(), views.end(), random);
     case 7: {
         View& view = views[any()];
-        view.error_px = pick(random, 0, 2) ? random_threshold(random) : 0;
+        view.max_error_px = pick(random, 0, 2) ? random_threshold(random) : 0;
         return;
     }
     case 8:
@@ -86,25 +86,25 @@ TEST_CASE("views come, go and change places a million times, and the cut stays e
         set_odometers(cut.state(), starts[round % 3]);
         std::vector<View> views{random_view(random, terrain)};
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int change = 0; change < changes; ++change) {
             change_views(random, terrain, views);
-            settings.items = static_cast<std::uint32_t>(pick(random, 0, 60));
+            settings.max_work = static_cast<std::uint32_t>(pick(random, 0, 60));
             const double before = cut.state().work.schedule.odometer_m[0];
             const bool rebuilds = pick(random, 0, 299) == 0;
             const CutReport report = rebuilds ? cut.rebuild(views, settings) : cut.update(views, settings);
             rewound += cut.state().work.schedule.odometer_m[0] < before;
             lagging += !report.converged;
             if (change % stretch != stretch - 1) continue;
-            CAPTURE(round, change, views.size(), settings.error_px);
+            CAPTURE(round, change, views.size(), settings.max_error_px);
             if (!rebuilds) REQUIRE(check_frame(cut, terrain, report, settings) == "");
             if (pick(random, 0, 2) == 0) views.resize(1);
-            settings.items = 1000;
+            settings.max_work = 1000;
             REQUIRE(settle(cut, views, settings, 1000).converged);
             REQUIRE(check_cut(cut) == "");
-            REQUIRE(difference(active_set(cut), target_set(terrain, terrain, views, settings.error_px)) == "");
+            REQUIRE(difference(active_set(cut), target_set(terrain, terrain, views, settings.max_error_px)) == "");
             if (views.size() > 1) continue;
-            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, views[0], settings.error_px)));
+            REQUIRE((triangles_of(cut.mesh()) == recursive_triangles(terrain, views[0], settings.max_error_px)));
             ++alone;
         }
     }
@@ -122,10 +122,10 @@ TEST_CASE("a cut built anew in the middle of changes has nothing in a queue that
         Cut cut(terrain, some_budget(terrain));
         std::vector<View> views{random_view(random, terrain)};
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int change = 0; change < 200; ++change) {
             change_views(random, terrain, views);
-            settings.items = static_cast<std::uint32_t>(pick(random, 0, 60));
+            settings.max_work = static_cast<std::uint32_t>(pick(random, 0, 60));
             if (pick(random, 0, 9) != 0) {
                 (void)cut.update(views, settings);
                 continue;
@@ -140,7 +140,7 @@ TEST_CASE("a cut built anew in the middle of changes has nothing in a queue that
                     let_go += n != root && groups[n].queue != unqueued;
             }
             (void)cut.rebuild(views, settings);
-            CAPTURE(round, change, views.size(), settings.error_px);
+            CAPTURE(round, change, views.size(), settings.max_error_px);
             REQUIRE(check_cut(cut) == "");
         }
     }
@@ -155,21 +155,21 @@ TEST_CASE("with hysteresis too, views that come, go and change places leave ever
         Cut cut(terrain, some_budget(terrain));
         std::vector<View> views{random_view(random, terrain)};
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int change = 0; change < 60; ++change) {
             change_views(random, terrain, views);
             if (pick(random, 0, 9) == 0)
                 settings.hysteresis = pick(random, 0, 2) ? std::pow(10.0, uniform(random, -2, 1)) : 0;
             settings.corner_safe = pick(random, 0, 9) == 0;
-            settings.items = pick(random, 0, 1) ? unlimited_work : 50;
+            settings.max_work = pick(random, 0, 1) ? unlimited_work : 50;
             const CutReport report = cut.update(views, settings);
-            CAPTURE(round, change, views.size(), settings.error_px, settings.hysteresis);
+            CAPTURE(round, change, views.size(), settings.max_error_px, settings.hysteresis);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             if (!report.converged) continue;
             const VertexSet now = active_set(cut);
             const double over = 1 + settings.hysteresis;
-            REQUIRE(contains(now, target_set(terrain, terrain, views, settings.error_px, settings.corner_safe)));
-            REQUIRE(contains(target_set(terrain, terrain, thresholds_over(over, views), settings.error_px / over,
+            REQUIRE(contains(now, target_set(terrain, terrain, views, settings.max_error_px, settings.corner_safe)));
+            REQUIRE(contains(target_set(terrain, terrain, thresholds_over(over, views), settings.max_error_px / over,
                                         settings.corner_safe),
                              now));
         }
@@ -186,11 +186,11 @@ TEST_CASE("a view beside an equal or a finer one, one that goes from it, and vie
         settings.morph = morph;
         settings.hysteresis = morph == Morph::none ? 0 : 0.2;
         View a = random_view(random, terrain), b = random_view(random, terrain), c = random_view(random, terrain);
-        b.error_px = 3;
+        b.max_error_px = 3;
         const auto visits = [&](std::vector<View> views) {
             const CutReport report = cut.update(views, settings);
             REQUIRE(report.converged);
-            REQUIRE(report.items == report.visits);
+            REQUIRE(report.work == report.visits);
             return report.visits;
         };
         REQUIRE(cut.update(std::vector<View>{a}, settings).visits > 0);
@@ -198,7 +198,7 @@ TEST_CASE("a view beside an equal or a finer one, one that goes from it, and vie
         CHECK(visits({a, a, a, a, a, a, a, a}) == 0);
         CHECK(visits({a}) == 0);
         View coarse = a; // wants less than its neighbour does
-        coarse.error_px = 4 * settings.error_px;
+        coarse.max_error_px = 4 * settings.max_error_px;
         CHECK(visits({a, coarse}) == 0);
         CHECK(visits({coarse, a, a}) == 0);
         CHECK(visits({a}) == 0);
@@ -220,12 +220,12 @@ TEST_CASE("a view that comes or goes makes as many groups due as one that moves 
     const auto pack = rich_terrain(random, 257, 7);
     const Terrain& terrain = pack.terrain;
     CutSettings settings, no_items;
-    no_items.items = 0;
+    no_items.max_work = 0;
     int few = 0;
     for (int round = 0; round < rounds(20, 200); ++round) {
         const View a = random_view(random, terrain), b = random_view(random, terrain);
         View near = moved(random, a, random_step_m(random, terrain) / 10);
-        if (pick(random, 0, 1)) near.error_px = settings.error_px * uniform(random, 0.9, 1.1);
+        if (pick(random, 0, 1)) near.max_error_px = settings.max_error_px * uniform(random, 0.9, 1.1);
         const auto due = [&](std::vector<View> before, std::vector<View> after) {
             Cut cut(terrain, ample_cut(terrain, max_cut_views));
             REQUIRE(settle(cut, before, settings).converged);
@@ -238,7 +238,7 @@ TEST_CASE("a view that comes or goes makes as many groups due as one that moves 
         CAPTURE(round, move, all);
         // One that comes only adds: where it is the coarser one, its threshold costs nothing.
         const std::uint32_t come = due({a}, {a, near});
-        if (near.error_px <= settings.error_px)
+        if (near.max_error_px <= settings.max_error_px)
             CHECK(come == move);
         else
             CHECK(come <= move);

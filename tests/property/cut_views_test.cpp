@@ -25,7 +25,7 @@ TEST_CASE("of several views, each gets what it wants: at rest the cut is the tar
         Cut cut(terrain, ample_cut(terrain, max_cut_views));
         std::vector<View> views = random_views(random, terrain, pick(random, 1, 8));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 14; ++frame) {
             switch (pick(random, 0, 5)) {
             case 0: // views come or go, anywhere in the list
@@ -43,17 +43,17 @@ TEST_CASE("of several views, each gets what it wants: at rest the cut is the tar
             default:
                 for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
             }
-            if (pick(random, 0, 5) == 0) settings.error_px = random_threshold(random);
+            if (pick(random, 0, 5) == 0) settings.max_error_px = random_threshold(random);
             const bool limited = pick(random, 0, 2) == 0;
-            settings.items = limited ? static_cast<std::uint32_t>(pick(random, 0, 500)) : unlimited_work;
+            settings.max_work = limited ? static_cast<std::uint32_t>(pick(random, 0, 500)) : unlimited_work;
             const CutReport report = cut.update(views, settings);
-            CAPTURE(round, frame, views.size(), settings.error_px, settings.items);
+            CAPTURE(round, frame, views.size(), settings.max_error_px, settings.max_work);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             if (limited) continue;
             REQUIRE(report.converged);
-            const VertexSet target = target_set(terrain, terrain, views, settings.error_px);
+            const VertexSet target = target_set(terrain, terrain, views, settings.max_error_px);
             REQUIRE(difference(active_set(cut), target) == "");
-            more += target != target_set(terrain, terrain, {views.data(), 1}, settings.error_px);
+            more += target != target_set(terrain, terrain, {views.data(), 1}, settings.max_error_px);
         }
     }
     REQUIRE(more > 100); // that the others count is seen
@@ -86,41 +86,42 @@ TEST_CASE("with hysteresis the cut rests between the two targets, changes nothin
         Cut cut(terrain, ample_cut(terrain, 2));
         std::vector<View> views = random_views(random, terrain, pick(random, 1, 2));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.hysteresis = std::pow(10.0, uniform(random, -2, 1));
         VertexSet first;
         for (int frame = 0; frame < 12; ++frame) {
             switch (pick(random, 0, 5)) {
-            case 0: settings.error_px = random_threshold(random); break;
+            case 0: settings.max_error_px = random_threshold(random); break;
             case 1: settings.hysteresis = pick(random, 0, 2) ? std::pow(10.0, uniform(random, -2, 1)) : 0; break;
             default:
                 for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
             }
-            settings.items = pick(random, 0, 2) ? unlimited_work : 3000;
+            settings.max_work = pick(random, 0, 2) ? unlimited_work : 3000;
             CutReport report = cut.update(views, settings);
-            CAPTURE(round, frame, settings.error_px, settings.hysteresis);
+            CAPTURE(round, frame, settings.max_error_px, settings.hysteresis);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
             report = settle(cut, views, settings, 500);
             REQUIRE(report.converged);
-            const VertexSet now = active_set(cut), least = target_set(terrain, terrain, views, settings.error_px),
-                            most = target_set(terrain, terrain, views, settings.error_px / (1 + settings.hysteresis));
+            const VertexSet now = active_set(cut), least = target_set(terrain, terrain, views, settings.max_error_px),
+                            most =
+                                target_set(terrain, terrain, views, settings.max_error_px / (1 + settings.hysteresis));
             REQUIRE(contains(now, least));
             REQUIRE(contains(most, now));
             if (settings.hysteresis == 0) REQUIRE(difference(now, least) == "");
             hesitated += now != least && now != most;
-            for (int rest = 0; rest < 3; ++rest) REQUIRE(cut.update(views, settings).items == 0);
+            for (int rest = 0; rest < 3; ++rest) REQUIRE(cut.update(views, settings).work == 0);
         }
         // There and back within what the hysteresis spans: of what came up none goes. An eye that moves by d, or a
         // threshold that changes, must not undo itself: the way back finds the same set, the second time too.
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         settings.hysteresis = 1;
-        const double requested_px = settings.error_px;
+        const double requested_px = settings.max_error_px;
         (void)settle(cut, views, settings);
         for (int turn = 0; turn < 3; ++turn) {
-            settings.error_px = requested_px * 1.5;
+            settings.max_error_px = requested_px * 1.5;
             const CutReport up = cut.update(views, settings);
             REQUIRE(up.activations == 0);
-            settings.error_px = requested_px;
+            settings.max_error_px = requested_px;
             const CutReport back = cut.update(views, settings);
             REQUIRE(back.activations + back.deactivations == 0);
             REQUIRE(contains(active_set(cut), target_set(terrain, terrain, views, requested_px)));

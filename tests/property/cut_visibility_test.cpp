@@ -25,7 +25,7 @@ VertexSet seen_of(const Terrain& terrain, const VertexSet& set, std::span<const 
         const SampleIndex at = t.tree.sample(c);
         for (const View& view : views) {
             const Frustum f = make_frustum(view);
-            const Vec3 p = Vec3{t.x_m(at.x), v.height_m, t.z_m(at.y)} - view.eye_m;
+            const Vec3 p = Vec3{t.x_m(at.column), v.height_m, t.z_m(at.row)} - view.eye_m;
             bool inside = true;
             for (int plane = 0; plane < 6; ++plane)
                 inside = inside && dot(f.normal[plane], p) >= f.offset[plane] - static_cast<double>(v.radius_m);
@@ -51,11 +51,11 @@ TEST_CASE("at rest all that a view sees is refined as asked, nothing finer, and 
         for (View& view : views) view = random_view(random, terrain);
         Cut cut(terrain, ample_cut(terrain, 3));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 12; ++frame, ++frames) {
             // Now and then all around again: that must come back exactly.
             settings.offscreen_factor = pick(random, 0, 3) == 0 ? 1 : std::pow(10.0, uniform(random, 0, 2));
-            if (pick(random, 0, 5) == 0) settings.error_px = random_threshold(random);
+            if (pick(random, 0, 5) == 0) settings.max_error_px = random_threshold(random);
             for (View& view : views) {
                 view = moved(random, view, random_step_m(random, terrain));
                 view = turned(random, view, pick(random, 0, 1) ? 0.02 : 1);
@@ -64,17 +64,18 @@ TEST_CASE("at rest all that a view sees is refined as asked, nothing finer, and 
             CutReport report;
             if (pick(random, 0, 5) == 0) report = cut.rebuild(views, settings);
             report = settle(cut, views, settings);
-            CAPTURE(round, frame, views.size(), settings.error_px, settings.offscreen_factor, report.waiting);
+            CAPTURE(round, frame, views.size(), settings.max_error_px, settings.offscreen_factor, report.waiting);
             REQUIRE(report.converged);
             REQUIRE(check_frame(cut, terrain, report, settings) == "");
-            const VertexSet now = active_set(cut), fine = target_set(terrain, terrain, views, settings.error_px);
+            const VertexSet now = active_set(cut), fine = target_set(terrain, terrain, views, settings.max_error_px);
             if (settings.offscreen_factor == 1) {
                 REQUIRE(difference(now, fine) == "");
                 continue;
             }
             REQUIRE(contains(fine, now));
             REQUIRE(contains(now, seen_of(terrain, fine, views)));
-            REQUIRE(contains(now, target_set(terrain, terrain, views, settings.error_px * settings.offscreen_factor)));
+            REQUIRE(
+                contains(now, target_set(terrain, terrain, views, settings.max_error_px * settings.offscreen_factor)));
             some_less += count(now) < count(fine);
             for (const View& view : views) {
                 const Frustum frustum = make_frustum(view);
@@ -93,7 +94,7 @@ TEST_CASE("what comes into sight stands before it is seen: a head that turns at 
     const double extent = terrain.x_m(512);
     for (const Morph morph : {Morph::none, Morph::error, Morph::time}) {
         Cut cut(terrain, ample_cut(terrain));
-        CutSettings settings{.error_px = 2, .morph = morph, .offscreen_factor = 8};
+        CutSettings settings{.max_error_px = 2, .morph = morph, .offscreen_factor = 8};
         View view = make_view({extent / 2, terrain.header().max_m + extent / 50, extent / 2}, {1, -0.2, 0}, {0, 1, 0},
                               0.8, 640, 480, 1, 1e6);
         CutReport report = cut.rebuild({&view, 1}, settings);
@@ -104,13 +105,14 @@ TEST_CASE("what comes into sight stands before it is seen: a head that turns at 
             settings.now_s += 1.0 / 60;
             report = cut.update({&view, 1}, settings);
             CAPTURE(frame, morph, report.waiting, report.morphing);
-            REQUIRE(report.error_bound_px == settings.error_px);
+            REQUIRE(report.error_bound_px == settings.max_error_px);
             REQUIRE(report.morphing == 0);
             changes += report.activations;
             const Frustum frustum = make_frustum(view);
-            if (frame % 20 == 0) coarser += measure_error(terrain, cut.mesh(), view).max_px > settings.error_px;
+            if (frame % 20 == 0) coarser += measure_error(terrain, cut.mesh(), view).max_px > settings.max_error_px;
             if (frame % 20 == 0 && morph == Morph::none)
-                REQUIRE(measure_error(terrain, cut.mesh(), view, &frustum).max_px <= settings.error_px * (1 + 1e-6));
+                REQUIRE(measure_error(terrain, cut.mesh(), view, &frustum).max_px <=
+                        settings.max_error_px * (1 + 1e-6));
         }
         CHECK(changes > 1000);
         CHECK(coarser > rounds<std::size_t>(2, 5));
@@ -122,7 +124,7 @@ TEST_CASE("pages are looked at again only when a view has left what they were lo
     const auto pack = rich_terrain(random, 257, 6);
     const double extent = pack.terrain.x_m(256), cell = pack.terrain.spacing_x_m();
     Cut cut(pack.terrain, ample_cut(pack.terrain));
-    const CutSettings settings{.error_px = 1, .offscreen_factor = 4};
+    const CutSettings settings{.max_error_px = 1, .offscreen_factor = 4};
     View view = make_view({extent / 2, pack.terrain.header().max_m + cell, extent / 2}, {1, -0.1, 0}, {0, 1, 0}, 0.8,
                           640, 480, 1, 1e6);
     (void)cut.rebuild({&view, 1}, settings);
@@ -146,7 +148,7 @@ TEST_CASE("with time enough every frame of a flight keeps to its threshold, page
     const double cell_m = terrain.x_m(1), extent = terrain.x_m(1024);
     for (int round = 0; round < rounds(3, 20); ++round) {
         Cut cut(terrain, ample_cut(terrain));
-        const CutSettings settings{.error_px = 2, .offscreen_factor = 8};
+        const CutSettings settings{.max_error_px = 2, .offscreen_factor = 8};
         const double heading = uniform(random, 0, 6.28), step_m = cell_m * std::pow(10.0, uniform(random, -1, 0.5));
         const Vec3 forward{std::cos(heading), -0.15, std::sin(heading)};
         Vec3 eye{extent / 2, terrain.header().max_m + 10 * cell_m, extent / 2};
@@ -154,7 +156,7 @@ TEST_CASE("with time enough every frame of a flight keeps to its threshold, page
             const View view = make_view(eye, forward, {0, 1, 0}, 0.8, 640, 480, 1, 1e6);
             const CutReport report = frame == 0 ? cut.rebuild({&view, 1}, settings) : cut.update({&view, 1}, settings);
             CAPTURE(round, frame, step_m / cell_m, report.waiting);
-            if (frame > 0) REQUIRE(report.error_bound_px == settings.error_px);
+            if (frame > 0) REQUIRE(report.error_bound_px == settings.max_error_px);
         }
     }
 }
@@ -166,7 +168,7 @@ TEST_CASE("where time ends a frame before all pages are looked at, what is claim
         const auto pack = rich_terrain(random, 257, 6);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
-        CutSettings settings{.error_px = uniform(random, 0.5, 3), .offscreen_factor = uniform(random, 3, 30)};
+        CutSettings settings{.max_error_px = uniform(random, 0.5, 3), .offscreen_factor = uniform(random, 3, 30)};
         View view = random_view(random, terrain);
         REQUIRE(settle(cut, {&view, 1}, settings).converged);
         for (int frame = 0; frame < 30; ++frame) {
@@ -175,7 +177,7 @@ TEST_CASE("where time ends a frame before all pages are looked at, what is claim
             if (pick(random, 0, 1) == 0) view = turned(random, view, 2);
             if (pick(random, 0, 29) == 0) view = random_view(random, terrain);
             const CutReport report = cut.update({&view, 1}, settings);
-            CAPTURE(round, frame, settings.error_px, settings.offscreen_factor, report.waiting);
+            CAPTURE(round, frame, settings.max_error_px, settings.offscreen_factor, report.waiting);
             REQUIRE(report.visits <= settings.visits);
             lagging += !report.converged;
             if (report.error_bound_px >= unbounded_px) continue;
@@ -183,11 +185,11 @@ TEST_CASE("where time ends a frame before all pages are looked at, what is claim
             const Frustum frustum = make_frustum(view);
             const double shown_px = measure_error(terrain, cut.mesh(), view, &frustum).max_px;
             REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
-            beyond += shown_px > settings.error_px * (1 + 1e-6);
+            beyond += shown_px > settings.max_error_px * (1 + 1e-6);
         }
         settings.visits = unlimited_work;
         REQUIRE(settle(cut, {&view, 1}, settings).converged);
-        const VertexSet fine = target_set(terrain, terrain, {&view, 1}, settings.error_px);
+        const VertexSet fine = target_set(terrain, terrain, {&view, 1}, settings.max_error_px);
         REQUIRE(contains(active_set(cut), seen_of(terrain, fine, {&view, 1})));
     }
     CAPTURE(lagging, bounded, beyond);

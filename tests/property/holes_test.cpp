@@ -30,11 +30,12 @@ io::LoadedPack random_holed_terrain(Random& random, bool large) {
 // Every sample in the closed triangle.
 std::vector<SampleIndex> samples_under(const Triangle& t) {
     const auto turn = [](SampleIndex a, SampleIndex b, SampleIndex p) {
-        return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x);
+        return std::int64_t{b.column - a.column} * (p.row - a.row) -
+               std::int64_t{b.row - a.row} * (p.column - a.column);
     };
     const std::int64_t sign = turn(t[0], t[1], t[2]) < 0 ? -1 : 1;
-    const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
-    const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+    const auto [x0, x1] = std::minmax({t[0].column, t[1].column, t[2].column});
+    const auto [y0, y1] = std::minmax({t[0].row, t[1].row, t[2].row});
     std::vector<SampleIndex> samples;
     for (std::int32_t y = y0; y <= y1; ++y)
         for (std::int32_t x = x0; x <= x1; ++x) {
@@ -46,7 +47,7 @@ std::vector<SampleIndex> samples_under(const Triangle& t) {
 }
 
 Vec3 position(const Terrain& t, SampleIndex c) {
-    return {t.x_m(c.x), data_of(t).height_m(c), t.z_m(c.y)};
+    return {t.x_m(c.column), data_of(t).height_m(c), t.z_m(c.row)};
 }
 
 // How far a rim may be drawn from its place, in pixels: the size of the largest triangle that has both ground and hole
@@ -84,15 +85,15 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
         for (int frame = 0; frame < (large ? 2 : 4); ++frame) {
             const View view = random_view(random, terrain);
             RefineSettings settings;
-            settings.error_px = random_threshold(random) * (large ? 10 : 1);
+            settings.max_error_px = random_threshold(random) * (large ? 10 : 1);
             settings.cull = frame % 2 == 1;
             const FrameReport report = method.update(view, settings);
             (void)whole.update(view, settings);
-            CAPTURE(round, frame, settings.error_px, data_of(terrain).tree.columns(), data_of(terrain).tree.rows(),
+            CAPTURE(round, frame, settings.max_error_px, data_of(terrain).tree.columns(), data_of(terrain).tree.rows(),
                     data_of(terrain).tree.tile_log2);
             REQUIRE(check_mesh(whole_terrain, whole.mesh()) == "");
             std::vector<Triangle> expected = triangles_of(whole.mesh());
-            if (!settings.cull) REQUIRE(rim_px(terrain, expected, view) <= settings.error_px);
+            if (!settings.cull) REQUIRE(rim_px(terrain, expected, view) <= settings.max_error_px);
             const std::size_t all = expected.size();
             std::erase_if(expected, [&](const Triangle& t) {
                 return data_of(terrain).is_hole(t[0]) || data_of(terrain).is_hole(t[1]) ||
@@ -106,7 +107,7 @@ TEST_CASE("a mesh with holes is the whole one less the triangles with a corner i
                 const Frustum frustum = make_frustum(view);
                 const MeasuredError error =
                     measure_error(terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
-                REQUIRE(error.max_px <= settings.error_px * (1 + 1e-9));
+                REQUIRE(error.max_px <= settings.max_error_px * (1 + 1e-9));
             }
             settings.topology = Topology::strip;
             REQUIRE(strips.update(view, settings).triangles == expected.size());

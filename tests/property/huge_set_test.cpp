@@ -93,7 +93,7 @@ struct Flown {
     Terrain terrain;
     std::optional<Cut> cut;
     Stream stream;
-    CutSettings settings{.error_px = 3};
+    CutSettings settings{.max_error_px = 3};
     StreamSettings stream_settings;
     StreamReport report;
     CutReport cut_report;
@@ -233,7 +233,7 @@ TEST_CASE("a terrain of a million samples a side is opened, flown across its voi
     const At last = HugeSet::places[2];
     const View view = make_view({(last.x + 0.5) * a_tile, 900, (last.y + 0.5) * a_tile}, {0, -1, 0.01}, {0, 1, 0}, 1,
                                 640, 480, 1, 1e6);
-    flown.settings.error_px = 8;
+    flown.settings.max_error_px = 8;
     flown.rest(view);
     gltf::Snapshot snapshot;
     REQUIRE(gltf::take_snapshot(terrain, flown.cut->cut, view, flown.settings, flown.cut_report, snapshot).ok());

@@ -23,7 +23,7 @@ std::vector<Triangle> triangles_of(const bench::LeanRecursion& lean, const Terra
     const auto coord = [&](std::size_t i) {
         const bench::LeanVertex& v = lean.vertex(strip[i]);
         return SampleIndex{static_cast<std::int32_t>(std::lround(v.x_m / terrain.header().spacing_m[0])),
-                     static_cast<std::int32_t>(std::lround(v.z_m / terrain.header().spacing_m[1]))};
+                           static_cast<std::int32_t>(std::lround(v.z_m / terrain.header().spacing_m[1]))};
     };
     std::vector<Triangle> triangles;
     for (std::size_t i = 2; i < strip.size(); ++i) {
@@ -32,7 +32,9 @@ std::vector<Triangle> triangles_of(const bench::LeanRecursion& lean, const Terra
         if (i % 2) std::swap(t[0], t[1]);
         std::rotate(t.begin(),
                     std::min_element(t.begin(), t.end(),
-                                     [](SampleIndex a, SampleIndex b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); }),
+                                     [](SampleIndex a, SampleIndex b) {
+                                         return std::pair(a.row, a.column) < std::pair(b.row, b.column);
+                                     }),
                     t.end());
         triangles.push_back(t);
     }
@@ -75,7 +77,7 @@ TEST_CASE("the lean recursion draws the recursive method's triangles in one stri
             auto expected = recursive_triangles(terrain, view, error_px), sorted = triangles;
             const auto before = [](const Triangle& a, const Triangle& b) {
                 const auto key = [](const Triangle& t) {
-                    return std::array{t[0].y, t[0].x, t[1].y, t[1].x, t[2].y, t[2].x};
+                    return std::array{t[0].row, t[0].column, t[1].row, t[1].column, t[2].row, t[2].column};
                 };
                 return key(a) < key(b);
             };

@@ -47,15 +47,15 @@ TEST_CASE("without culling every mesh is crack-free, covers the terrain and keep
             for (int frame = 0; frame < 8; ++frame) {
                 const View view = random_view(random, pack.terrain);
                 RefineSettings settings;
-                settings.error_px = random_threshold(random);
+                settings.max_error_px = random_threshold(random);
                 settings.cull = false;
                 const FrameReport report = method.update(view, settings);
-                CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.error_px);
+                CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.max_error_px);
                 REQUIRE(report.converged);
                 REQUIRE(report.tiles == pack.terrain.tile_count());
                 REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
                 const MeasuredError error = measure_error(pack.terrain, method.mesh(), view);
-                REQUIRE(within(error.max_px, settings.error_px));
+                REQUIRE(within(error.max_px, settings.max_error_px));
             }
         }
 }
@@ -71,13 +71,14 @@ TEST_CASE("with culling the mesh stays crack-free and keeps the bound inside the
                 const Frustum frustum = make_frustum(view);
                 for (const Metric metric : {Metric::isotropic, Metric::depth}) {
                     RefineSettings settings;
-                    settings.error_px = random_threshold(random);
+                    settings.max_error_px = random_threshold(random);
                     settings.metric = metric;
                     (void)method.update(view, settings);
-                    CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame, settings.error_px);
+                    CAPTURE(tiling.tile_log2, tiling.tiles_x, tiling.tiles_y, terrain_number, frame,
+                            settings.max_error_px);
                     REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
-                    REQUIRE(
-                        within(measure_error(pack.terrain, method.mesh(), view, &frustum).max_px, settings.error_px));
+                    REQUIRE(within(measure_error(pack.terrain, method.mesh(), view, &frustum).max_px,
+                                   settings.max_error_px));
                 }
             }
         }
@@ -103,14 +104,14 @@ TEST_CASE("any extents: the same holds for terrains that end inside their last t
             const View view = random_view(random, pack.terrain);
             const Frustum frustum = make_frustum(view);
             RefineSettings settings;
-            settings.error_px = random_threshold(random) * (large ? 10 : 1);
+            settings.max_error_px = random_threshold(random) * (large ? 10 : 1);
             settings.cull = frame % 2 == 1;
             (void)method.update(view, settings);
-            CAPTURE(round, columns, rows, log2, frame, settings.error_px);
+            CAPTURE(round, columns, rows, log2, frame, settings.max_error_px);
             REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
             const MeasuredError error =
                 measure_error(pack.terrain, method.mesh(), view, settings.cull ? &frustum : nullptr);
-            REQUIRE(within(error.max_px, settings.error_px));
+            REQUIRE(within(error.max_px, settings.max_error_px));
             settings.topology = Topology::strip;
             (void)strips.update(view, settings);
             REQUIRE(check_mesh(pack.terrain, strips.mesh()) == "");
@@ -148,7 +149,7 @@ TEST_CASE("strip and list describe the same triangles with the same winding") {
             Recursive lists(pack.terrain, ample_budget(pack.terrain)), strips(pack.terrain, ample_budget(pack.terrain));
             const View view = random_view(random, pack.terrain);
             RefineSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.cull = pick(random, 0, 1) == 1;
             const FrameReport list_report = lists.update(view, settings);
             settings.topology = Topology::strip;
@@ -169,20 +170,20 @@ TEST_CASE("spheres that touch nest: an eye on a decision surface makes no crack,
         const Terrain& terrain = pack.terrain;
         Recursive method(terrain, ample_budget(terrain));
         const auto position = [&](SampleIndex c) {
-            return Vec3{terrain.x_m(c.x), data_of(terrain).height_m(c), terrain.z_m(c.y)};
+            return Vec3{terrain.x_m(c.column), data_of(terrain).height_m(c), terrain.z_m(c.row)};
         };
         for (int sample = 0; sample < 60; ++sample) {
             const SampleIndex v{pick(random, 0, data_of(terrain).tree.columns() - 1),
-                          pick(random, 0, data_of(terrain).tree.rows() - 1)};
+                                pick(random, 0, data_of(terrain).tree.rows() - 1)};
             if (data_of(terrain).tree.is_corner(v)) continue;
             const Diamond d = diamond(data_of(terrain).tree, v);
             const SampleIndex parent = d.apexes[pick(random, 0, 1)];
             if (!data_of(terrain).tree.contains(parent) || data_of(terrain).tree.is_corner(parent)) continue;
             RefineSettings settings;
             settings.cull = false;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             View view = make_view({}, {0, -1, 0.1}, {0, 1, 0}, 1, 1280, 720, 1, 1e6);
-            const double q = focal_length_px(view) / settings.error_px;
+            const double q = focal_length_px(view) / settings.max_error_px;
             const double reach =
                 static_cast<double>(data_of(terrain).vertex(v).radius_m) + data_of(terrain).vertex(v).error_m * q;
             // From the parent through the child to where the child is just not wanted: there the two are closest.
@@ -205,15 +206,15 @@ TEST_CASE("what is selected is exactly what is wanted (invariant 7)") {
         Recursive method(terrain, ample_budget(terrain));
         const View view = random_view(random, terrain);
         RefineSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.cull = false;
         (void)method.update(view, settings);
-        const Reach reach = make_reach(view, settings.error_px);
+        const Reach reach = make_reach(view, settings.max_error_px);
         std::vector<bool> used(static_cast<std::size_t>(data_of(terrain).tree.columns()) *
                                static_cast<std::size_t>(data_of(terrain).tree.rows()));
         const auto at = [&](SampleIndex c) {
-            return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(terrain).tree.columns()) +
-                   static_cast<std::size_t>(c.x);
+            return static_cast<std::size_t>(c.row) * static_cast<std::size_t>(data_of(terrain).tree.columns()) +
+                   static_cast<std::size_t>(c.column);
         };
         for (const Triangle& t : triangles_of(method.mesh()))
             for (const SampleIndex c : t) used[at(c)] = true;
@@ -242,21 +243,21 @@ TEST_CASE("with culling, too, what is selected is exactly what is wanted and mee
         for (int frame = 0; frame < 4; ++frame) {
             const View view = random_view(random, terrain);
             RefineSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.metric = frame == 3 ? Metric::depth : Metric::isotropic;
             settings.topology = frame == 2 ? Topology::strip : Topology::triangles;
             const FrameReport report = method.update(view, settings);
-            const Reach reach = make_reach(view, settings.error_px);
+            const Reach reach = make_reach(view, settings.max_error_px);
             const Frustum frustum = make_frustum(view);
             // Of the grid, row by row, also beyond the rim.
             const std::int32_t columns = data.tree.grid_columns(), rows = data.tree.grid_rows();
-            const auto at = [&](SampleIndex c) { return static_cast<std::size_t>(c.y) * columns + c.x; };
+            const auto at = [&](SampleIndex c) { return static_cast<std::size_t>(c.row) * columns + c.column; };
             std::vector<bool> expected(static_cast<std::size_t>(columns) * rows), used = expected, drawn = expected;
             for (std::int32_t y = 0; y < rows; ++y)
                 for (std::int32_t x = 0; x < columns; ++x) {
                     const TerrainData::Vertex v = data.vertex({x, y});
                     const SampleIndex s = data.tree.sample({x, y});
-                    const float px = terrain.x_m(s.x), pz = terrain.z_m(s.y);
+                    const float px = terrain.x_m(s.column), pz = terrain.z_m(s.row);
                     const Vec3 p = Vec3{px, v.height_m, pz} - view.eye_m;
                     bool in = settings.metric == Metric::depth
                                   ? dot(view.forward, p) - double{v.radius_m} <
@@ -283,7 +284,7 @@ TEST_CASE("with culling, too, what is selected is exactly what is wanted and mee
             for (std::int32_t y = 0; y < data.tree.rows() - 1; ++y) // at the rim several stand at one sample
                 for (std::int32_t x = 0; x < data.tree.columns() - 1; ++x)
                     wrong += used[at({x, y})] != (drawn[at({x, y})] && expected[at({x, y})]);
-            CAPTURE(round, frame, data.tree.tile_log2, columns, rows, settings.error_px);
+            CAPTURE(round, frame, data.tree.tile_log2, columns, rows, settings.max_error_px);
             REQUIRE(wrong == 0);
             REQUIRE(report.vertices == count);
         }
@@ -297,7 +298,7 @@ TEST_CASE("what a frame knew of a vertex is forgotten by the time that frames' n
     View away = view_from_above(pack.terrain, 0.1);
     away.eye_m.y += away.far_m * 2;
     RefineSettings all, none;
-    all.error_px = 0.01;
+    all.max_error_px = 0.01;
     for (int turn = 0; turn < 2; ++turn) {
         const FrameReport whole = method.update(view_from_above(pack.terrain, 0.1), all);
         REQUIRE(whole.vertices > 500);
@@ -305,7 +306,7 @@ TEST_CASE("what a frame knew of a vertex is forgotten by the time that frames' n
         for (int frame = 0; frame < 4; ++frame) {
             const View view = view_from_above(pack.terrain, 3);
             RefineSettings some;
-            some.error_px = 30;
+            some.max_error_px = 30;
             Recursive fresh(pack.terrain, ample_budget(pack.terrain));
             const FrameReport expected = fresh.update(view, some), report = method.update(view, some);
             REQUIRE(expected.vertices > 10);
@@ -323,15 +324,15 @@ TEST_CASE("the corner-safe bound is the angular one, divided by what the image's
         Recursive method(pack.terrain, ample_budget(pack.terrain)), plain(pack.terrain, ample_budget(pack.terrain));
         const View view = random_view(random, pack.terrain);
         RefineSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.cull = false;
         settings.corner_safe = true;
         const FrameReport report = method.update(view, settings);
         const MeasuredError error = measure_error(pack.terrain, method.mesh(), view);
-        REQUIRE(within(error.max_px, settings.error_px / corner_factor(view)));
-        REQUIRE(report.error_bound_px == settings.error_px);
+        REQUIRE(within(error.max_px, settings.max_error_px / corner_factor(view)));
+        REQUIRE(report.error_bound_px == settings.max_error_px);
         settings.corner_safe = false;
-        settings.error_px /= corner_factor(view);
+        settings.max_error_px /= corner_factor(view);
         (void)plain.update(view, settings);
         REQUIRE(triangles_of(method.mesh()) == triangles_of(plain.mesh()));
     }
@@ -380,7 +381,7 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
             budget.indices = static_cast<std::uint32_t>(pick(random, 9 * 9, 3000));
         Recursive method(terrain, budget), free(terrain, ample_budget(terrain));
         RefineSettings settings;
-        settings.error_px = 0.05;
+        settings.max_error_px = 0.05;
         settings.cull = pick(random, 0, 1) == 1;
         settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
         for (int frame = 0; frame < 4; ++frame) {
@@ -388,7 +389,7 @@ TEST_CASE("a budget that is too small lowers quality, names itself and breaks no
             const FrameReport report = method.update(view, settings);
             const FrameReport wish = free.update(view, settings);
             REQUIRE(check_mesh(terrain, method.mesh()) == "");
-            REQUIRE(report.error_px_requested == settings.error_px);
+            REQUIRE(report.error_px_requested == settings.max_error_px);
             REQUIRE(report.converged == (report.error_bound_px <= report.error_px_requested));
             if (report.converged)
                 REQUIRE(report.triangles == wish.triangles);
@@ -424,7 +425,7 @@ TEST_CASE("a copy of the vertex buffer that only takes over what was written sta
     Recursive method(pack.terrain, {3000, 40000});
     std::vector<MeshVertex> copy(3000);
     RefineSettings settings;
-    settings.error_px = 4;
+    settings.max_error_px = 4;
     std::uint32_t clearings = 0;
     for (int frame = 0; frame < 300; ++frame) {
         const FrameReport report = method.update(random_view(random, pack.terrain), settings);
@@ -468,7 +469,7 @@ TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it wa
     bad.top = bad.bottom;
     refused(bad, {}, "View::bottom, top");
     RefineSettings settings;
-    settings.error_px = 0;
+    settings.max_error_px = 0;
     refused(good, settings, "RefineSettings::error_px");
     settings = {};
     settings.metric = Metric::depth;

@@ -126,7 +126,7 @@ private:
         switch (pick(random_, 0, 6)) {
         case 0: view.eye_m = odd_vector(); break;
         case 1: view.top = odd_number(); break;
-        case 2: view.error_px = odd_number(); break;
+        case 2: view.max_error_px = odd_number(); break;
         case 3: view.width_px = odd_index(); break;
         default: break;
         }
@@ -134,8 +134,8 @@ private:
     }
     FjellCutSettings settings() {
         FjellCutSettings s = fjell_cut_settings_default();
-        s.items = 500;
-        if (one_in(3)) s.error_px = odd_number();
+        s.max_work = 500;
+        if (one_in(3)) s.max_error_px = odd_number();
         if (one_in(5)) s.morph = odd_byte();
         if (one_in(5)) s.morph_s = odd_number();
         return s;
@@ -294,7 +294,7 @@ private:
     void refine() {
         const FjellRecursiveMethod method = any().method;
         FjellRefineSettings s = fjell_refine_settings_default();
-        if (one_in(3)) s.error_px = odd_number();
+        if (one_in(3)) s.max_error_px = odd_number();
         if (one_in(3)) s.metric = odd_byte();
         if (one_in(3)) s.topology = odd_byte();
         FjellView view = a_view();

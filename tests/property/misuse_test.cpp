@@ -151,14 +151,14 @@ private:
         case 1: view.forward = odd_vector(random_); break;
         case 2: view.top = odd_number(random_); break;
         case 3: view.left = odd_number(random_); break;
-        case 4: view.error_px = odd_number(random_); break;
+        case 4: view.max_error_px = odd_number(random_); break;
         default: break;
         }
         return view;
     }
     CutSettings any_settings() {
-        CutSettings s{.items = 500};
-        if (pick(random_, 0, 2) == 0) s.error_px = odd_number(random_);
+        CutSettings s{.max_work = 500};
+        if (pick(random_, 0, 2) == 0) s.max_error_px = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.hysteresis = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.offscreen_factor = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.morph = Morph::time, s.morph_s = odd_number(random_);
@@ -201,7 +201,8 @@ private:
         REQUIRE((t.valid() || !hit.hit));
         std::array<float, 100> heights{};
         std::array<bool, 100> holes{};
-        const SampleIndex first{static_cast<std::int32_t>(odd_index(random_)), static_cast<std::int32_t>(odd_index(random_))};
+        const SampleIndex first{static_cast<std::int32_t>(odd_index(random_)),
+                                static_cast<std::int32_t>(odd_index(random_))};
         const auto given = static_cast<std::size_t>(pick(random_, 0, 100));
         const GroundPatch patch = ground_patch(t, first, static_cast<int>(odd_index(random_)), odd_index(random_),
                                                std::span(heights).first(given), std::span(holes).first(given));
@@ -346,7 +347,7 @@ private:
     void refine() {
         const RecursiveMethod method = any(recursives_);
         RefineSettings settings;
-        if (pick(random_, 0, 2) == 0) settings.error_px = odd_number(random_);
+        if (pick(random_, 0, 2) == 0) settings.max_error_px = odd_number(random_);
         if (pick(random_, 0, 2) == 0) settings.metric = Metric::depth, settings.cull = pick(random_, 0, 1) != 0;
         FrameReport report;
         count(update_recursive(method, any_view(), settings, report));

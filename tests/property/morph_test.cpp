@@ -75,7 +75,7 @@ Flight fly(const Terrain& terrain, const CutBudget& budget, CutSettings settings
     double threshold_px = cut.rebuild({&view, 1}, settings).threshold_px;
     Flight flight;
     std::vector<double> before;
-    settings.items = items;
+    settings.max_work = items;
     for (int frame = 0; frame < frames; ++frame) {
         eye = eye + Vec3{0.8, 0.05, 0.6} * (step_cells * cell);
         view = look();
@@ -103,7 +103,7 @@ TEST_CASE("morphing by error, no sample jumps by more than a twentieth of a pixe
         const auto pack = rich_terrain(random, 65, 6);
         const CutBudget ample = ample_cut(pack.terrain);
         CutSettings settings;
-        settings.error_px = 1;
+        settings.max_error_px = 1;
         settings.morph = Morph::error;
         const Flight morphed = fly(pack.terrain, ample, settings, unlimited_work, 700);
         CAPTURE(round, morphed.changes);
@@ -122,7 +122,7 @@ TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
              {std::pair{Morph::time, 0.01}, {Morph::error, -0.01}, {Morph::error, 0.01}})) { // back: deactivations lag
         const auto pack = rich_terrain(random, 65, 6);
         CutSettings settings;
-        settings.error_px = 1;
+        settings.max_error_px = 1;
         settings.morph = morph;
         settings.morph_s = 10; // 1/600 of a displacement a frame
         const Flight late = fly(pack.terrain, ample_cut(pack.terrain), settings, 2, 900, step_cells);
@@ -139,7 +139,7 @@ TEST_CASE("where vertices morph a capacity that is spent moves the mesh in many 
     for (int round = 0; round < rounds(2, 8); ++round) {
         const auto pack = rich_terrain(random, 65, 6);
         CutSettings settings;
-        settings.error_px = 1;
+        settings.max_error_px = 1;
         CutBudget scarce = ample_cut(pack.terrain);
         const View above = view_from_above(pack.terrain, 0.1);
         Cut cut(pack.terrain, scarce);
@@ -162,11 +162,11 @@ TEST_CASE("the narrowest nesting does not hold the governor up") {
     const View view = view_from_above(pack.terrain, 0.1);
     CutSettings settings;
     settings.morph = Morph::error;
-    settings.error_px = 0.1;
+    settings.max_error_px = 0.1;
     CutBudget budget = ample_cut(pack.terrain);
     Cut ample(pack.terrain, budget);
     budget.vertices = ample.rebuild({&view, 1}, settings).vertices / 4;
-    settings.items = 1000; // no bulk pass, which finds its threshold at once
+    settings.max_work = 1000; // no bulk pass, which finds its threshold at once
     Cut cut(pack.terrain, budget);
     CutReport report;
     int frames = 0;
@@ -176,7 +176,7 @@ TEST_CASE("the narrowest nesting does not hold the governor up") {
     } while (frames < 300 && (report.waiting != 0 || report.vertices < budget.vertices / 2));
     CAPTURE(frames, report.threshold_px, report.blocked);
     CHECK(report.waiting == 0);
-    CHECK(report.threshold_px > 1.5 * settings.error_px); // it had some way to go
+    CHECK(report.threshold_px > 1.5 * settings.max_error_px); // it had some way to go
 }
 
 TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not before the edge it splits has arrived") {
@@ -187,7 +187,7 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const View view = view_from_above(terrain, uniform(random, 1, 30));
         const auto distance_m = [&](SampleIndex c) {
             const double height_m = static_cast<double>(data_of(terrain).vertex(c).height_m);
-            return length(Vec3{terrain.x_m(c.x), height_m, terrain.z_m(c.y)} - view.eye_m);
+            return length(Vec3{terrain.x_m(c.column), height_m, terrain.z_m(c.row)} - view.eye_m);
         };
         const auto reach_m = [&](SampleIndex c, double q) {
             const TerrainData::Vertex v = data_of(terrain).vertex(c);
@@ -200,22 +200,26 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         const double nested = 1 + static_cast<double>(terrain.header().nesting);
         const double start_q = 1.0001 * (distance_m(some) - reach_m(some, 0)) / error_m;
         CutSettings settings;
-        settings.error_px = std::clamp(nested * nested * focal_length_px(view) / start_q, 1e-3, 1e6);
+        settings.max_error_px = std::clamp(nested * nested * focal_length_px(view) / start_q, 1e-3, 1e6);
         settings.morph = Morph::error;
         Cut cut(terrain, ample_cut(terrain));
         (void)cut.update({&view, 1}, settings);
         const MorphView morph = cut_morph(cut.cut).view[0];
-        const double start_per_error = static_cast<double>(morph.start_per_error), full_per_error = static_cast<double>(morph.full_per_error);
-        CAPTURE(round, settings.error_px);
-        CHECK(std::abs(start_per_error / full_per_error / (nested * nested) - 1) < 0x1p-22); // both are rounded to floats
+        const double start_per_error = static_cast<double>(morph.start_per_error),
+                     full_per_error = static_cast<double>(morph.full_per_error);
+        CAPTURE(round, settings.max_error_px);
+        CHECK(std::abs(start_per_error / full_per_error / (nested * nested) - 1) <
+              0x1p-22); // both are rounded to floats
         int early = 0;
         constexpr double rounding = 1 + 0x1p-20; // of errors, radii and the eye, which are floats
         for (std::int32_t y = 0; y < data_of(terrain).tree.rows(); ++y)
             for (std::int32_t x = 0; x < data_of(terrain).tree.columns(); ++x) {
                 const SampleIndex c{x, y};
-                if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, start_per_error)) continue;
+                if (data_of(terrain).tree.is_corner(c) || distance_m(c) * rounding > reach_m(c, start_per_error))
+                    continue;
                 for (const SampleIndex end : diamond(data_of(terrain).tree, c).ends)
-                    early += !data_of(terrain).tree.is_corner(end) && distance_m(end) > reach_m(end, full_per_error) * rounding;
+                    early += !data_of(terrain).tree.is_corner(end) &&
+                             distance_m(end) > reach_m(end, full_per_error) * rounding;
             }
         CHECK(early == 0);
     }
@@ -228,7 +232,7 @@ TEST_CASE("morphing switched on later starts where it would have, had it been on
         Cut later(pack.terrain, ample_cut(pack.terrain)), always(pack.terrain, ample_cut(pack.terrain));
         const View view = random_view(random, pack.terrain);
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         (void)later.rebuild({&view, 1}, settings);
         settings.morph = Morph::error;
         (void)later.update({&view, 1}, settings);
@@ -251,16 +255,16 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain, 2));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         settings.morph = Morph::error;
         View views[2] = {random_view(random, terrain), random_view(random, terrain)};
-        views[1].error_px = random_threshold(random);
+        views[1].max_error_px = random_threshold(random);
         for (int frame = 0; frame < 10; ++frame) {
             for (View& view : views) view = moved(random, view, random_step_m(random, terrain));
             settings.now_s = frame;
             const auto count = static_cast<std::size_t>(pick(random, 1, 2)); // the second one comes and goes
             const CutReport report = cut.update({views, count}, settings);
-            CAPTURE(round, frame, count, settings.error_px, views[1].error_px);
+            CAPTURE(round, frame, count, settings.max_error_px, views[1].max_error_px);
             if (!report.converged) continue;
             const std::vector<double> drawn = surface(terrain, cut);
             const std::int32_t columns = data_of(terrain).tree.columns();
@@ -269,13 +273,13 @@ TEST_CASE("morphed or not, a converged frame holds the screen bound") {
                 const std::size_t i = n % drawn.size();
                 const SampleIndex c{static_cast<std::int32_t>(i) % columns, static_cast<std::int32_t>(i) / columns};
                 const double height = data_of(terrain).height_m(c);
-                const Vec3 p{terrain.x_m(c.x), height, terrain.z_m(c.y)};
+                const Vec3 p{terrain.x_m(c.column), height, terrain.z_m(c.row)};
                 const double error_px = std::abs(height - drawn[i]) * focal_length_px(view) / length(p - view.eye_m);
                 // Heights are floats, and morphing rounds once more: some 2^-22 of the largest height.
                 const double rounding_px =
                     0x1p-21 * std::max(std::abs(terrain.header().max_m), std::abs(terrain.header().min_m)) *
                     focal_length_px(view) / length(p - view.eye_m);
-                REQUIRE(error_px <= (view.error_px > 0 ? view.error_px : settings.error_px) + rounding_px);
+                REQUIRE(error_px <= (view.max_error_px > 0 ? view.max_error_px : settings.max_error_px) + rounding_px);
             }
         }
     }
@@ -294,7 +298,7 @@ TEST_CASE("pages are evicted without a jump when vertices morph, and with one wh
                 REQUIRE(load_page(pack.pack, paged.terrain, 0, page).ok());
             Cut cut(paged.terrain, ample_cut(pack.terrain));
             CutSettings settings;
-            settings.error_px = 0.3;
+            settings.max_error_px = 0.3;
             settings.morph = morphs ? Morph::error : Morph::none;
             settings.morph_s = 0.25;
             (void)cut.rebuild({&view, 1}, settings);
@@ -308,12 +312,12 @@ TEST_CASE("pages are evicted without a jump when vertices morph, and with one wh
                     REQUIRE(cut_release_page(cut.cut, 0, page, released).ok());
                     if (released) break;
                     settings.now_s += settings.morph_s / frames_a_morph;
-                    settings.items = frame % 3 ? unlimited_work : 200;
+                    settings.max_work = frame % 3 ? unlimited_work : 200;
                     const CutReport report = cut.update({&view, 1}, settings);
                     CAPTURE(round, morphs, page, frame);
                     REQUIRE(check_cut(cut) == "");
-                    REQUIRE(report.items == report.evaluations + report.activations + report.deactivations);
-                    REQUIRE(report.items <= settings.items);
+                    REQUIRE(report.work == report.evaluations + report.activations + report.deactivations);
+                    REQUIRE(report.work <= settings.max_work);
                     removed += report.deactivations;
                     morphing += report.morphing != 0;
                     const std::vector<double> after = surface(paged.terrain, cut);

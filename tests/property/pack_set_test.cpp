@@ -90,7 +90,7 @@ void require_same_frame(Flyer& a, Flyer& b) {
     REQUIRE(a.stream.bytes_read == b.stream.bytes_read);
     REQUIRE(same_bytes(stream_page_arrivals(a.on.stream), stream_page_arrivals(b.on.stream)));
     REQUIRE(std::memcmp(&a.stream.missing_px, &b.stream.missing_px, sizeof(double)) == 0);
-    REQUIRE(a.report.items == b.report.items);
+    REQUIRE(a.report.work == b.report.work);
     const CutMesh of_a = cut_mesh(a.on.cut.cut), of_b = cut_mesh(b.on.cut.cut);
     REQUIRE(same_bytes(of_a.mesh.vertices, of_b.mesh.vertices));
     REQUIRE(same_bytes(of_a.mesh.indices, of_b.mesh.indices));
@@ -198,7 +198,7 @@ TEST_CASE("a pack set is the pack that it was split from, chunk for chunk, and f
         Flyer a(pack.pack, slots, {}, seed), b(set.pack, slots, {}, seed);
         View view = random_view(random, pack.terrain);
         CutSettings cut;
-        cut.error_px = random_threshold(random);
+        cut.max_error_px = random_threshold(random);
         cut.morph = pick(random, 0, 1) ? Morph::error : Morph::none;
         StreamSettings settings;
         for (int frame = 0; frame < 25; ++frame) {
@@ -207,7 +207,7 @@ TEST_CASE("a pack set is the pack that it was split from, chunk for chunk, and f
             cut.now_s = settings.now_s += 1.0 / 60;
             a.update(view, cut, settings);
             b.update(view, cut, settings);
-            CAPTURE(frame, slots, cut.error_px);
+            CAPTURE(frame, slots, cut.max_error_px);
             require_same_frame(a, b);
             pages += a.stream.pages_inserted;
         }
@@ -229,27 +229,28 @@ TEST_CASE("a sparse set streams and is drawn without a crack, to the threshold w
         Flyer flyer(set.pack, slots, {}, static_cast<std::uint32_t>(random()));
         View view = random_view(random, set.terrain);
         CutSettings cut;
-        cut.error_px = random_threshold(random);
+        cut.max_error_px = random_threshold(random);
         StreamSettings settings;
         for (int frame = 0; frame < 20; ++frame) {
             if (pick(random, 0, 9) == 0) view = random_view(random, set.terrain);
             view = moved(random, view, random_step_m(random, set.terrain));
             cut.now_s = settings.now_s += 1.0 / 60;
             flyer.update(view, cut, settings);
-            CAPTURE(round, frame, slots, cut.error_px);
+            CAPTURE(round, frame, slots, cut.max_error_px);
             REQUIRE(check_stream(flyer.on) == "");
             REQUIRE(check_frame(flyer.on.cut, set.terrain, flyer.report, cut) == "");
             if (flyer.stream.converged && flyer.report.converged) {
                 ++converged;
                 REQUIRE(difference(active_set(flyer.on.cut),
-                                   target_set(set.terrain, set.terrain, {&view, 1}, cut.error_px)) == "");
+                                   target_set(set.terrain, set.terrain, {&view, 1}, cut.max_error_px)) == "");
             }
         }
         // From scratch it is the same.
         Cut fresh(set.terrain, ample_cut(set.terrain));
         CutReport rebuilt = fresh.rebuild({&view, 1}, cut);
         REQUIRE(check_frame(fresh, set.terrain, rebuilt, cut) == "");
-        REQUIRE(difference(active_set(fresh), target_set(set.terrain, set.terrain, {&view, 1}, cut.error_px)) == "");
+        REQUIRE(difference(active_set(fresh), target_set(set.terrain, set.terrain, {&view, 1}, cut.max_error_px)) ==
+                "");
     }
     CHECK(sparse > 1);
     CHECK(converged > 0);
@@ -278,21 +279,21 @@ TEST_CASE("over a sparse set the recursive method draws the live cut's triangles
             const View view = random_view(random, set.terrain);
             const Frustum frustum = make_frustum(view);
             RefineSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.cull = false;
             const FrameReport report = method.update(view, settings);
-            CAPTURE(round, frame, settings.error_px, paged.terrain.pages_missing(), set.terrain.tile_count());
+            CAPTURE(round, frame, settings.max_error_px, paged.terrain.pages_missing(), set.terrain.tile_count());
             REQUIRE(report.converged);
             REQUIRE(report.tiles == set.terrain.tile_count());
             REQUIRE(wrong_with(set.terrain, method.mesh()) == "");
             if (paged.terrain.pages_missing() == 0) {
-                REQUIRE(measure_error(set.terrain, method.mesh(), view).max_px <= settings.error_px * (1 + 1e-9));
+                REQUIRE(measure_error(set.terrain, method.mesh(), view).max_px <= settings.max_error_px * (1 + 1e-9));
                 (void)whole.update(view, settings);
                 REQUIRE((triangles_in(set.terrain, pack.terrain, whole.mesh()) == triangles_of(method.mesh())));
             }
             Cut cut(paged.terrain, ample_cut(set.terrain));
             CutSettings cut_settings;
-            cut_settings.error_px = settings.error_px;
+            cut_settings.max_error_px = settings.max_error_px;
             (void)settle(cut, {&view, 1}, cut_settings, 1000);
             REQUIRE((triangles_of(cut.mesh()) == triangles_of(method.mesh())));
             settings.topology = Topology::strip;
@@ -306,7 +307,7 @@ TEST_CASE("over a sparse set the recursive method draws the live cut's triangles
             REQUIRE(wrong_with(set.terrain, method.mesh()) == "");
             if (paged.terrain.pages_missing() == 0)
                 REQUIRE(measure_error(set.terrain, method.mesh(), view, &frustum).max_px <=
-                        settings.error_px * (1 + 1e-9));
+                        settings.max_error_px * (1 + 1e-9));
         }
     }
     CHECK(enclosed > 1);
@@ -372,7 +373,7 @@ TEST_CASE("queries of a sparse set are those of the whole where it has tiles, an
             const double u = pick(random, 0, 1) ? uniform(random, 0, 1) : 0,
                          x = (column + u) * whole.header().spacing_m[0], z = row * whole.header().spacing_m[1];
             const SampleIndex tile{std::min(column / side, data_of(whole).tree.tiles_x - 1),
-                             std::min(row / side, data_of(whole).tree.tiles_y - 1)};
+                                   std::min(row / side, data_of(whole).tree.tiles_y - 1)};
             const GroundHeight of_whole = ground_height(whole, x, z), of_part = ground_height(part, x, z);
             CAPTURE(round, column, row, u);
             if (part.tile_at(tile) != no_tile) {
@@ -398,8 +399,8 @@ TEST_CASE("queries of a sparse set are those of the whole where it has tiles, an
                 const TerrainData::Vertex v = data_of(part).vertex({column, row});
                 bool held = false;
                 for (const SampleIndex by : {SampleIndex{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
-                    const SampleIndex of{(column - by.x) / side, (row - by.y) / side};
-                    held = held || (column >= by.x && row >= by.y && part.tile_at(of) != no_tile);
+                    const SampleIndex of{(column - by.column) / side, (row - by.row) / side};
+                    held = held || (column >= by.column && row >= by.row && part.tile_at(of) != no_tile);
                 }
                 CAPTURE(round, column, row);
                 REQUIRE(part_holes[at] == (held ? whole_holes[at] : true));

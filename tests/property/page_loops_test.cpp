@@ -140,12 +140,12 @@ private:
     [[nodiscard]] SampleIndex coord(std::uint32_t i) const {
         if (!is_step_page(pages_, page_)) return planar_.coord({page_, i});
         const SampleIndex p = pages_.page_position(page_);
-        return planar_.coord({planar_.page_at(pages_.page_step_log2(page_), static_cast<std::uint32_t>(p.x),
-                                              static_cast<std::uint32_t>(p.y)),
+        return planar_.coord({planar_.page_at(pages_.page_step_log2(page_), static_cast<std::uint32_t>(p.column),
+                                              static_cast<std::uint32_t>(p.row)),
                               i});
     }
     [[nodiscard]] std::size_t at(SampleIndex c) const {
-        return static_cast<std::size_t>(c.y * (terrain_.tree.side() + 1) + c.x);
+        return static_cast<std::size_t>(c.row * (terrain_.tree.side() + 1) + c.column);
     }
     void restore_rows(const StoredPage& stored) {
         const std::uint32_t row = row_length(pages_);
@@ -166,8 +166,8 @@ private:
             for (std::int32_t i = 0; i <= static_cast<std::int32_t>(page_squares); ++i)
                 corners[static_cast<std::size_t>(j) * page_corners + static_cast<std::size_t>(i)] =
                     terrain_
-                        .vertex({corner_.x + 2 * (p.x * static_cast<std::int32_t>(page_squares) + i),
-                                 corner_.y + 2 * (p.y * static_cast<std::int32_t>(page_squares) + j)})
+                        .vertex({corner_.column + 2 * (p.column * static_cast<std::int32_t>(page_squares) + i),
+                                 corner_.row + 2 * (p.row * static_cast<std::int32_t>(page_squares) + j)})
                         .steps;
         leaf_errors_scalar(corners, terrain_.errors.nesting_steps, leaf_, expected_);
     }

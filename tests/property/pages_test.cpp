@@ -56,7 +56,7 @@ public:
 private:
     void absent(std::uint32_t tile, std::uint32_t page) {
         const SampleIndex corner{static_cast<std::int32_t>(tile % full_.header().tiles_x) * data_of(full_).tree.side(),
-                           static_cast<std::int32_t>(tile / full_.header().tiles_x) * data_of(full_).tree.side()};
+                                 static_cast<std::int32_t>(tile / full_.header().tiles_x) * data_of(full_).tree.side()};
         for (std::uint32_t i = 0; i < data_of(full_).pages.page_vertices(page); ++i) {
             const SampleIndex c = corner + data_of(full_).pages.coord({page, i});
             if (!data_of(full_).tree.is_corner(c)) in_[at(c)] = false;
@@ -66,13 +66,14 @@ private:
         if (data_of(full_).tree.is_corner(c) || data_of(full_).tree.level(c) != level || !in_[at(c)]) return;
         const TerrainData::Vertex v = data_of(full_).vertex(c);
         const SampleIndex s = data_of(full_).tree.sample(c);
-        bool in = wanted(reach, full_.x_m(s.x), v.height_m, full_.z_m(s.y), v.error_m, v.radius_m);
+        bool in = wanted(reach, full_.x_m(s.column), v.height_m, full_.z_m(s.row), v.error_m, v.radius_m);
         for (const SampleIndex parent : diamond(data_of(full_).tree, c).apexes)
             in = in && (!data_of(full_).tree.contains(parent) || in_[at(parent)]);
         in_[at(c)] = in;
     }
     [[nodiscard]] std::size_t at(SampleIndex c) const {
-        return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c.x);
+        return static_cast<std::size_t>(c.row) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(c.column);
     }
     const Terrain& full_;
     std::int32_t columns_;
@@ -96,7 +97,7 @@ TEST_CASE("the same height field gives the same mesh in every order") {
         for (int frame = 0; frame < 3; ++frame) {
             const View view = random_view(random, packs[0].terrain);
             RefineSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.cull = pick(random, 0, 1) == 1;
             settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
             std::vector<std::vector<Triangle>> meshes;
@@ -143,24 +144,26 @@ TEST_CASE("missing pages make coarser terrain, exactly the target, and never a c
             incomplete += paged.terrain.pages_missing() != 0;
             const View view = random_view(random, pack.terrain);
             RefineSettings settings;
-            settings.error_px = random_threshold(random);
+            settings.max_error_px = random_threshold(random);
             settings.cull = false;
             settings.topology = pick(random, 0, 1) ? Topology::strip : Topology::triangles;
-            CAPTURE(round, frame, log2, settings.error_px, paged.terrain.pages_missing(), pack.terrain.page_count());
+            CAPTURE(round, frame, log2, settings.max_error_px, paged.terrain.pages_missing(),
+                    pack.terrain.page_count());
             (void)method.update(view, settings);
             const std::vector<Triangle> triangles = triangles_of(method.mesh());
             if (!pack.terrain.has_voids()) REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
             std::vector<bool> used(data_of(pack.terrain).tree.columns() *
                                    static_cast<std::size_t>(data_of(pack.terrain).tree.rows()));
             const auto at = [&](SampleIndex c) {
-                return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(pack.terrain).tree.columns()) +
-                       static_cast<std::size_t>(c.x);
+                return static_cast<std::size_t>(c.row) *
+                           static_cast<std::size_t>(data_of(pack.terrain).tree.columns()) +
+                       static_cast<std::size_t>(c.column);
             };
             for (const Triangle& t : triangles)
                 for (const SampleIndex c : t) used[at(c)] = true;
             if (pack.terrain.has_voids()) continue; // what is left out of a mesh is not looked for in it
             std::size_t wrong = 0;
-            const Target target(pack.terrain, paged.terrain, view, settings.error_px);
+            const Target target(pack.terrain, paged.terrain, view, settings.max_error_px);
             for (std::int32_t y = 0; y < data_of(pack.terrain).tree.rows() - 1; ++y)
                 for (std::int32_t x = 0; x < data_of(pack.terrain).tree.columns() - 1; ++x) {
                     wrong += used[at({x, y})] != target.in({x, y});
@@ -196,10 +199,10 @@ TEST_CASE("whichever single page is missing, and whatever the order, there is no
                 (void)unload_page(paged.terrain, tile, page);
                 const View view = random_view(random, pack.terrain);
                 RefineSettings settings;
-                settings.error_px = std::pow(10.0, uniform(random, -2.5, -0.5)); // all of it, nearly
+                settings.max_error_px = std::pow(10.0, uniform(random, -2.5, -0.5)); // all of it, nearly
                 settings.cull = pick(random, 0, 1) == 1;
                 (void)method.update(view, settings);
-                CAPTURE(static_cast<int>(order), tile, page, settings.error_px);
+                CAPTURE(static_cast<int>(order), tile, page, settings.max_error_px);
                 REQUIRE(check_mesh(pack.terrain, method.mesh()) == "");
             }
     }

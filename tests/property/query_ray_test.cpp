@@ -78,14 +78,15 @@ Hits brute_force(const Terrain& t, const Ray& ray, double slack_cells, double lo
                 const double g = ray.origin.y - at(plane, ox, oy), slope = d.y - plane.x * dx - plane.y * dy;
                 // Where the ray is over the triangle.
                 double from = 0, to = ray.most;
-                double area = (c[1].x - c[0].x) * double(c[2].y - c[0].y) - (c[1].y - c[0].y) * double(c[2].x - c[0].x);
+                double area = (c[1].column - c[0].column) * double(c[2].row - c[0].row) -
+                              (c[1].row - c[0].row) * double(c[2].column - c[0].column);
                 bool inside = true, near = true;
                 double near_from = 0, near_to = ray.most;
                 for (std::size_t k = 0; k < 3; ++k) {
                     const SampleIndex a = c[k], b = c[(k + 1) % 3];
                     const double sign = area > 0 ? 1 : -1;
-                    const double e0 = sign * ((b.x - a.x) * (oy - a.y) - (b.y - a.y) * (ox - a.x)),
-                                 e1 = sign * ((b.x - a.x) * dy - (b.y - a.y) * dx);
+                    const double e0 = sign * ((b.column - a.column) * (oy - a.row) - (b.row - a.row) * (ox - a.column)),
+                                 e1 = sign * ((b.column - a.column) * dy - (b.row - a.row) * dx);
                     const auto clip = [&](double least, double& lo, double& hi, bool& ok) { // e0 + e1 s >= least
                         if (e1 == 0)
                             ok = ok && e0 >= least;
@@ -237,6 +238,7 @@ TEST_CASE("a ray that is none meets nothing, and one from the ground meets it at
     REQUIRE(cast_ray(t, {x, t.header().min_m - 10.0, z}, {0, 1, 0}, infinity).position_m.y ==
             Approx(ground_height(t, x, z).height_m));
     const SampleIndex sample{20, 30};
-    const Vec3 on{t.header().spacing_m[0] * sample.x, data_of(t).height_m(sample), t.header().spacing_m[1] * sample.y};
+    const Vec3 on{t.header().spacing_m[0] * sample.column, data_of(t).height_m(sample),
+                  t.header().spacing_m[1] * sample.row};
     REQUIRE(cast_ray(t, on, {0.3, -1, 0.2}, infinity).distance_m <= 0x1p-20 * std::abs(on.y));
 }

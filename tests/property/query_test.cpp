@@ -200,20 +200,21 @@ TEST_CASE("a patch holds the heights of its samples, the pack's own where their 
         const int step = pick(random, 0, round % 5 == 4 ? 7 : 3); // with large ones the rim comes soon
         const auto side = static_cast<std::uint32_t>(pick(random, 2, 40));
         SampleIndex first{pick(random, -20, data_of(t).tree.columns()), pick(random, -20, data_of(t).tree.rows())};
-        if (pick(random, 0, 1)) first = {first.x >> step << step, first.y >> step << step};
+        if (pick(random, 0, 1)) first = {first.column >> step << step, first.row >> step << step};
         std::vector<float> heights(side * side);
         const auto holes = std::make_unique<bool[]>(side * side);
         const GroundPatch patch = ground_patch(t, first, step, side, heights, {holes.get(), side * side});
         if (all) REQUIRE(patch.finest);
         for (std::uint32_t j = 0; j < side; ++j)
             for (std::uint32_t i = 0; i < side; ++i) {
-                const SampleIndex c{std::clamp(first.x + (static_cast<int>(i) << step), 0, data_of(t).tree.columns() - 1),
-                              std::clamp(first.y + (static_cast<int>(j) << step), 0, data_of(t).tree.rows() - 1)};
+                const SampleIndex c{
+                    std::clamp(first.column + (static_cast<int>(i) << step), 0, data_of(t).tree.columns() - 1),
+                    std::clamp(first.row + (static_cast<int>(j) << step), 0, data_of(t).tree.rows() - 1)};
                 const float got = heights[j * side + i];
                 const TerrainData::Vertex truth = data_of(pack.terrain).vertex(c);
                 const double rounding =
                     0x1p-22 * (std::abs(t.header().min_m) + std::abs(t.header().max_m)) + rounding_m(t);
-                CAPTURE(round, i, j, c.x, c.y, first.x, first.y, step);
+                CAPTURE(round, i, j, c.column, c.row, first.column, first.row, step);
                 if (patch.finest) {
                     REQUIRE(got == Approx(truth.height_m).margin(rounding));
                     REQUIRE(holes[j * side + i] == (t.has_voids() && truth.hole));
@@ -244,7 +245,7 @@ TEST_CASE(
         for (int k = 0; k < 100; ++k) {
             const int x = pick(random, 0, side - 2), y = pick(random, 0, side - 2);
             const double u = uniform(random, 0.01, 0.99), v = uniform(random, 0.01, 0.99);
-            const bool falling = (first.x + x + first.y + y) % 2 == 0;
+            const bool falling = (first.column + x + first.row + y) % 2 == 0;
             if (std::abs(falling ? u - v : u + v - 1) < 0.01) continue; // of both triangles
             // From the corner at the right angle, towards the two others.
             const bool east = falling ? u > v : u + v > 1, south = falling ? u < v : u + v > 1;
@@ -253,9 +254,9 @@ TEST_CASE(
             const double height = double(heights[apex]) +
                                   double(heights[along_x] - heights[apex]) * (east ? 1 - u : u) +
                                   double(heights[along_z] - heights[apex]) * (south ? 1 - v : v);
-            const GroundHeight got = ground_height(t, (first.x + x + u) * t.header().spacing_m[0],
-                                                   (first.y + y + v) * t.header().spacing_m[1]);
-            CAPTURE(round, k, first.x + x, first.y + y, u, v, falling);
+            const GroundHeight got = ground_height(t, (first.column + x + u) * t.header().spacing_m[0],
+                                                   (first.row + y + v) * t.header().spacing_m[1]);
+            CAPTURE(round, k, first.column + x, first.row + y, u, v, falling);
             const bool hole = is_hole[apex] || is_hole[along_x] || is_hole[along_z];
             REQUIRE(got.hole == hole);
             (hole ? holes : ground)++;

@@ -63,8 +63,8 @@ void ask(Random& random, const Terrain& full, const Terrain& paged, Count& count
     const SampleIndex first{static_cast<std::int32_t>(column) - 4, static_cast<std::int32_t>(row) - 4};
     const GroundPatch patch = ground_patch(paged, first, 0, side, heights, holes);
     for (std::uint32_t i = 0; i < side * side; ++i) {
-        const SampleIndex c{std::clamp(first.x + static_cast<int>(i % side), 0, data_of(full).tree.columns() - 1),
-                      std::clamp(first.y + static_cast<int>(i / side), 0, data_of(full).tree.rows() - 1)};
+        const SampleIndex c{std::clamp(first.column + static_cast<int>(i % side), 0, data_of(full).tree.columns() - 1),
+                            std::clamp(first.row + static_cast<int>(i / side), 0, data_of(full).tree.rows() - 1)};
         const TerrainData::Vertex v = data_of(full).vertex(c);
         const double float_m = 0x1p-22 * (std::abs(h.min_m) + std::abs(h.max_m));
         if (!v.hole && !holes[i])

@@ -9,8 +9,8 @@
 #include "baker/check/verify_maps.h"
 #include "baker/pack/join.h"
 #include "fjell/io/failure.h"
-#include "support/splat_rules.h"
 #include "support/set_scene.h"
+#include "support/splat_rules.h"
 
 using namespace fjell;
 using namespace fjell::test;

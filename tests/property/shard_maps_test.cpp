@@ -4,9 +4,9 @@
 #include <string>
 
 #include "baker/shard/shard_maps.h"
-#include "support/splat_rules.h"
 #include "support/rounds.h"
 #include "support/shard_scene.h"
+#include "support/splat_rules.h"
 
 using namespace fjell;
 using namespace fjell::test;

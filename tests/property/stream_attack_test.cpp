@@ -62,7 +62,7 @@ TEST_CASE(
         Streamed on(pack.pack, slots, budget);
         ScriptedClient client(random, on, {.most_delay = pick(random, 0, 3)});
         CutSettings cut;
-        cut.error_px = 0.5;
+        cut.max_error_px = 0.5;
         StreamSettings settings;
         for (int leg = 0; leg < 12; ++leg) {
             const View view = near_ground(random, pack.terrain);
@@ -86,7 +86,7 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
         std::vector<StreamRequest> old;
         StreamSettings settings;
         CutSettings cut;
-        cut.error_px = 20;
+        cut.max_error_px = 20;
         std::uint32_t taken_twice = 0;
         for (int frame = 0; frame < 200; ++frame) {
             const View view = near_ground(random, pack.terrain);
@@ -98,7 +98,8 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                                 [&](const auto& h) { return h.request.ticket == ticket; }))
                     continue;
                 REQUIRE_FALSE(stream_still_wanted(on.stream, ticket));
-                REQUIRE(stream_provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code == StatusCode::out_of_range);
+                REQUIRE(stream_provide(on.stream, ticket, bytes_of({1, {}, 1, 0, 512})).code ==
+                        StatusCode::out_of_range);
                 (void)stream_fail(on.stream, ticket, n % 2 != 0);
                 ++refused;
             }
@@ -116,7 +117,8 @@ TEST_CASE("answers to what was not requested change nothing: wrong tickets, seco
                     std::memcpy(wrong.data(), bytes_of(b).data(), std::min(a.bytes, b.bytes));
                     REQUIRE(stream_provide(on.stream, a.ticket, wrong).code == StatusCode::corrupt);
                     ++crossed;
-                    REQUIRE(stream_provide(on.stream, a.ticket, bytes_of(a)).code == StatusCode::out_of_range); // too late
+                    REQUIRE(stream_provide(on.stream, a.ticket, bytes_of(a)).code ==
+                            StatusCode::out_of_range); // too late
                     REQUIRE(stream_provide(on.stream, b.ticket, bytes_of(b)).ok());
                     old.push_back(b);
                 } else {
@@ -168,7 +170,7 @@ TEST_CASE(
         for (int frame = 0; frame < most; ++frame) {
             std::vector<View> views(max_cut_views);
             for (View& view : views) view = random_view(random, pack.terrain);
-            cut.error_px = random_threshold(random);
+            cut.max_error_px = random_threshold(random);
             settings.now_s += 1.0 / 60;
             client.act();
             report = on.update(views, cut, settings);
@@ -198,7 +200,7 @@ TEST_CASE("a threshold that changes with every frame starves no page, however fe
     // Every watch is looked at once a round; every round brings at least one more page while one is missing.
     const int around = static_cast<int>(on.state().watch_count) / 64 + 2;
     for (int frame = 0; frame < around * static_cast<int>(pack.terrain.page_count()); ++frame) {
-        cut.error_px = frame % 2 ? 0.0010 : 0.0011;
+        cut.max_error_px = frame % 2 ? 0.0010 : 0.0011;
         settings.now_s += 1.0 / 60;
         client.act();
         (void)on.update({&view, 1}, cut, settings);
@@ -217,7 +219,7 @@ TEST_CASE("clocks that jump and eyes that are nowhere leave a stream as good as 
     Streamed on(pack.pack, 0);
     ScriptedClient client(random, on, {});
     CutSettings cut;
-    cut.error_px = 5;
+    cut.max_error_px = 5;
     StreamSettings settings;
     const double clocks[] = {0, 1e-320, 2e-320, 3600, 3600, 1e18, 1.7e308, -1e9, 1e-9};
     View view = near_ground(random, pack.terrain);
@@ -249,7 +251,7 @@ TEST_CASE("clocks that jump and eyes that are nowhere leave a stream as good as 
     const StreamReport report = on.update({&rest, 1}, cut, settings);
     CHECK(report.converged);
     CHECK(settle(on.cut, {&rest, 1}, cut, 100).converged);
-    CHECK(difference(active_set(on.cut), target_set(pack.terrain, pack.terrain, {&rest, 1}, cut.error_px)) == "");
+    CHECK(difference(active_set(on.cut), target_set(pack.terrain, pack.terrain, {&rest, 1}, cut.max_error_px)) == "");
 }
 
 TEST_CASE("settings that are no numbers, or beyond their ranges, are refused and change nothing") {
@@ -268,8 +270,8 @@ TEST_CASE("settings that are no numbers, or beyond their ranges, are refused and
         for (const StreamSettings& settings : s)
             CHECK(update_stream(on.stream, {&view, 1}, {}, settings, report).code == StatusCode::out_of_range);
         CutSettings cuts[5]; // what update_cut() refuses, too
-        cuts[0].error_px = cuts[1].hysteresis = cuts[2].morph_s = bad;
-        cuts[3].budget_us = cuts[4].now_s = bad == -1.0 || bad == inf ? nan : bad;
+        cuts[0].max_error_px = cuts[1].hysteresis = cuts[2].morph_s = bad;
+        cuts[3].max_time_us = cuts[4].now_s = bad == -1.0 || bad == inf ? nan : bad;
         for (const CutSettings& cut : cuts)
             CHECK(update_stream(on.stream, {&view, 1}, cut, {}, report).code == StatusCode::out_of_range);
         View odd = view;
@@ -338,7 +340,7 @@ TEST_CASE("bounds that lie, wherever the pages are, make terrain late or coarse 
         Streamed on(forged.pack, pack.terrain.tile_count() * 2);
         ScriptedClient client(random, on, {.most_delay = 3});
         CutSettings cut;
-        cut.error_px = 2;
+        cut.max_error_px = 2;
         StreamSettings settings;
         for (int frame = 0; frame < 200; ++frame) {
             const View view = near_ground(random, pack.terrain);
@@ -383,7 +385,7 @@ TEST_CASE("mips that do not lie one after the other are a failure told once, and
     ScriptedClient client(random, on, {});
     std::map<std::pair<ChunkKind, std::uint32_t>, int> told;
     CutSettings cut;
-    cut.error_px = 0.1;
+    cut.max_error_px = 0.1;
     StreamSettings settings;
     StreamReport report;
     const View view = view_from_above(pack.terrain, 0.05);
@@ -413,7 +415,7 @@ TEST_CASE("of more than a frame takes over, the coarsest of every tile come firs
     budget.tail_log2 = 3;
     Streamed on(pack.pack, 0, budget);
     CutSettings cut;
-    cut.error_px = 0.01;
+    cut.max_error_px = 0.01;
     StreamSettings settings;
     settings.pages = 1;
     settings.map_bytes = 0; // one mip

@@ -148,7 +148,7 @@ TEST_CASE("mips come and go so that every tile is drawn from its own, within the
         settings.texel_px = std::pow(10.0, uniform(random, -0.5, 0.8));
         settings.map_bytes = static_cast<std::uint32_t>(pick(random, 0, 100000));
         CutSettings cut;
-        cut.error_px = 50;
+        cut.max_error_px = 50;
         View view = random_view(random, pack.terrain);
         std::array<std::vector<TileMap>, map_kinds> before;
         StreamReport report;
@@ -223,7 +223,7 @@ TEST_CASE("no mip is read twice unless its layer was given up in between") {
     StreamSettings settings;
     settings.texel_px = 0.1;
     CutSettings cut;
-    cut.error_px = 50;
+    cut.max_error_px = 50;
     for (int frame = 0; frame < 400; ++frame) {
         const View view = random_view(random, pack.terrain);
         StreamRequest r;

@@ -34,17 +34,17 @@ std::uint32_t random_slots(Random& random, const Terrain& full) {
 std::string check_promise(Streamed& on, const Terrain& full, std::span<const View> views, const CutReport& cut,
                           const StreamReport& stream, const CutSettings& settings) {
     if (cut.converged && !stream.converged) return "the cut has converged on a terrain that has not";
-    if (cut.waiting != 0 || cut.error_bound_px > std::max(settings.error_px, stream.missing_px)) return {};
+    if (cut.waiting != 0 || cut.error_bound_px > std::max(settings.max_error_px, stream.missing_px)) return {};
     const VertexSet active = active_set(on.cut);
     // Vertices that morph come early: two levels of nesting (fjell/cut.h).
     const double nested = settings.morph == Morph::none ? 1 : 1 + static_cast<double>(full.header().nesting);
     const double early = nested * nested;
     if (stream.converged)
-        return difference(active, target_set(full, full, thresholds_over(early, views), settings.error_px / early,
+        return difference(active, target_set(full, full, thresholds_over(early, views), settings.max_error_px / early,
                                              settings.corner_safe));
     if (stream.missing_px >= 1e7) return {}; // of an eye inside the sphere of what is missing nothing can be said
     const double px = stream.missing_px * (1 + 1e-6) / early;
-    const std::vector<View> at_px = thresholds_over(settings.error_px / px, views);
+    const std::vector<View> at_px = thresholds_over(settings.max_error_px / px, views);
     if (!contains(active, target_set(full, full, at_px, px, settings.corner_safe)))
         return "something wanted at the threshold of the missing pages is not active";
     return {};
@@ -74,9 +74,10 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         std::vector<View> views;
         for (std::uint32_t i = 0; i < count; ++i) views.push_back(random_view(random, pack.terrain));
         CutSettings settings;
-        settings.error_px = std::pow(10.0, uniform(random, 0, 2.5));
+        settings.max_error_px = std::pow(10.0, uniform(random, 0, 2.5));
         for (View& view : views)
-            if (pick(random, 0, 2) == 0) view.error_px = settings.error_px * std::pow(10.0, uniform(random, -1, 1));
+            if (pick(random, 0, 2) == 0)
+                view.max_error_px = settings.max_error_px * std::pow(10.0, uniform(random, -1, 1));
         settings.corner_safe = pick(random, 0, 4) == 0;
         settings.morph = pick(random, 0, 2) == 0 ? Morph::error : Morph::none;
         settings.morph_s = 0.05;
@@ -86,14 +87,14 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
         for (int frame = 0; frame < flight.frames; ++frame) {
             if (pick(random, 0, 7) == 0) views[0] = random_view(random, pack.terrain);
             for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
-            settings.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
+            settings.max_work = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
             stream_settings.tests = pick(random, 0, 5) ? 1u << 16 : static_cast<std::uint32_t>(pick(random, 1, 99));
             settings.now_s = stream_settings.now_s += 1.0 / 60;
             client.act();
             const StreamReport stream = on.update(views, settings, stream_settings);
             client.follow();
             const CutReport report = on.cut.update(views, settings);
-            CAPTURE(round, frame, slots, count, settings.error_px, settings.items, stream.missing_px);
+            CAPTURE(round, frame, slots, count, settings.max_error_px, settings.max_work, stream.missing_px);
             REQUIRE(check_stream(on) == "");
             REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
             REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
@@ -102,7 +103,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             seen.cancelled += stream.cancelled;
             seen.failed += stream_failures(on.stream).size();
         }
-        settings.items = unlimited_work;
+        settings.max_work = unlimited_work;
         stream_settings.tests = 1u << 16;
         StreamReport stream;
         CutReport report;
@@ -119,7 +120,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
             quiet = rests ? quiet + 1 : 0;
             read = stream.pages_read;
         }
-        CAPTURE(round, slots, pack.terrain.page_count(), settings.error_px, stream.missing_px, stream.in_flight);
+        CAPTURE(round, slots, pack.terrain.page_count(), settings.max_error_px, stream.missing_px, stream.in_flight);
         REQUIRE(check_frame(on.cut, pack.terrain, report, settings) == "");
         REQUIRE(check_promise(on, pack.terrain, views, report, stream, settings) == "");
         seen.converged += stream.converged;

@@ -171,7 +171,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     };
     View view = random_view(random, full);
     CutSettings cut;
-    cut.error_px = std::pow(10.0, uniform(random, 0.5, 2));
+    cut.max_error_px = std::pow(10.0, uniform(random, 0.5, 2));
     StreamSettings settings;
     std::uint64_t bytes_seen = 0;
     const auto frame = [&] {
@@ -194,7 +194,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
         if (pick(random, 0, 30) == 0)
             askers.reset(), askers.emplace(full, on.paged.terrain, pick(random, 1, 2), random());
         view = moved(random, view, random_step_m(random, full));
-        cut.items = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
+        cut.max_work = pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 99));
         (void)frame();
         const CutReport report = on.cut.update({&view, 1}, cut);
         if (i % checked_every == 0) {
@@ -209,7 +209,7 @@ void live(Random& random, const Ground& ground, bool rests, Seen& seen) {
     stop_reader();
     disk.sound = true;
     start_reader(false);
-    cut.items = unlimited_work;
+    cut.max_work = unlimited_work;
     (void)frame(); // takes over the last failures
     (void)stream_retry_failed(on.stream);
     CutReport report;

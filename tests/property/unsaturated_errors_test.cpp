@@ -37,16 +37,16 @@ TEST_CASE("errors by themselves are what every sample under every triangle says"
         const auto at = [&](std::int32_t tiles) { return pick(random, 0, tiles - 1); };
         const SampleIndex first{at(tree.tiles_x) * side, at(tree.tiles_y) * side};
         const baker::Region region{first,
-                                   {first.x + side * pick(random, 1, tree.tiles_x - first.x / side),
-                                    first.y + side * pick(random, 1, tree.tiles_y - first.y / side)}};
+                                   {first.column + side * pick(random, 1, tree.tiles_x - first.column / side),
+                                    first.row + side * pick(random, 1, tree.tiles_y - first.row / side)}};
         for (const ErrorEstimate estimate : {ErrorEstimate::max, ErrorEstimate::midpoint}) {
             const baker::UnsaturatedInput input{ground, region, scales, leaf, estimate, {30, 20}};
             baker::Patch<std::uint8_t> codes;
             baker::unsaturated_errors(input, codes);
-            for (std::int32_t y = region.first.y; y <= region.last.y; y += 2)
-                for (std::int32_t x = region.first.x; x <= region.last.x; x += 2) {
+            for (std::int32_t y = region.first.row; y <= region.last.row; y += 2)
+                for (std::int32_t x = region.first.column; x <= region.last.column; x += 2) {
                     if (tree.is_corner({x, y})) continue;
-                    CAPTURE(round, log2, x, y, region.first.x, region.last.x, static_cast<int>(estimate));
+                    CAPTURE(round, log2, x, y, region.first.column, region.last.column, static_cast<int>(estimate));
                     REQUIRE(*codes.at(x / 2, y / 2) == baker::unsaturated_error(input, {x, y}).code);
                 }
         }

@@ -36,7 +36,7 @@ TEST_CASE("off-centre halves of a view draw exactly the tiles of the whole view"
         whole.far_m = 1e8;
         Cut one(terrain, ample_cut(terrain)), two(terrain, ample_cut(terrain, 2));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         (void)one.update({&whole, 1}, settings);
         for (const bool across : {false, true}) {
             View halves[2] = {whole, whole};
@@ -76,7 +76,7 @@ TEST_CASE("however wide a view is, no tile that it sees is left out") {
         REQUIRE(validate(view).ok());
         Cut cut(terrain, ample_cut(terrain));
         CutSettings settings;
-        settings.error_px = random_threshold(random);
+        settings.max_error_px = random_threshold(random);
         (void)cut.update({&view, 1}, settings);
         const auto drawn = drawn_tiles(cut);
         const Vec3 right = cross(view.forward, view.up);

@@ -117,7 +117,7 @@ void BinaryTree::walk(const Visit& visit) {
                 continue;
             }
             const Triangle& t = path[known - 1];
-            const SampleIndex middle{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2};
+            const SampleIndex middle{(t.left.column + t.right.column) / 2, (t.left.row + t.right.row) / 2};
             path[known] = second ? Triangle{middle, t.right, t.apex} : Triangle{middle, t.apex, t.left};
         }
         known = depth;
@@ -146,7 +146,7 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
     const Frustum frustum = make_frustum(view);
     const auto needed = [&](SampleIndex v) {
         const GroundVertex& at = vertices_[ground_.index(v)];
-        const float x = ground_.x_m(v.x), y = at.height_m, z = ground_.z_m(v.y);
+        const float x = ground_.x_m(v.column), y = at.height_m, z = ground_.z_m(v.row);
         if (!wanted(reach, x, y, z, at.error_m, at.radius_m)) return false;
         if (!cull_) return true;
         const Vec3 from_eye = Vec3{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)} - view.eye_m;
@@ -155,7 +155,9 @@ Refined BinaryTree::refine(const View& view, double error_px, std::uint32_t) {
             if (dot(frustum.normal[k], from_eye) < frustum.offset[k] - radius_m) return false;
         return true;
     };
-    const auto middle = [](const Triangle& t) { return SampleIndex{(t.left.x + t.right.x) / 2, (t.left.y + t.right.y) / 2}; };
+    const auto middle = [](const Triangle& t) {
+        return SampleIndex{(t.left.column + t.right.column) / 2, (t.left.row + t.right.row) / 2};
+    };
     changes_ = 0;
     walk([&](std::uint32_t name, int depth, const Triangle* t) {
         if (depth < depth_ && needed(middle(*t))) split(name);

@@ -104,8 +104,8 @@ void BlocksAndVertices::visit(const Pass& pass, std::size_t level, std::int32_t 
         const SampleIndex c = StepBlocks::place(layout_.places[i]);
         if (delta <= always) {
             ++projected_;
-            const float dx = ground_.x_m(c.x) - pass.x_m, dy = heights_m_[i] - pass.y_m,
-                        dz = ground_.z_m(c.y) - pass.z_m;
+            const float dx = ground_.x_m(c.column) - pass.x_m, dy = heights_m_[i] - pass.y_m,
+                        dz = ground_.z_m(c.row) - pass.z_m;
             const float h2 = dx * dx + dz * dz, r2 = h2 + dy * dy;
             if (delta * delta * h2 <= pass.scale * pass.scale * r2 * r2) continue;
         }

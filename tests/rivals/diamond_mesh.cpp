@@ -8,13 +8,14 @@ namespace {
 
 // The ends of a hypotenuse in steps from the apex, in the order that faces up: of a centre, whose hypotenuses are the
 // sides of its square, and of a side's vertex, where they lean.
-constexpr SampleIndex straight_ends[4][2] = {{{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
+constexpr SampleIndex straight_ends[4][2] = {
+    {{1, 1}, {1, -1}}, {{-1, 1}, {1, 1}}, {{-1, -1}, {-1, 1}}, {{1, -1}, {-1, -1}}};
 constexpr SampleIndex leaning_ends[4][2] = {{{0, 1}, {1, 0}}, {{-1, 0}, {0, 1}}, {{0, -1}, {-1, 0}}, {{1, 0}, {0, -1}}};
 
 constexpr unsigned direction_to(SampleIndex way) {
-    if (way.y == 0) return way.x > 0 ? 0 : 2;
-    if (way.x == 0) return way.y > 0 ? 1 : 3;
-    return way.y > 0 ? (way.x > 0 ? 0 : 1) : (way.x > 0 ? 3 : 2);
+    if (way.row == 0) return way.column > 0 ? 0 : 2;
+    if (way.column == 0) return way.row > 0 ? 1 : 3;
+    return way.row > 0 ? (way.column > 0 ? 0 : 1) : (way.column > 0 ? 3 : 2);
 }
 
 } // namespace
@@ -24,7 +25,8 @@ DiamondMesh::DiamondMesh(std::int32_t side)
     const auto samples = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(stride_);
     active_.resize(samples);
     slots_.resize(4 * samples);
-    for (const SampleIndex c : {SampleIndex{0, 0}, SampleIndex{side, 0}, SampleIndex{0, side}, SampleIndex{side, side}}) active_[index(c)] = 1;
+    for (const SampleIndex c : {SampleIndex{0, 0}, SampleIndex{side, 0}, SampleIndex{0, side}, SampleIndex{side, side}})
+        active_[index(c)] = 1;
     add({side, 0}, 1);
     add({0, side}, 3);
 }
@@ -35,7 +37,7 @@ bool DiamondMesh::ends_of(SampleIndex apex, unsigned direction, SampleIndex ends
     const bool straight = !corner && Tree::kind(apex) == VertexKind::centre;
     const SampleIndex* const ways = straight ? straight_ends[direction] : leaning_ends[direction];
     for (int i = 0; i < 2; ++i) {
-        ends[i] = {apex.x + ways[i].x * step, apex.y + ways[i].y * step};
+        ends[i] = {apex.column + ways[i].column * step, apex.row + ways[i].row * step};
         if (!tree_.contains(ends[i])) return false;
     }
     return true;

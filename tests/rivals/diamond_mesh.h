@@ -21,7 +21,9 @@ public:
     explicit DiamondMesh(std::int32_t side); // two triangles
 
     [[nodiscard]] const Tree& tree() const { return tree_; }
-    [[nodiscard]] std::uint32_t index(SampleIndex c) const { return static_cast<std::uint32_t>(c.y * stride_ + c.x); }
+    [[nodiscard]] std::uint32_t index(SampleIndex c) const {
+        return static_cast<std::uint32_t>(c.row * stride_ + c.column);
+    }
     [[nodiscard]] bool active(SampleIndex c) const { return active_[index(c)] != 0; }
     // Both parents are active, or one where there is no more.
     [[nodiscard]] bool ready(SampleIndex v) const;

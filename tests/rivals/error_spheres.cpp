@@ -17,13 +17,13 @@ ErrorSpheres::ErrorSpheres(const Ground& ground)
             const StepBlocks::Block& b = layout_.blocks[i];
             const SampleIndex middle{b.x + l.cells / 2, b.y + l.cells / 2};
             clusters_.push_back(
-                {ground_.x_m(middle.x), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.y)});
+                {ground_.x_m(middle.column), ground_.height_m[ground_.index(middle)], ground_.z_m(middle.row)});
         }
     for (const std::uint32_t place : layout_.places) {
         const SampleIndex v = StepBlocks::place(place);
-        x_m_.push_back(ground_.x_m(v.x));
+        x_m_.push_back(ground_.x_m(v.column));
         y_m_.push_back(ground_.height_m[ground_.index(v)]);
-        z_m_.push_back(ground_.z_m(v.y));
+        z_m_.push_back(ground_.z_m(v.row));
     }
 }
 

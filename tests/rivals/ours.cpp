@@ -79,8 +79,8 @@ Incremental::Incremental(const Terrain& terrain, bool morphing)
 
 Refined Incremental::refine(const View& view, double error_px, std::uint32_t operations) {
     CutSettings settings;
-    settings.error_px = error_px;
-    settings.items = operations;
+    settings.max_error_px = error_px;
+    settings.max_work = operations;
     settings.morph = morphing_ ? Morph::error : Morph::none;
     settings.now_s = now_s_ += 1.0 / 60; // or what comes late would never arrive
     CutReport report;
@@ -113,7 +113,7 @@ Recursive::Recursive(const Terrain& terrain)
 
 Refined Recursive::refine(const View& view, double error_px, std::uint32_t) {
     RefineSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     settings.topology = Topology::strip;
     FrameReport report;
     ensure(update_recursive(method_, view, settings, report));

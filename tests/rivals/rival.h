@@ -27,7 +27,9 @@ struct Ground {
     float min_m = 0, max_m = 0; // of all heights
     std::vector<float> height_m, error_m, radius_m;
 
-    [[nodiscard]] std::uint32_t index(SampleIndex c) const { return static_cast<std::uint32_t>(c.y * (side + 1) + c.x); }
+    [[nodiscard]] std::uint32_t index(SampleIndex c) const {
+        return static_cast<std::uint32_t>(c.row * (side + 1) + c.column);
+    }
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }
     [[nodiscard]] float z_m(std::int32_t row) const { return static_cast<float>(row) * spacing_z_m; }
 };

@@ -49,12 +49,16 @@ std::vector<Triangle> triangles_of(const rivals::Rival& rival) {
         Triangle t;
         for (std::size_t k = 0; k < 3; ++k)
             t[k] = {static_cast<std::int32_t>(f[k].column), static_cast<std::int32_t>(f[k].row)};
-        const auto less = [](SampleIndex a, SampleIndex b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); };
+        const auto less = [](SampleIndex a, SampleIndex b) {
+            return std::pair(a.row, a.column) < std::pair(b.row, b.column);
+        };
         std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
         all.push_back(t);
     }
     std::sort(all.begin(), all.end(), [](const Triangle& a, const Triangle& b) {
-        const auto key = [](const Triangle& t) { return std::array{t[0].y, t[0].x, t[1].y, t[1].x, t[2].y, t[2].x}; };
+        const auto key = [](const Triangle& t) {
+            return std::array{t[0].row, t[0].column, t[1].row, t[1].column, t[2].row, t[2].column};
+        };
         return key(a) < key(b);
     });
     return all;
@@ -413,13 +417,13 @@ TEST_CASE("looking at a mesh agrees with the library's measure and with the grou
         const double error_px = random_threshold(random);
         Recursive method(square.terrain(), ample_budget(square.terrain()));
         RefineSettings settings;
-        settings.error_px = error_px;
+        settings.max_error_px = error_px;
         (void)method.update(view, settings);
         std::vector<rivals::Face> faces;
         for (const Triangle& t : fjell::test::triangles_of(method.mesh())) {
             rivals::Face f;
             for (std::size_t k = 0; k < 3; ++k)
-                f[k] = {static_cast<float>(t[k].x), static_cast<float>(t[k].y),
+                f[k] = {static_cast<float>(t[k].column), static_cast<float>(t[k].row),
                         square.ground.height_m[square.ground.index(t[k])]};
             faces.push_back(f);
         }
@@ -428,15 +432,15 @@ TEST_CASE("looking at a mesh agrees with the library's measure and with the grou
         const double measured_px = measure_error(square.terrain(), method.mesh(), view, &frustum).max_px;
         // Each allows for heights being floats, in its own way; both by some 2^-22 of the largest.
         const double largest_m = std::max(std::abs(double(square.ground.min_m)), std::abs(double(square.ground.max_m)));
-        const double nearest_m = length(Vec3{look.where.x * double(square.ground.spacing_x_m), 0,
-                                             look.where.y * double(square.ground.spacing_z_m)} -
+        const double nearest_m = length(Vec3{look.where.column * double(square.ground.spacing_x_m), 0,
+                                             look.where.row * double(square.ground.spacing_z_m)} -
                                         Vec3{view.eye_m.x, 0, view.eye_m.z});
         const double allowed_px = 0x1p-20 * largest_m * focal_length_px(view) / std::max(nearest_m, 1e-3);
         CAPTURE(round, error_px, look.error_px, measured_px, allowed_px);
         CHECK(std::abs(look.error_px - measured_px) <= allowed_px + 1e-3 * measured_px);
         for (int i = 0; i < 50; ++i) {
             const SampleIndex c{pick(random, 0, square.ground.side), pick(random, 0, square.ground.side)};
-            const double truth_m = at(true_plane(square.terrain(), c.x, c.y), c.x, c.y);
+            const double truth_m = at(true_plane(square.terrain(), c.column, c.row), c.column, c.row);
             CHECK(std::abs(truth_m - double(square.ground.height_m[square.ground.index(c)])) <= 0x1p-20 * largest_m);
         }
     }

@@ -14,7 +14,7 @@ constexpr double ticks_a_cell = 4096, most_ticks = 2.0e9;
 constexpr std::uint32_t not_deferred = 0, queued = 0xffffffff; // of due_; distances lie between
 
 constexpr std::uint32_t packed(SampleIndex c) {
-    return static_cast<std::uint32_t>(c.y) << 16 | static_cast<std::uint32_t>(c.x);
+    return static_cast<std::uint32_t>(c.row) << 16 | static_cast<std::uint32_t>(c.column);
 }
 constexpr SampleIndex unpacked(std::uint32_t place) {
     return {static_cast<std::int32_t>(place & 0xffff), static_cast<std::int32_t>(place >> 16)};
@@ -113,7 +113,7 @@ void Roam::consider(const Eye& eye, SampleIndex v) {
     vertex.due = not_deferred;
     if (!candidate(v)) return; // it is considered when it becomes one
     const float y = vertex.height_m, error_m = vertex.error_m, radius_m = vertex.radius_m;
-    const float x = ground_.x_m(v.x), z = ground_.z_m(v.y);
+    const float x = ground_.x_m(v.column), z = ground_.z_m(v.row);
     const bool is = mesh_.active(v), should = wanted(eye.reach, x, y, z, error_m, radius_m);
     const float dx = x - eye.reach.eye_x, dy = y - eye.reach.eye_y, dz = z - eye.reach.eye_z;
     const float distance = std::sqrt(dx * dx + dy * dy + dz * dz);

@@ -45,10 +45,12 @@ private:
     }
     [[nodiscard]] bool may_go(SampleIndex c, std::int32_t column, std::int32_t row, std::int32_t cells) const;
     [[nodiscard]] bool same_side(SampleIndex a, SampleIndex b) const {
-        return (a.x == b.x && (a.x == 0 || a.x == ground_.side)) || (a.y == b.y && (a.y == 0 || a.y == ground_.side));
+        return (a.column == b.column && (a.column == 0 || a.column == ground_.side)) ||
+               (a.row == b.row && (a.row == 0 || a.row == ground_.side));
     }
     static std::int64_t doubled_area(SampleIndex a, SampleIndex b, SampleIndex c) {
-        return std::int64_t{b.y - a.y} * (c.x - a.x) - std::int64_t{b.x - a.x} * (c.y - a.y);
+        return std::int64_t{b.row - a.row} * (c.column - a.column) -
+               std::int64_t{b.column - a.column} * (c.row - a.row);
     }
     void star_of(std::uint32_t v, Star& star) const;
     // The largest distance of a sample from this triangle, or something above `limit`.
@@ -91,8 +93,8 @@ bool Simplifier::may_go(SampleIndex c, std::int32_t column, std::int32_t row, st
     const auto inside = [&](std::int32_t v, std::int32_t from) {
         return (v > from && v < from + cells) || v == 0 || v == ground_.side;
     };
-    const bool at_x = c.x == 0 || c.x == ground_.side, at_y = c.y == 0 || c.y == ground_.side;
-    return !(at_x && at_y) && inside(c.x, column) && inside(c.y, row);
+    const bool at_x = c.column == 0 || c.column == ground_.side, at_y = c.row == 0 || c.row == ground_.side;
+    return !(at_x && at_y) && inside(c.column, column) && inside(c.row, row);
 }
 
 void Simplifier::star_of(std::uint32_t v, Star& star) const {
@@ -130,23 +132,23 @@ double Simplifier::deviation(std::uint32_t ia, std::uint32_t ib, std::uint32_t i
     const double h0 = static_cast<double>(ground_.height_m[ia]), h1 = static_cast<double>(ground_.height_m[ib]) - h0,
                  h2 = static_cast<double>(ground_.height_m[ic]) - h0, per_area = 1 / static_cast<double>(area);
     // doubled_area is turned: rows go down.
-    const double across = -(h1 * (p[2].y - p[0].y) - h2 * (p[1].y - p[0].y)) * per_area,
-                 down = (h1 * (p[2].x - p[0].x) - h2 * (p[1].x - p[0].x)) * per_area;
+    const double across = -(h1 * (p[2].row - p[0].row) - h2 * (p[1].row - p[0].row)) * per_area,
+                 down = (h1 * (p[2].column - p[0].column) - h2 * (p[1].column - p[0].column)) * per_area;
     const SampleIndex origin = p[0];
-    std::sort(std::begin(p), std::end(p), [](SampleIndex a, SampleIndex b) { return a.y < b.y; });
+    std::sort(std::begin(p), std::end(p), [](SampleIndex a, SampleIndex b) { return a.row < b.row; });
     const auto at_row = [](SampleIndex a, SampleIndex b, std::int32_t y) {
-        return a.x + static_cast<double>(b.x - a.x) * (y - a.y) / (b.y - a.y);
+        return a.column + static_cast<double>(b.column - a.column) * (y - a.row) / (b.row - a.row);
     };
     double most = 0;
-    for (std::int32_t y = p[0].y; y <= p[2].y; ++y) {
-        double x0 = at_row(p[0], p[2], y), x1 = y == p[1].y  ? p[1].x
-                                                : y < p[1].y ? at_row(p[0], p[1], y)
-                                                             : at_row(p[1], p[2], y);
+    for (std::int32_t y = p[0].row; y <= p[2].row; ++y) {
+        double x0 = at_row(p[0], p[2], y), x1 = y == p[1].row  ? p[1].column
+                                                : y < p[1].row ? at_row(p[0], p[1], y)
+                                                               : at_row(p[1], p[2], y);
         if (x0 > x1) std::swap(x0, x1);
         const auto from = static_cast<std::int32_t>(std::ceil(x0 - 1e-9)),
                    to = static_cast<std::int32_t>(std::floor(x1 + 1e-9));
         const float* const heights = &ground_.height_m[ground_.index({0, y})];
-        double surface = h0 + down * (y - origin.y) + across * (from - origin.x);
+        double surface = h0 + down * (y - origin.row) + across * (from - origin.column);
         for (std::int32_t x = from; x <= to; ++x, surface += across)
             most = std::max(most, std::abs(surface - static_cast<double>(heights[x])));
         if (most > limit) return most;
@@ -179,7 +181,7 @@ void Simplifier::propose(std::uint32_t v) {
     for (std::size_t t = 0; t < targets; ++t) {
         const SampleIndex to = coord(star_.ring[t]);
         if (!star_.closed && !(same_side(at, to) && (t == 0 || t + 1 == targets))) continue;
-        const double x = to.x - at.x, y = to.y - at.y, shape = shape_m * (x * x + y * y);
+        const double x = to.column - at.column, y = to.row - at.row, shape = shape_m * (x * x + y * y);
         if (shape >= best.key) continue;
         const double error = error_of(star_, t, best.key - shape);
         if (error + shape < best.key) {
@@ -225,8 +227,9 @@ void Simplifier::collapse(const Candidate& candidate) {
     const auto height = [&](std::uint32_t i) { return static_cast<double>(ground_.height_m[i]); };
     const SampleIndex at = coord(c.from);
     for (const std::uint32_t w : star_.ring) {
-        const double x = (coord(w).x - at.x) * static_cast<double>(ground_.spacing_x_m),
-                     z = (coord(w).y - at.y) * static_cast<double>(ground_.spacing_z_m), y = height(w) - height(c.from);
+        const double x = (coord(w).column - at.column) * static_cast<double>(ground_.spacing_x_m),
+                     z = (coord(w).row - at.row) * static_cast<double>(ground_.spacing_z_m),
+                     y = height(w) - height(c.from);
         c.reach_m = std::max(c.reach_m, static_cast<float>(std::sqrt(x * x + y * y + z * z) * (1 + 1e-6)));
     }
     for (const std::uint32_t face : star_.faces) {

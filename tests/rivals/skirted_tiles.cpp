@@ -45,22 +45,23 @@ SampleIndex SkirtedTiles::coord(std::uint32_t sample) const {
 
 // 0 to 3: the edge lies on the border of the tile at `corner` in the west, east, north, south; -1: inside.
 int SkirtedTiles::side_of(SampleIndex corner, SampleIndex a, SampleIndex b) const {
-    if (a.x == b.x && (a.x == corner.x || a.x == corner.x + cells_)) return a.x == corner.x ? 0 : 1;
-    if (a.y == b.y && (a.y == corner.y || a.y == corner.y + cells_)) return a.y == corner.y ? 2 : 3;
+    if (a.column == b.column && (a.column == corner.column || a.column == corner.column + cells_))
+        return a.column == corner.column ? 0 : 1;
+    if (a.row == b.row && (a.row == corner.row || a.row == corner.row + cells_)) return a.row == corner.row ? 2 : 3;
     return -1;
 }
 
 // Down to tiles, and in them as far as the level's tolerance asks for.
 void SkirtedTiles::bisect(std::size_t level, SampleIndex apex, SampleIndex left, SampleIndex right) {
-    const std::int32_t wide = std::max(std::abs(left.x - right.x), std::abs(left.y - right.y));
-    const SampleIndex middle{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    const std::int32_t wide = std::max(std::abs(left.column - right.column), std::abs(left.row - right.row));
+    const SampleIndex middle{(left.column + right.column) / 2, (left.row + right.row) / 2};
     if (wide > cells_ || (wide > 1 && ground_.error_m[ground_.index(middle)] > tolerances_m_[level])) {
         bisect(level, middle, apex, left);
         bisect(level, middle, right, apex);
         return;
     }
-    const std::int32_t x = std::min({apex.x, left.x, right.x}) / cells_,
-                       y = std::min({apex.y, left.y, right.y}) / cells_;
+    const std::int32_t x = std::min({apex.column, left.column, right.column}) / cells_,
+                       y = std::min({apex.row, left.row, right.row}) / cells_;
     Indices& indices = tiles_[static_cast<std::size_t>(y * per_side_ + x)].levels[level];
     const SampleIndex corner{x * cells_, y * cells_};
     const bool borders =
@@ -75,8 +76,8 @@ void SkirtedTiles::skirt(Tile& tile, SampleIndex corner, const Triangle& t) {
     for (std::size_t k = 0; k < 3; ++k) {
         const SampleIndex a = at[k], b = at[(k + 1) % 3], opposite = at[(k + 2) % 3];
         const int side = side_of(corner, a, b);
-        if (side < 0 || std::max(std::abs(a.x - b.x), std::abs(a.y - b.y)) < 2) continue;
-        const SampleIndex middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+        if (side < 0 || std::max(std::abs(a.column - b.column), std::abs(a.row - b.row)) < 2) continue;
+        const SampleIndex middle{(a.column + b.column) / 2, (a.row + b.row) / 2};
         const int finer = std::min(tile.around[side], tile.level);
         if (!(ground_.error_m[ground_.index(middle)] > tolerances_m_[static_cast<std::size_t>(finer)])) continue;
         skirt(tile, corner, {opposite, a, middle});
@@ -91,7 +92,7 @@ void SkirtedTiles::join(Tile& tile, std::int32_t tx, std::int32_t ty) {
     static constexpr SampleIndex ways[4] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     int around[4];
     for (int i = 0; i < 4; ++i) {
-        const std::int32_t x = tx + ways[i].x, y = ty + ways[i].y;
+        const std::int32_t x = tx + ways[i].column, y = ty + ways[i].row;
         const bool there = x >= 0 && y >= 0 && x < per_side_ && y < per_side_;
         const Tile* const next = there ? &tiles_[static_cast<std::size_t>(y * per_side_ + x)] : nullptr;
         around[i] = next && next->drawn ? std::min(next->level, tile.level) : tile.level;
@@ -144,7 +145,7 @@ void SkirtedTiles::faces(std::vector<Face>& out) const {
                 Face f;
                 for (std::size_t k = 0; k < 3; ++k) {
                     const SampleIndex c = coord((*list)[i + k]);
-                    f[k] = {static_cast<float>(c.x), static_cast<float>(c.y), ground_.height_m[(*list)[i + k]]};
+                    f[k] = {static_cast<float>(c.column), static_cast<float>(c.row), ground_.height_m[(*list)[i + k]]};
                 }
                 out.push_back(f);
             }

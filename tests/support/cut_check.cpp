@@ -60,8 +60,8 @@ CutBudget ample_cut(const Terrain& terrain, std::uint32_t views) {
 
 std::string in_words(const Violation& found) {
     if (!found) return {};
-    if (found.at.x < 0) return found.what;
-    return std::string(found.what) + " (" + std::to_string(found.at.x) + ", " + std::to_string(found.at.y) + ")";
+    if (found.at.column < 0) return found.what;
+    return std::string(found.what) + " (" + std::to_string(found.at.column) + ", " + std::to_string(found.at.row) + ")";
 }
 
 std::string check_cut(Cut& cut) {
@@ -100,7 +100,8 @@ std::string check_surface(Cut& cut, const Terrain& full) {
             const Triangle& t = found[0];
             if (!holes(t)) return "a triangle without a corner in a hole is hidden";
             const std::int32_t side = 3 * data_of(full).tree.side();
-            const std::int32_t x = (t[0].x + t[1].x + t[2].x) / side, y = (t[0].y + t[1].y + t[2].y) / side;
+            const std::int32_t x = (t[0].column + t[1].column + t[2].column) / side,
+                               y = (t[0].row + t[1].row + t[2].row) / side;
             ranges.push_back({full.tile_at({x, y}), first, 3, 1});
         }
         count = 1u << s.mesh.segment_log2;
@@ -113,17 +114,18 @@ std::string check_surface(Cut& cut, const Terrain& full) {
 namespace {
 
 std::size_t place(const Terrain& t, SampleIndex c) {
-    return static_cast<std::size_t>(c.y) * static_cast<std::size_t>(data_of(t).tree.grid_columns()) +
-           static_cast<std::size_t>(c.x);
+    return static_cast<std::size_t>(c.row) * static_cast<std::size_t>(data_of(t).tree.grid_columns()) +
+           static_cast<std::size_t>(c.column);
 }
 // In a tile of the terrain, or on its border; a sparse one lacks some.
 bool is_there(const Terrain& t, SampleIndex c) {
     if (!data_of(t).tree.contains(c)) return false;
     const std::int32_t side = data_of(t).tree.side();
     for (const SampleIndex by : {SampleIndex{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}) {
-        const SampleIndex inside{c.x + by.x, c.y + by.y}; // where a tile that has c on its border begins
-        const bool holds = (by.x == 0 || c.x % side == 0) && (by.y == 0 || c.y % side == 0);
-        if (holds && inside.x >= 0 && inside.y >= 0 && t.tile_at({inside.x / side, inside.y / side}) != no_tile)
+        const SampleIndex inside{c.column + by.column, c.row + by.row}; // where a tile that has c on its border begins
+        const bool holds = (by.column == 0 || c.column % side == 0) && (by.row == 0 || c.row % side == 0);
+        if (holds && inside.column >= 0 && inside.row >= 0 &&
+            t.tile_at({inside.column / side, inside.row / side}) != no_tile)
             return true;
     }
     return false;
@@ -158,8 +160,8 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
     for (std::uint32_t tile = 0; tile < paged.tile_count(); ++tile)
         for (std::uint32_t page = 0; page < paged.pages_per_tile(); ++page) {
             if (data_of(paged).page_table[tile * paged.pages_per_tile() + page].slot != no_index) continue;
-            const SampleIndex corner{full.tile_place(tile).x * data_of(full).tree.side(),
-                               full.tile_place(tile).y * data_of(full).tree.side()};
+            const SampleIndex corner{full.tile_place(tile).column * data_of(full).tree.side(),
+                                     full.tile_place(tile).row * data_of(full).tree.side()};
             for (std::uint32_t i = 0; i < data_of(full).pages.page_vertices(page); ++i) {
                 const SampleIndex c = corner + data_of(full).pages.coord({page, i});
                 if (!data_of(full).tree.is_corner(c)) set[place(full, c)] = false;
@@ -167,7 +169,7 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
         }
     std::vector<Reach> reaches;
     for (const View& view : views) {
-        const double px = view.error_px > 0 ? view.error_px : error_px;
+        const double px = view.max_error_px > 0 ? view.max_error_px : error_px;
         reaches.push_back(make_reach(view, corner_safe ? px / corner_factor(view) : px));
     }
     // Of every level its own coordinates: centres at odd multiples of the step, sides where one is odd and one even.
@@ -191,7 +193,7 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
                     const TerrainData::Vertex v = data_of(full).vertex(c);
                     const SampleIndex at = data_of(full).tree.sample(c);
                     for (const Reach& r : reaches)
-                        in = in || wanted(r, full.x_m(at.x), v.height_m, full.z_m(at.y), v.error_m, v.radius_m);
+                        in = in || wanted(r, full.x_m(at.column), v.height_m, full.z_m(at.row), v.error_m, v.radius_m);
                 }
                 set[place(full, c)] = in;
             }
@@ -201,7 +203,7 @@ VertexSet target_set(const Terrain& full, const Terrain& paged, std::span<const 
 
 std::vector<View> thresholds_over(double divisor, std::span<const View> views) {
     std::vector<View> result(views.begin(), views.end());
-    for (View& view : result) view.error_px /= divisor;
+    for (View& view : result) view.max_error_px /= divisor;
     return result;
 }
 

@@ -77,7 +77,7 @@ inline CutReport settle(Cut& cut, std::span<const View> views, const CutSettings
                                                                double error_px, bool corner_safe = false) {
     Recursive method(terrain, ample_budget(terrain));
     RefineSettings settings;
-    settings.error_px = error_px;
+    settings.max_error_px = error_px;
     settings.cull = false;
     settings.corner_safe = corner_safe;
     (void)method.update(view, settings);
@@ -89,11 +89,10 @@ inline CutReport settle(Cut& cut, std::span<const View> views, const CutSettings
                                              const CutSettings& settings) {
     if (std::string wrong = check_cut(cut); !wrong.empty()) return wrong;
     if (std::string wrong = check_surface(cut, full); !wrong.empty()) return wrong;
-    if (report.items != report.evaluations + report.activations + report.deactivations) return "items do not add up";
-    if (report.items > settings.items) return "more items than allowed";
-    if (report.error_px_requested != settings.error_px) return "the report asks for another threshold";
-    if (report.error_bound_px < report.error_px_requested)
-        return "the effective threshold is below the requested one";
+    if (report.work != report.evaluations + report.activations + report.deactivations) return "items do not add up";
+    if (report.work > settings.max_work) return "more items than allowed";
+    if (report.error_px_requested != settings.max_error_px) return "the report asks for another threshold";
+    if (report.error_bound_px < report.error_px_requested) return "the effective threshold is below the requested one";
     if (report.blocked > report.waiting) return "more is blocked than waits";
     const bool rests =
         report.waiting == 0 && report.morphing == 0 && report.error_bound_px <= report.error_px_requested;

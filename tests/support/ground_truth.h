@@ -31,11 +31,12 @@ inline TruePlane plane_of(const Terrain& full, const std::array<SampleIndex, 3>&
                v.steps * static_cast<double>(data_of(full).height_scale.quantum_m);
         out.hole = out.hole || (full.has_voids() && v.hole);
     }
-    const double bx = c[1].x - c[0].x, by = c[1].y - c[0].y, cx = c[2].x - c[0].x, cy = c[2].y - c[0].y;
+    const double bx = c[1].column - c[0].column, by = c[1].row - c[0].row, cx = c[2].column - c[0].column,
+                 cy = c[2].row - c[0].row;
     const double area = bx * cy - by * cx;
     out.x = ((h[1] - h[0]) * cy - (h[2] - h[0]) * by) / area;
     out.y = ((h[2] - h[0]) * bx - (h[1] - h[0]) * cx) / area;
-    out.height = h[0] - out.x * c[0].x - out.y * c[0].y;
+    out.height = h[0] - out.x * c[0].column - out.y * c[0].row;
     return out;
 }
 // At a place within the terrain, in cells.

@@ -12,18 +12,18 @@ namespace {
 std::int64_t doubled_area_up(const Triangle& t) {
     // x east, y (rows) south: counter-clockwise from above turns the other way round in (x, y).
     const SampleIndex a = t[1] - t[0], b = t[2] - t[0];
-    return std::int64_t{a.y} * b.x - std::int64_t{a.x} * b.y;
+    return std::int64_t{a.row} * b.column - std::int64_t{a.column} * b.row;
 }
 
 Triangle rotated(Triangle t) {
-    const auto less = [](SampleIndex a, SampleIndex b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+    const auto less = [](SampleIndex a, SampleIndex b) { return a.row != b.row ? a.row < b.row : a.column < b.column; };
     std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
     return t;
 }
 
 SampleIndex tile_corner(const Terrain& terrain, std::uint32_t tile) {
     const SampleIndex place = terrain.tile_place(tile);
-    return {place.x * data_of(terrain).tree.side(), place.y * data_of(terrain).tree.side()};
+    return {place.column * data_of(terrain).tree.side(), place.row * data_of(terrain).tree.side()};
 }
 
 // Calls visit(triangle) for every triangle of a range; strips flip every other one, as OpenGL does.
@@ -44,13 +44,14 @@ void for_each_triangle(const MeshView& mesh, const TileRange& range, const Visit
 std::string say(const char* what, const Triangle& t) {
     std::ostringstream text;
     text << what;
-    for (const SampleIndex c : t) text << " (" << c.x << ", " << c.y << ")";
+    for (const SampleIndex c : t) text << " (" << c.column << ", " << c.row << ")";
     return text.str();
 }
 
 std::uint64_t key(SampleIndex a, SampleIndex b, std::int32_t columns) {
     const auto index = [&](SampleIndex c) {
-        return static_cast<std::uint64_t>(c.y) * static_cast<std::uint64_t>(columns) + static_cast<std::uint64_t>(c.x);
+        return static_cast<std::uint64_t>(c.row) * static_cast<std::uint64_t>(columns) +
+               static_cast<std::uint64_t>(c.column);
     };
     return index(a) << 32 | index(b);
 }
@@ -58,19 +59,19 @@ std::uint64_t key(SampleIndex a, SampleIndex b, std::int32_t columns) {
 // Is the edge on the rim of the terrain, or of the drawn part of it?
 bool may_be_open(const Terrain& terrain, const std::vector<bool>& drawn, SampleIndex a, SampleIndex b) {
     const std::int32_t side = data_of(terrain).tree.side();
-    if (a.x == b.x && (a.x == 0 || a.x == data_of(terrain).tree.columns() - 1)) return true;
-    if (a.y == b.y && (a.y == 0 || a.y == data_of(terrain).tree.rows() - 1)) return true;
+    if (a.column == b.column && (a.column == 0 || a.column == data_of(terrain).tree.columns() - 1)) return true;
+    if (a.row == b.row && (a.row == 0 || a.row == data_of(terrain).tree.rows() - 1)) return true;
     const auto is_drawn = [&](std::int32_t tx, std::int32_t ty) {
         const std::uint32_t tile = terrain.tile_at({tx, ty});
         return tile != no_tile && drawn[tile];
     };
-    if (a.x == b.x && a.x % side == 0) {
-        const std::int32_t ty = std::min(a.y, b.y) / side;
-        return is_drawn(a.x / side - 1, ty) != is_drawn(a.x / side, ty);
+    if (a.column == b.column && a.column % side == 0) {
+        const std::int32_t ty = std::min(a.row, b.row) / side;
+        return is_drawn(a.column / side - 1, ty) != is_drawn(a.column / side, ty);
     }
-    if (a.y == b.y && a.y % side == 0) {
-        const std::int32_t tx = std::min(a.x, b.x) / side;
-        return is_drawn(tx, a.y / side - 1) != is_drawn(tx, a.y / side);
+    if (a.row == b.row && a.row % side == 0) {
+        const std::int32_t tx = std::min(a.column, b.column) / side;
+        return is_drawn(tx, a.row / side - 1) != is_drawn(tx, a.row / side);
     }
     return false;
 }
@@ -127,8 +128,8 @@ std::vector<Triangle> triangles_of(const MeshView& mesh) {
         });
     std::sort(all.begin(), all.end(), [](const Triangle& a, const Triangle& b) {
         for (std::size_t i = 0; i < 3; ++i) {
-            if (a[i].y != b[i].y) return a[i].y < b[i].y;
-            if (a[i].x != b[i].x) return a[i].x < b[i].x;
+            if (a[i].row != b[i].row) return a[i].row < b[i].row;
+            if (a[i].column != b[i].column) return a[i].column < b[i].column;
         }
         return false;
     });
@@ -150,10 +151,10 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
             const std::uint32_t index = mesh.indices[range.first_index + i];
             const MeshVertex& v = mesh.vertices[index];
             const SampleIndex at{v.column, v.row}, in_tile = at - corner;
-            if (in_tile.x < 0 || in_tile.y < 0 || in_tile.x > data_of(terrain).tree.side() ||
-                in_tile.y > data_of(terrain).tree.side())
+            if (in_tile.column < 0 || in_tile.row < 0 || in_tile.column > data_of(terrain).tree.side() ||
+                in_tile.row > data_of(terrain).tree.side())
                 return "a vertex lies outside its tile";
-            if (at.x >= data_of(terrain).tree.columns() || at.y >= data_of(terrain).tree.rows())
+            if (at.column >= data_of(terrain).tree.columns() || at.row >= data_of(terrain).tree.rows())
                 return "a vertex lies outside the terrain";
             if (compared[index]) continue;
             compared[index] = true;
@@ -172,9 +173,9 @@ std::string check_mesh(const Terrain& terrain, const MeshView& mesh) {
     }
     for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
         const SampleIndex corner = tile_corner(terrain, tile);
-        const SampleIndex end =
-            data_of(terrain).tree.sample(corner + SampleIndex{data_of(terrain).tree.side(), data_of(terrain).tree.side()});
-        if (drawn[tile] && areas[tile] != 2 * std::int64_t{end.x - corner.x} * (end.y - corner.y))
+        const SampleIndex end = data_of(terrain).tree.sample(
+            corner + SampleIndex{data_of(terrain).tree.side(), data_of(terrain).tree.side()});
+        if (drawn[tile] && areas[tile] != 2 * std::int64_t{end.column - corner.column} * (end.row - corner.row))
             return "a tile is not covered exactly";
     }
     return check_edges(terrain, drawn, triangles);

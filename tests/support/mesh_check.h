@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "fjell/sample_index.h"
 #include "fjell/mesh.h"
+#include "fjell/sample_index.h"
 #include "fjell/terrain.h"
 
 namespace fjell::test {

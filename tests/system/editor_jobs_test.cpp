@@ -130,7 +130,7 @@ TEST_CASE("a tuning by command sets the threshold only when it shall, as one und
     const EditorFiles place;
     place.bake();
     const std::string words = "tune frames=20 budget_us=1000000 least_px=2 csv=";
-    const json applied = place.after({"set refine.error_px 5", words + "curve0.csv", "wait", "dump tuned.json",
+    const json applied = place.after({"set refine.max_error_px 5", words + "curve0.csv", "wait", "dump tuned.json",
                                       words + "curve1.csv apply=yes", "wait"},
                                      "hills.fjell");
     const json tuned = place.dumped("tuned.json");
@@ -138,7 +138,7 @@ TEST_CASE("a tuning by command sets the threshold only when it shall, as one und
         const json& state = apply ? applied : tuned;
         INFO(last_message(state));
         CHECK(state["job"]["best_px"] == 2);
-        CHECK(state["profile"]["refine.error_px"] == (apply ? 2 : 5));
+        CHECK(state["profile"]["refine.max_error_px"] == (apply ? 2 : 5));
         CHECK(state["document"]["undo"] == (apply ? 3 : 2)); // the first: opening the profile
         CHECK(state["job"]["curve"].size() == 5);
         const std::string csv = slurp(place.folder / (apply ? "curve1.csv" : "curve0.csv"));
@@ -171,7 +171,7 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
     const json own = place.after({"benchmark b.csv 25",
                                   "wait",
                                   "dump flown.json",
-                                  "set refine.error_px 3",
+                                  "set refine.max_error_px 3",
                                   "wait",
                                   "preview",
                                   "wait",
@@ -182,20 +182,20 @@ TEST_CASE("a benchmark and an export by command write their files, and a preview
                                   "export n.glb 12",
                                   "wait",
                                   "dump own.json",
-                                  "set budget.items 1",
-                                  "set refine.error_px 0.5",
+                                  "set budget.max_work 1",
+                                  "set refine.max_error_px 0.5",
                                   "frames 1",
                                   "export l.glb",
-                                  "set budget.items 0",
+                                  "set budget.max_work 0",
                                   "wait",
                                   "dump stands.json",
-                                  "set refine.error_px 3",
+                                  "set refine.max_error_px 3",
                                   "wait",
-                                  "set budget.items 1",
-                                  "set refine.error_px 0.5",
+                                  "set budget.max_work 1",
+                                  "set refine.max_error_px 0.5",
                                   "frames 1",
                                   "export c.glb converged",
-                                  "set budget.items 0",
+                                  "set budget.max_work 0",
                                   "wait"}, // waits until the view has settled
                                  "hills.fjell");
     CHECK_THAT(last_message(place.dumped("flown.json")), Catch::Contains("b.csv: 25 frames"));
@@ -277,7 +277,7 @@ TEST_CASE("jobs without a terrain, beside another job or out of range are refuse
 TEST_CASE("heights that a script opens are baked beside themselves without a dialog, and never over a file") {
     const EditorFiles place;
     spit(place.folder / "dem.asc", "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 30\n1 2 3\n3 4 5\n5 6 7\n");
-    const json refused = place.after({"open dem.asc", "set refine.error_px 3", "dump baked.json", "open dem.asc"});
+    const json refused = place.after({"open dem.asc", "set refine.max_error_px 3", "dump baked.json", "open dem.asc"});
     const json state = place.dumped("baked.json");
     for (const json& message : state["messages"]) CHECK(message["severity"] != "error");
     CHECK(state["interface"]["dialog"] == "none");

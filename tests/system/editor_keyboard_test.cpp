@@ -52,10 +52,11 @@ struct Keyboard {
 // Controls of these groups that the window shows, without what only tells of something.
 std::set<std::string> controls(const json& state, const std::set<std::string>& groups) {
     // Or is grey as long as nothing has been typed or compared.
-    static const std::set<std::string> tell{
-        "bake.plan",          "bake.picture",          "job.progress",    "bake.start",
-        "browse.choose",      "bake.splat",          "export.error_px", "compare-picture.profile",
-        "export.destination", "screenshot.destination"};
+    static const std::set<std::string> tell{"bake.plan",          "bake.picture",
+                                            "job.progress",       "bake.start",
+                                            "browse.choose",      "bake.splat",
+                                            "export.error_px",    "compare-picture.profile",
+                                            "export.destination", "screenshot.destination"};
     std::set<std::string> found;
     for (const auto& [name, place] : state["marks"].items())
         if (groups.contains(name.substr(0, name.find('.'))) && !tell.contains(name)) found.insert(name);
@@ -93,11 +94,11 @@ TEST_CASE("by keyboard alone a pack is opened, a threshold changed, the profile 
     editor.key("Return");
     editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
     editor.key("F6");
-    editor.go_to("field.refine.error_px");
+    editor.go_to("field.refine.max_error_px");
     editor.key("ctrl+a");
     editor.type("7.5");
     editor.key("Return");
-    editor.until("7.5 px", [](const json& s) { return s["profile"]["refine.error_px"] == 7.5; });
+    editor.until("7.5 px", [](const json& s) { return s["profile"]["refine.max_error_px"] == 7.5; });
     editor.key("Escape"); // the camera's again
     CHECK(editor.state()["interface"]["panel_keys"] == false);
     editor.key("ctrl+s");
@@ -106,7 +107,7 @@ TEST_CASE("by keyboard alone a pack is opened, a threshold changed, the profile 
     editor.type(k.home / "mine.toml");
     editor.key("Return");
     editor.until("a saved profile", [](const json& s) { return s["document"]["unsaved"] == false; });
-    CHECK(slurp(k.home / "mine.toml").find("error_px = 7.5") != std::string::npos);
+    CHECK(slurp(k.home / "mine.toml").find("max_error_px = 7.5") != std::string::npos);
     k.choose("alt+f", "menu.export");
     editor.until("a dialog", dialog_is("export"));
     CHECK(editor.state()["marks"].contains("export.destination")); // of the name that is proposed

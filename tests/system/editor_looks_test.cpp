@@ -66,7 +66,7 @@ TEST_CASE("at the sizes of desktops and with large text no text is cut, and none
     const std::vector<Sight> panels = panels_and_dialogs(), overlays = overlays_in_turn();
     const TemporaryFolder folder;
     // What software draws fastest: the picture is not what is looked at.
-    spit(folder / "profile.toml", "[view]\nsamples = 1\n[refine]\nerror_px = 8\n"
+    spit(folder / "profile.toml", "[view]\nsamples = 1\n[refine]\nmax_error_px = 8\n"
                                   "[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
     spit(folder / "script", script_of(desktops, panels, overlays, folder.path));
     const Run run = run_in(folder.path, no_pixels +

@@ -76,7 +76,7 @@ std::vector<long> worst_of(const TemporaryFolder& folder, const std::vector<Sigh
 
 // No pixel is looked at: the light that software draws fastest.
 const std::vector<std::string> plain_light{"set light.air simple", "set light.detail false", "set light.dither false",
-                                           "set refine.error_px 50"};
+                                           "set refine.max_error_px 50"};
 
 void check_nothing(const std::vector<Sight>& sights, const std::vector<long>& worst) {
     for (std::size_t i = 0; i < sights.size(); ++i) {

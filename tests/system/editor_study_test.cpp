@@ -27,7 +27,7 @@ public:
     // The state after these commands. The light is what software draws fastest, and what does not adapt.
     [[nodiscard]] json after(const std::vector<std::string>& commands, double error_px = 3) const {
         spit(folder / "profile.toml", "[view]\nwidth_px = 320\nheight_px = 180\nsamples = 1\n"
-                                      "[refine]\nerror_px = " +
+                                      "[refine]\nmax_error_px = " +
                                           std::to_string(error_px) +
                                           "\n[light]\nair = \"simple\"\ndetail = false\ndither = false\n");
         std::string line = "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
@@ -130,7 +130,7 @@ TEST_CASE("a path in the picture goes on beyond the divider, and is no differenc
 
 TEST_CASE("benchmarks are kept as runs, the latest first, and a place of one is looked from") {
     const Studies s;
-    const json state = s.after({"run-place 0 0.5", "benchmark a.csv 60", "wait", "set refine.error_px 30",
+    const json state = s.after({"run-place 0 0.5", "benchmark a.csv 60", "wait", "set refine.max_error_px 30",
                                 "benchmark b.csv 40", "wait", "run-place 1 0.5", "heat error", "frames 2"});
     const json& all = state["runs"]["all"];
     REQUIRE(all.size() == 2);

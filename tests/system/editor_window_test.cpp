@@ -93,14 +93,14 @@ TEST_CASE("dragging the threshold's slider coarsens the mesh at once, and one un
     const json before = editor.until("a converged mesh", converged);
     const gl::Image fine = terrain.screen.picture();
     CHECK(colours_in(fine, view_of(before)) > 500); // a landscape, not a blank
-    editor.drag("refine.error_px", 0.42, 0.8);
+    editor.drag("refine.max_error_px", 0.42, 0.8);
     const json after = editor.until("a coarser mesh", [&](const json& s) {
-        return s["profile"]["refine.error_px"] > 4 && s["measures"]["converged"] == true &&
+        return s["profile"]["refine.max_error_px"] > 4 && s["measures"]["converged"] == true &&
                s["measures"]["vertices"] < before["measures"]["vertices"];
     });
     CHECK(after["document"]["unsaved"] == true);
     CHECK(after["document"]["undo"] == before["document"]["undo"].get<int>() + 1);
-    CHECK(after["measures"]["error_px_asked"] == after["profile"]["refine.error_px"]);
+    CHECK(after["measures"]["error_px_asked"] == after["profile"]["refine.max_error_px"]);
     CHECK(changed(fine, terrain.screen.picture(), view_of(after)) > 0.01);
     editor.key("ctrl+z");
     const json back = editor.until("the old mesh", [&](const json& s) {
@@ -116,21 +116,21 @@ TEST_CASE("a number is typed beside the slider: one out of range is clamped with
     SmallTerrain& terrain = SmallTerrain::shared(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
     const int undo = editor.state()["document"]["undo"];
-    terrain.enter("refine.error_px", "7.5");
+    terrain.enter("refine.max_error_px", "7.5");
     editor.until("7.5 px", [](const json& s) {
-        return s["profile"]["refine.error_px"] == 7.5 && s["measures"]["error_px_asked"] == 7.5;
+        return s["profile"]["refine.max_error_px"] == 7.5 && s["measures"]["error_px_asked"] == 7.5;
     });
-    terrain.enter("refine.error_px", "123456");
+    terrain.enter("refine.max_error_px", "123456");
     const json largest =
         editor.until("the mesh of it", [](const json& s) { return s["measures"]["error_px_asked"] > 8; });
-    CHECK(largest["profile"]["refine.error_px"] == 1000);
+    CHECK(largest["profile"]["refine.max_error_px"] == 1000);
     CHECK(has_message(largest, "warning", "1000"));
     CHECK(largest["document"]["undo"] == undo + 2);
     const std::uint64_t before = largest["input"]["characters"];
-    terrain.enter("refine.error_px", "nonsense");
+    terrain.enter("refine.max_error_px", "nonsense");
     const json after = editor.state();
     CHECK(after["input"]["characters"] == before + 8); // they did arrive
-    CHECK(after["profile"]["refine.error_px"] == 1000);
+    CHECK(after["profile"]["refine.max_error_px"] == 1000);
     CHECK(after["document"]["undo"] == undo + 2);
     for (int i = 0; i < 2; ++i) editor.key("ctrl+z");
 }
@@ -210,7 +210,7 @@ TEST_CASE("keys and the mouse move the camera, but not while a number is typed o
     editor.wheel(-2);
     CHECK(editor.state()["camera"]["speed_m_s"] == looked["camera"]["speed_m_s"]);
     editor.wheel(4);
-    editor.click("field.refine.error_px");
+    editor.click("field.refine.max_error_px");
     editor.type("wwwdddeee");
     editor.key("Escape");
     CHECK(editor.state()["camera"]["position_m"] == looked["camera"]["position_m"]);
@@ -261,7 +261,7 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
     };
     {
         EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
-        const json changed = change(editor)["profile"]["refine.error_px"];
+        const json changed = change(editor)["profile"]["refine.max_error_px"];
         editor.key("ctrl+q");
         editor.until("the question", shows_dialog("unsaved"));
         editor.key("Escape");
@@ -271,14 +271,14 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
         editor.until("the question", shows_dialog("unsaved"));
         editor.key("Return"); // saves
         CHECK(editor.exit_code() == 0);
-        CHECK(slurp(profile).find("error_px = " + changed.dump()) != std::string::npos);
+        CHECK(slurp(profile).find("max_error_px = " + changed.dump()) != std::string::npos);
     }
     const std::string saved = slurp(profile);
     CHECK(saved != original);
     json lost;
     {
         EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
-        lost = change(editor)["profile"]["refine.error_px"];
+        lost = change(editor)["profile"]["refine.max_error_px"];
         editor.until("changes kept for a crash", [](const json& s) { return s["files"]["recovery_file"] != ""; });
         editor.signal(SIGKILL);
         CHECK(editor.exit_code() == 128 + SIGKILL);
@@ -288,7 +288,7 @@ TEST_CASE("quitting asks about unsaved changes, and a crash does not lose them")
     editor.until("what an earlier run left", shows_dialog("recover"));
     editor.click("answer.restore");
     editor.until("the change again", [&](const json& s) {
-        return s["document"]["unsaved"] == true && s["profile"]["refine.error_px"] == lost;
+        return s["document"]["unsaved"] == true && s["profile"]["refine.max_error_px"] == lost;
     });
     editor.key("ctrl+q");
     editor.click("answer.discard");
@@ -304,7 +304,7 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     spit(home / "damaged.fjell", damaged);
     EditorWindow editor(display(), home.path,
                         {small_pack(), "--size", small_window, "--scale", half_scale, "--do", "frames 2", "--do",
-                         "open " + home / "damaged.fjell", "--do", "set refine.error_px 3", "--do",
+                         "open " + home / "damaged.fjell", "--do", "set refine.max_error_px 3", "--do",
                          "save-profile /proc/none.toml", "--do", "lose-graphics", "--do", "wait"});
     const json state = editor.until("the script's end", [](const json& s) {
         return s["messages"].size() >= 3 && s["measures"]["converged"] == true;
@@ -322,7 +322,7 @@ TEST_CASE("a corrupt pack, a folder that takes nothing and a lost graphics conte
     editor.move(5, 5);
     CHECK(colours_in(display().picture(), view_of(state)) > 500);
     editor.key("ctrl+z");
-    editor.until("undone", [](const json& s) { return s["profile"]["refine.error_px"] == 1; });
+    editor.until("undone", [](const json& s) { return s["profile"]["refine.max_error_px"] == 1; });
 }
 
 TEST_CASE("a dialog has the keyboard, nothing beneath it reacts, and escape closes it, but first what is typed") {

@@ -45,8 +45,8 @@ double surface_m(const Tree& tree, const io::FullHeights& g, double column, doub
                        y = std::clamp(static_cast<std::int32_t>(std::floor(row)) >> g.step_log2, 0, g.rows - 2);
     const SampleIndex nw{x * step, y * step};
     const bool falls = step == 1 ? (x + y) % 2 == 0 : diamond(tree, nw + SampleIndex{step / 2, step / 2}).ends[0] == nw;
-    const double u = (column - nw.x) / (std::min(nw.x + step, tree.columns() - 1) - nw.x),
-                 v = (row - nw.y) / (std::min(nw.y + step, tree.rows() - 1) - nw.y);
+    const double u = (column - nw.column) / (std::min(nw.column + step, tree.columns() - 1) - nw.column),
+                 v = (row - nw.row) / (std::min(nw.row + step, tree.rows() - 1) - nw.row);
     const auto h = [&](std::int32_t i, std::int32_t j) {
         return static_cast<double>(g.heights_m[static_cast<std::size_t>((y + j) * g.columns + x + i)]);
     };
@@ -225,7 +225,7 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
     const Vec3 right = cross(view.forward, view.up);
     const Picture plain = scene.draw(mesh.view(), view, bare(1));
     const SampleIndex planted{161, 60};
-    float& height_m = heights.heights_m[static_cast<std::size_t>(planted.y * heights.columns + planted.x)];
+    float& height_m = heights.heights_m[static_cast<std::size_t>(planted.row * heights.columns + planted.column)];
     const float right_m = height_m;
     for (const bool hole : {false, true}) {
         height_m = hole ? std::nanf("") : right_m + 40;
@@ -237,7 +237,8 @@ TEST_CASE("a mesh of the full resolution has no error anywhere, multisampled or 
             const Vec3 ray = view.forward + right * ((x + 0.5 - width_px / 2.0) / focal_length_px(view)) +
                              view.up * ((height_px / 2.0 - y - 0.5) / focal_length_px(view));
             const Vec3 at = view.eye_m + ray * static_cast<double>(plain.distance_m[i]);
-            const bool beside = std::abs(at.x / 30 - planted.x) <= 1.01 && std::abs(at.z / 30 - planted.y) <= 1.01;
+            const bool beside =
+                std::abs(at.x / 30 - planted.column) <= 1.01 && std::abs(at.z / 30 - planted.row) <= 1.01;
             const std::uint8_t* const is = wrong.pixel(x, y);
             shown += close(is, hole ? gl::error_stops[5] : gl::error_rgb(2));
             elsewhere += !beside && !std::equal(is, is + 3, plain.colour.pixel(x, y));

@@ -122,7 +122,7 @@ TEST_CASE("both methods select the same triangles in every frame when neither cu
 
 TEST_CASE("a frame never does more work than --items, and the flight says that it lagged") {
     for (const char* flags : {"--items 1", "--items 200", "--items 200 --profile limited.toml"}) {
-        spit(place().folder / "limited.toml", "[budget]\nitems = 100000\n");
+        spit(place().folder / "limited.toml", "[budget]\nmax_work = 100000\n");
         const Run r =
             place().fly(std::string("small.fjell --headless --frames 30 --error-px 1 --verify 10 --json j.json "
                                     "--csv - ") +
@@ -152,7 +152,7 @@ TEST_CASE("a frame never does more work than --items, and the flight says that i
 }
 
 TEST_CASE("a profile's items bound every frame but the first, which is built from nothing") {
-    spit(place().folder / "limited.toml", "[budget]\nitems = 100000\n");
+    spit(place().folder / "limited.toml", "[budget]\nmax_work = 100000\n");
     const Run r = place().fly("small.fjell --headless --frames 30 --profile limited.toml --json -");
     INFO(r.err);
     REQUIRE(r.code == 0);

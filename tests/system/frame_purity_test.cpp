@@ -200,10 +200,10 @@ Seen fly(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
         if (frame % 1000 == 999) views[0] = random_view(random, terrain);
         if (frame % 700 == 699) views[1] = random_view(random, terrain);
         if (frame % 250 == 0)
-            settings.error_px = std::pow(10.0, frame % 1500 < 750 ? uniform(random, 1, 2) : uniform(random, -2, 0));
+            settings.max_error_px = std::pow(10.0, frame % 1500 < 750 ? uniform(random, 1, 2) : uniform(random, -2, 0));
         settings.hysteresis = frame % 400 < 200 ? 0 : 0.2;
-        settings.items = frame % 300 < 200 ? 3000 : unlimited_work;
-        settings.budget_us = frame % 600 < 100 ? 50 : 0;
+        settings.max_work = frame % 300 < 200 ? 3000 : unlimited_work;
+        settings.max_time_us = frame % 600 < 100 ? 50 : 0;
         settings.corner_safe = frame % 2000 >= 1500;
         settings.offscreen_factor = frame % 900 < 450 ? 1 : 6;
         const std::size_t view_count = frame % 300 < 250 ? 1 : 2;
@@ -278,7 +278,7 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
         views[0] = moved(random, views[0], terrain.spacing_x_m() * (frame % 500 < 400 ? 0.3 : 8));
         if (frame % 300 == 299) views[0] = random_view(random, terrain);
         if (frame % 700 == 699) views[1] = random_view(random, terrain);
-        if (frame % 250 == 0) settings.error_px = std::pow(10.0, uniform(random, -1, 1.5));
+        if (frame % 250 == 0) settings.max_error_px = std::pow(10.0, uniform(random, -1, 1.5));
         if (frame % 2000 == 1999) (void)stream_retry_failed(stream);
         stream_settings.now_s += 1.0 / 60;
         stream_settings.tests = frame % 200 < 20 ? 5 : 1u << 16;

@@ -141,7 +141,8 @@ TEST_CASE("the guide's shader gives every vertex the height of morphed_height_m(
     wrapped.morph = later;
     wrapped.frame.now_s = shifted(cut.frame.now_s);
     // Some twelve roundings of numbers up to the diagonal on the way to a share of the band, whose width is error_m
-    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height itself.
+    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height
+    // itself.
     const MorphView& v = cut.frame.view[0];
     const double diagonal_m = std::hypot(terrain.extent_x_m(), terrain.extent_z_m());
     const double bound_m = 0x1p-24 * (12 * 2 * diagonal_m / double{v.start_per_error - v.full_per_error} + 6 * 3000);
@@ -153,8 +154,8 @@ TEST_CASE("the guide's shader gives every vertex the height of morphed_height_m(
             const MeshVertex& vertex = mesh.mesh.vertices[slot];
             const float expected = morphed_height_m(terrain, vertex, mesh.morph[slot], mesh.frame);
             largest_m = std::max(largest_m, std::abs(double{positions[3 * slot + 1]} - double{expected}));
-            between +=
-                std::abs(expected - vertex.height_m) > 0.1f && std::abs(expected - mesh.morph[slot].morph_from_m) > 0.1f;
+            between += std::abs(expected - vertex.height_m) > 0.1f &&
+                       std::abs(expected - mesh.morph[slot].morph_from_m) > 0.1f;
             before += mesh.morph[slot].activated_s > mesh.frame.now_s;
         }
         INFO("largest " << largest_m << " m, bound " << bound_m << " m");
@@ -220,7 +221,7 @@ TEST_CASE("the C host's renderer draws what ours draws, from uploads of what cha
         scene.target->read_depth(ours);
         FjellView seen = fjell_view_default();
         std::memcpy(&seen.eye_m, &view, sizeof view);
-        for (const FjellCoord origin : {FjellCoord{250, 460}, FjellCoord{0, 0}}) {
+        for (const FjellSampleIndex origin : {FjellSampleIndex{250, 460}, FjellSampleIndex{0, 0}}) {
             glBindFramebuffer(GL_FRAMEBUFFER, scene.target->framebuffer());
             glViewport(0, 0, static_cast<GLsizei>(width_px), static_cast<GLsizei>(height_px));
             glDepthMask(GL_TRUE);

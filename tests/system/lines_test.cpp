@@ -233,7 +233,8 @@ TEST_CASE("a ball is three great circles where they are expected", "[picture]") 
                 const Vec3 ray = normalised(view.forward * focal_length_px(view) + right * (x + 0.5 - width_px / 2.0) +
                                             view.up * (height_px / 2.0 - y - 0.5));
                 const Vec3 to = centre - view.eye_m;
-                stray += length(to) > radius_m && length(cross(to, ray)) > radius_m + 2 * length(to) / focal_length_px(view);
+                stray +=
+                    length(to) > radius_m && length(cross(to, ray)) > radius_m + 2 * length(to) / focal_length_px(view);
             }
         CAPTURE(round);
         CHECK(stray == 0);

@@ -41,7 +41,7 @@ TEST_CASE("what is coarser off-screen does not show, turned or moved: the pictur
     std::uint32_t fewer = 0;
     for (int step = 0; step < test::rounds(4, 24); ++step) {
         const View view = scene.camera(0.5 + 0.004 * step, 0.8, 150, 15.0 * step, -5);
-        CutSettings settings{.error_px = 2, .offscreen_factor = 8};
+        CutSettings settings{.max_error_px = 2, .offscreen_factor = 8};
         CutReport coarser;
         REQUIRE(update_cut(scene.cut, {&view, 1}, settings, coarser).ok());
         REQUIRE(coarser.converged);

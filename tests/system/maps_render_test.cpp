@@ -6,9 +6,9 @@
 #include "gl/terrain_textures.h"
 #include "pack/terrain_data.h"
 #include "picture_scene.h"
-#include "support/splat_rules.h"
 #include "support/dem.h"
 #include "support/rounds.h"
+#include "support/splat_rules.h"
 #include "support/terrain_fixture.h"
 
 using namespace pictures;
@@ -309,7 +309,8 @@ TEST_CASE("the modes of tiles, mips and residency show what their legends say", 
         const Vec3 p{column * 30 - view.eye_m.x, 0, row * 30 - view.eye_m.z};
         // The ground's height under the pixel moves it: take the pixel of this place at its own height.
         const double h = data_of(terrain).ground_m(column * 30, row * 30) - view.eye_m.y;
-        const double x = width_px / 2.0 + focal_length_px(view) * p.x / -h, y = height_px / 2.0 + focal_length_px(view) * p.z / -h;
+        const double x = width_px / 2.0 + focal_length_px(view) * p.x / -h,
+                     y = height_px / 2.0 + focal_length_px(view) * p.z / -h;
         const std::uint8_t* pixel = picture.colour.pixel(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
         return gl::Rgb8{pixel[0], pixel[1], pixel[2]};
     };

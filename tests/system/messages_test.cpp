@@ -39,8 +39,8 @@ public:
         put("comma.json", "{\"columns\": 9,}");
         put("twice.json", "{\"columns\": 9,\n \"columns\": 8}");
         put("word.json", R"({"inputs": ["a.tif"], "nodata": "holes"})");
-        put("comma.toml", "[refine]\nerror_px = 1,\n");
-        put("twice.toml", "[refine]\nerror_px = 1\nerror_px = 2\n");
+        put("comma.toml", "[refine]\nmax_error_px = 1,\n");
+        put("twice.toml", "[refine]\nmax_error_px = 1\nmax_error_px = 2\n");
         put("word.toml", "[refine]\nmethod = \"magic\"\n");
         put("units.json", "{\"units\": \"feet\", \"orbit\": {}}");
         put("orbits.json", "{\"orbit\": {},\n\"orbit\": {}}");
@@ -210,9 +210,9 @@ TEST_CASE("whatever is wrong with a file or a word is one line of ours that name
 TEST_CASE("in a script every command that is malformed or fails is one line, and the rest is done") {
     const BadInputs place;
     spit(place.folder.path / "s.txt",
-         "open none.fjell\nfly away\nset refine.error_px 1e999\nset refine.error_px \"\nopen folder.fjell\n"
+         "open none.fjell\nfly away\nset refine.max_error_px 1e999\nset refine.max_error_px \"\nopen folder.fjell\n"
          "open text.fjell\nopen-profile twice.toml\nopen units.json\nsave-profile none/p.toml\nmode pretty\n"
-         "open p.fjell\nopen-path orbits.json\nset refine.error_px 3\ndump state.json\n");
+         "open p.fjell\nopen-path orbits.json\nset refine.max_error_px 3\ndump state.json\n");
     const Run r = place.run("{editor} --script s.txt --do 'frames x'");
     CAPTURE(r.err);
     CHECK(r.code == 2); // the first failure's
@@ -222,7 +222,7 @@ TEST_CASE("in a script every command that is malformed or fails is one line, and
                              "s.txt:3: ", "s.txt:4: a quote is not closed", "folder.fjell: ", "text.fjell: ",
                              "twice.toml:3: ", "orbits.json:2: ", "none/p.toml: ", "s.txt:10: "})
         CHECK_THAT(r.err, Catch::Contains(part));
-    CHECK_THAT(slurp(place.folder.path / "state.json"), Catch::Contains("\"refine.error_px\": 3"));
+    CHECK_THAT(slurp(place.folder.path / "state.json"), Catch::Contains("\"refine.max_error_px\": 3"));
 }
 
 TEST_CASE("heights on the editor's command line are baked beside themselves without a window, and never over a file") {

@@ -71,11 +71,11 @@ inline OwnMesh full_resolution(const Terrain& terrain) {
         const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
         const auto first_index = static_cast<std::uint32_t>(mesh.indices.size());
         const SampleIndex corner{static_cast<std::int32_t>(tile % terrain.header().tiles_x * side),
-                           static_cast<std::int32_t>(tile / terrain.header().tiles_x * side)};
+                                 static_cast<std::int32_t>(tile / terrain.header().tiles_x * side)};
         for (std::uint32_t y = 0; y < n; ++y)
             for (std::uint32_t x = 0; x < n; ++x) {
                 const SampleIndex at = corner + SampleIndex{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-                mesh.vertices.push_back({at.x, at.y, data_of(terrain).height_m(at)});
+                mesh.vertices.push_back({at.column, at.row, data_of(terrain).height_m(at)});
             }
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x) {
@@ -165,12 +165,12 @@ struct Scene {
     // The cut on its way from one view to another, with vertices that morph by distance and by time. After make_cut().
     CutMesh half_way(const View& from, const View& to, double error_px) {
         CutSettings settings;
-        settings.error_px = error_px;
+        settings.max_error_px = error_px;
         settings.morph = Morph::error;
         settings.morph_s = 1;
         CutReport report;
         REQUIRE(rebuild_cut(cut, {&from, 1}, settings, report).ok());
-        settings.items = 1500; // so that some come late
+        settings.max_work = 1500; // so that some come late
         for (int frame = 1; frame <= 8; ++frame) {
             settings.now_s = frame * 0.1;
             REQUIRE(update_cut(cut, {&to, 1}, settings, report).ok());
@@ -193,7 +193,7 @@ struct Scene {
     // The live cut brought to a view, from nothing or from where it was.
     CutReport follow(const View& view, double error_px, bool from_nothing = false) {
         CutSettings settings;
-        settings.error_px = error_px;
+        settings.max_error_px = error_px;
         CutReport report;
         REQUIRE((from_nothing ? rebuild_cut : update_cut)(cut, {&view, 1}, settings, report).ok());
         REQUIRE(report.converged);
@@ -203,7 +203,7 @@ struct Scene {
     // The recursive method's mesh of a view; valid until the next call.
     MeshView refined(const View& view, double error_px, Topology topology = Topology::triangles, bool cull = true) {
         RefineSettings settings;
-        settings.error_px = error_px;
+        settings.max_error_px = error_px;
         settings.topology = topology;
         settings.cull = cull;
         FrameReport report;

@@ -92,7 +92,8 @@ void check_against_full_resolution(Scene& scene, const char* terrain, const std:
         const MeshView fine = scene.refined(v.view, 0.5);
         const std::size_t triangles = fine.indices.size() / 3;
         const Agreement good = compare(scene.draw(fine, v.view), reference, focal_length_px(v.view));
-        const Agreement bad = compare(scene.draw(scene.refined(v.view, 20), v.view), reference, focal_length_px(v.view));
+        const Agreement bad =
+            compare(scene.draw(scene.refined(v.view, 20), v.view), reference, focal_length_px(v.view));
         std::printf("%s, %s: %zu triangles at 0.5 px; within 1 px of full resolution: %.4f%% of %llu terrain pixels "
                     "(at 20 px: %.2f%%)\n",
                     terrain, v.name, triangles, 100 * good.share(), static_cast<unsigned long long>(good.pixels),
@@ -268,7 +269,7 @@ TEST_CASE("every triangle has the colour of its level", "[picture]") {
             }
             // How often a base triangle, of half a tile's area, was halved.
             const SampleIndex a = corner[1] - corner[0], b = corner[2] - corner[0];
-            const int doubled_area = std::abs(a.x * b.y - a.y * b.x);
+            const int doubled_area = std::abs(a.column * b.row - a.row * b.column);
             const int level = 2 * static_cast<int>(terrain.header().tile_log2) -
                               static_cast<int>(std::lround(std::log2(doubled_area)));
             const double d = dot(centre, view.forward);

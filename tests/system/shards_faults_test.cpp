@@ -7,8 +7,8 @@
 #include <random>
 
 #include "shards_scene.h"
-#include "support/splat_rules.h"
 #include "support/rounds.h"
+#include "support/splat_rules.h"
 
 using namespace fjell::test;
 namespace fs = std::filesystem;

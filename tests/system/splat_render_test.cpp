@@ -147,10 +147,9 @@ TEST_CASE("ground shows the materials that its splat map says, and colours alone
     off.splat = false; // and there are no rules
     CHECK(c.draw(off).colour.rgb == without.colour.rgb);
     const std::vector<std::string> unknown{"green", "moss"};
-    CHECK(
-        c.scene.renderer->set_layers(c.file.materials, {}, unknown) ==
-        "the pack's splat maps speak of \"moss\", and the materials are red, green: give materials with it, or bake "
-        "the pack with other --layers");
+    CHECK(c.scene.renderer->set_layers(c.file.materials, {}, unknown) ==
+          "the pack's splat maps speak of \"moss\", and the materials are red, green: give materials with it, or bake "
+          "the pack with other --layers");
 
     SplatScene bare(
         R"({"rules": [{"layer": "green", "height_m": [null, 32]}, {"layer": "red", "height_m": [96, null]}]})");

@@ -31,7 +31,7 @@ public:
              R"({"columns": 513, "rows": 513, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000})");
         REQUIRE(run(FJELL_BIN_DIR "/fjell-bake synth recipe.json -o dem.tif").code == 0);
         REQUIRE(run(FJELL_BIN_DIR "/fjell-bake dem.tif -o t.fjell --tile 128 --quiet").code == 0);
-        spit(folder.path / "few.toml", "[stream]\npage_slots = 30\n[budget]\nitems = 400\n");
+        spit(folder.path / "few.toml", "[stream]\npage_slots = 30\n[budget]\nmax_work = 400\n");
         spit(folder.path / "all.toml", "[stream]\npage_slots = 96\n");
     }
     [[nodiscard]] Run run(const std::string& command) const { return run_in(folder.path, command); }

@@ -96,7 +96,7 @@ struct Flown {
     }
     // What is drawn is all that the views want of what is loaded.
     [[nodiscard]] std::string at_target() {
-        return difference(active_set(cut), target_set(scene.full.terrain, terrain, {&view, 1}, refine.error_px));
+        return difference(active_set(cut), target_set(scene.full.terrain, terrain, {&view, 1}, refine.max_error_px));
     }
     [[nodiscard]] bool loaded(std::uint32_t tile, std::uint32_t page) const {
         return data_of(terrain).page_table[std::size_t{tile} * terrain.pages_per_tile() + page].slot != no_index;
@@ -148,7 +148,7 @@ TEST_CASE("thousands of frames over a pack ten times larger than its pools: memo
     budget.tail_log2 = 3;
     Flown on(scene, scene.path, slots, budget);
     const io::StreamReader reader(on.stream, on.file);
-    on.refine.error_px = 8;
+    on.refine.max_error_px = 8;
     Random random(902);
     double column = 300, row = 1200;
     std::uint64_t before = 0, largest = 0;
@@ -181,19 +181,19 @@ TEST_CASE("thousands of frames over a pack ten times larger than its pools: memo
     CHECK(on.streamed.map_bytes_capacity <= budget.map_bytes);
 
     // From near the slots do not suffice, and the threshold says so; from far they do.
-    on.refine.error_px = 0.5;
+    on.refine.max_error_px = 0.5;
     on.view = scene.near_ground(700, 700, 100);
     on.rest();
     CHECK_FALSE(on.streamed.converged);
     CHECK((on.streamed.exhausted & stream_page_slots) != 0);
     CHECK(on.updated.error_bound_px == on.streamed.missing_px);
     CHECK(on.at_target() == "");
-    on.refine.error_px = 16;
+    on.refine.max_error_px = 16;
     on.view = scene.near_ground(700, 700, 20'000);
     on.rest();
     CHECK(on.streamed.converged);
     CHECK(on.updated.converged);
-    CHECK(on.updated.error_bound_px == on.refine.error_px);
+    CHECK(on.updated.error_bound_px == on.refine.max_error_px);
     CHECK(on.at_target() == "");
     CHECK(on.check() == "");
 }
@@ -209,7 +209,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         std::filesystem::copy_file(scene.path, path);
         Flown on(scene, path, 0, {});
         const io::StreamReader reader(on.stream, on.file);
-        on.refine.error_px = 2;
+        on.refine.max_error_px = 2;
         on.view = scene.near_ground(100, 100, 300);
         on.rest();
         REQUIRE(on.streamed.converged);
@@ -239,7 +239,7 @@ TEST_CASE("a file cut short, overwritten or deleted in flight: what is loaded st
         CHECK(on.failures.size() > 5);
         CHECK_FALSE(on.streamed.converged);
         CHECK_FALSE(on.updated.converged);
-        CHECK(on.updated.error_bound_px > on.refine.error_px);
+        CHECK(on.updated.error_bound_px > on.refine.max_error_px);
         overwrite(path, 0, whole);
         on.rest();
         CHECK(on.streamed.pages_read == read); // not before it is told to
@@ -270,7 +270,7 @@ TEST_CASE("a bit flipped in one page: that page fails, once, and the rest is wha
         overwrite(path, at, {&flipped, 1});
         Flown on(scene, path, 0, {});
         const io::StreamReader reader(on.stream, on.file);
-        on.refine.error_px = 0.01; // everything
+        on.refine.max_error_px = 0.01; // everything
         on.view = scene.near_ground(350, 350, 3000);
         on.rest();
         std::uint32_t elsewhere = 0;

@@ -24,7 +24,7 @@ TEST_CASE("a frame allocates nothing, whatever the view, and also when a budget 
     for (int frame = 0; frame < 500; ++frame) {
         const View view = random_view(random, pack.terrain);
         RefineSettings settings;
-        settings.error_px = 0.5 + frame % 7;
+        settings.max_error_px = 0.5 + frame % 7;
         settings.topology = frame % 2 ? Topology::strip : Topology::triangles;
         settings.metric = frame % 3 ? Metric::isotropic : Metric::depth;
         FrameReport report;

@@ -68,7 +68,7 @@ TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in 
     CHECK(std::ranges::equal(rgb[0], rgb[1]));
     CHECK(std::ranges::equal(xz[0], xz[1]));
     CHECK(fjell_check_ranges(&c.header).code == FJELL_OK);
-    CHECK(fjell_check_ranges(nullptr).code == static_cast<FjellCode>(check_ranges(PackHeader{}).code));
+    CHECK(fjell_check_ranges(nullptr).code == static_cast<FjellStatusCode>(check_ranges(PackHeader{}).code));
 
     const Terrain& t = pack.terrain;
     const FjellTerrain terrain = as_c(t);
@@ -112,11 +112,11 @@ TEST_CASE("what C asks of a pack, a terrain, a map and a view is answered as in 
     CHECK(page_changes(t) == changes + 1);
     REQUIRE(load_page(pack.pack, t, 0, last).ok());
     for (const SampleIndex sample : {SampleIndex{0, 0}, {17, 33}, {160, 89}, {-1, 0}, {1 << 30, 1 << 30}}) {
-        const FjellTerrainVertex v = fjell_terrain_vertex(terrain, {sample.x, sample.y});
+        const FjellTerrainVertex v = fjell_terrain_vertex(terrain, {sample.column, sample.row});
         const TerrainVertex expected = terrain_vertex(t, sample);
         CHECK((v.loaded == expected.loaded && v.hole == expected.hole && v.in_tile == expected.in_tile));
         CHECK((v.height_m == expected.height_m && v.error_m == expected.error_m && v.radius_m == expected.radius_m));
-        CHECK(v.loaded == (sample.x >= 0 && sample.x < 161));
+        CHECK(v.loaded == (sample.column >= 0 && sample.column < 161));
     }
     CHECK(fjell_terrain_height_m(terrain, 301.5, 402.25) == terrain_height_m(t, 301.5, 402.25));
     CHECK(fjell_set_missing_px(terrain, 2.5).code == FJELL_OK);
@@ -160,7 +160,7 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
     std::size_t arrivals = 0, commands = 0, lod = 0, failed = 0;
     for (int frame = 0; frame < 30; ++frame) {
         const View view = view_of(frame);
-        const CutSettings settings{.items = 300, .morph = Morph::error, .now_s = frame * 0.1};
+        const CutSettings settings{.max_work = 300, .morph = Morph::error, .now_s = frame * 0.1};
         StreamReport streamed;
         CutReport report;
         REQUIRE(update_stream(stream, {&view, 1}, settings, {.now_s = frame * 0.1}, streamed).ok());

@@ -18,7 +18,7 @@ namespace {
 // Times differ from run to run.
 void check_same(const FjellCutReport& c, const CutReport& cpp) {
     CHECK(c.frame == cpp.frame);
-    CHECK(c.items == cpp.items);
+    CHECK(c.work == cpp.work);
     CHECK(c.visits == cpp.visits);
     CHECK(c.activations == cpp.activations);
     CHECK(c.deactivations == cpp.deactivations);
@@ -64,7 +64,7 @@ TEST_CASE("a host in C gets what one in C++ gets: meshes, changes, reports, boun
     std::uint32_t vertices = 0, triangles = 0, drawn = 0;
     for (int frame = 0; frame < 4; ++frame) {
         const View view = view_of(frame);
-        REQUIRE(update_cut(cut, {&view, 1}, {.error_px = 1, .items = 5000}, report).ok());
+        REQUIRE(update_cut(cut, {&view, 1}, {.max_error_px = 1, .max_work = 5000}, report).ok());
         const CutChanges changes = cut_take_changes(cut);
         for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t, std::uint32_t n) { vertices += n; });
         for_each_run(changes.triangle_bits, changes.triangle_words,
@@ -133,14 +133,14 @@ TEST_CASE("the defaults of C are those of C++, and so are all messages and names
     check_defaults(fjell_recursive_budget_default(), RecursiveBudget{});
     const FjellCutSettings cut = fjell_cut_settings_default();
     CHECK(cut.struct_size == sizeof cut);
-    CHECK(cut.error_px == CutSettings{}.error_px);
+    CHECK(cut.max_error_px == CutSettings{}.max_error_px);
     CHECK(!cut.corner_safe);
-    CHECK(cut.items == unlimited_work);
+    CHECK(cut.max_work == unlimited_work);
     CHECK(cut.visits == unlimited_work);
     CHECK(cut.morph == FJELL_MORPH_NONE);
     CHECK(cut.morph_s == CutSettings{}.morph_s);
     const FjellRefineSettings refine = fjell_refine_settings_default();
-    CHECK((refine.error_px == 1 && refine.metric == FJELL_METRIC_ISOTROPIC && refine.cull && !refine.corner_safe));
+    CHECK((refine.max_error_px == 1 && refine.metric == FJELL_METRIC_ISOTROPIC && refine.cull && !refine.corner_safe));
     const FjellStreamBudget budget = fjell_stream_budget_default();
     CHECK((budget.map_bytes == StreamBudget{}.map_bytes && budget.tail_log2 == StreamBudget{}.tail_log2));
     const FjellStreamSettings stream = fjell_stream_settings_default();
@@ -148,7 +148,7 @@ TEST_CASE("the defaults of C are those of C++, and so are all messages and names
 
     CHECK(fjell_version() == FJELL_VERSION);
     for (int code = 0; code < 256; ++code) {
-        const auto text = static_cast<FjellCode>(code);
+        const auto text = static_cast<FjellStatusCode>(code);
         CHECK(std::string_view(fjell_message(text)) == message(static_cast<StatusCode>(code)));
         CHECK((std::string_view(fjell_message(text)) == "unknown status") == (code > FJELL_WRONG_TERRAIN));
     }
@@ -178,22 +178,22 @@ TEST_CASE("fields that an older host does not know have their defaults, and its 
     REQUIRE(fjell_create_cut(terrain, &budget, memory.give(&memory, needed), needed, &cut).code == FJELL_OK);
 
     // Two views as a host has them whose headers end before error_px.
-    constexpr std::size_t known = offsetof(FjellView, error_px);
+    constexpr std::size_t known = offsetof(FjellView, max_error_px);
     std::vector<std::byte> views(2 * known);
     FjellView view = fjell_view_default();
     REQUIRE(fjell_make_view({100, 2000, 100}, {1, -1, 1}, {0, 1, 0}, 1, 1280, 720, 1, 1e5, &view).code == FJELL_OK);
     view.struct_size = known;
-    view.error_px = -1;
+    view.max_error_px = -1;
     for (const std::size_t at : {std::size_t{0}, known}) std::memcpy(views.data() + at, &view, known);
     const auto* const first = reinterpret_cast<const FjellView*>(views.data());
     FjellCutSettings settings = fjell_cut_settings_default();
-    settings.items = 0; // likewise
-    settings.struct_size = offsetof(FjellCutSettings, items);
+    settings.max_work = 0; // likewise
+    settings.struct_size = offsetof(FjellCutSettings, max_work);
     FjellCutReport report;
     std::memset(static_cast<void*>(&report), 0x55, sizeof report);
     report.struct_size = offsetof(FjellCutReport, triangles);
     REQUIRE(fjell_update_cut(cut, first, 1, &settings, &report).code == FJELL_OK);
-    CHECK(report.items > 0);
+    CHECK(report.work > 0);
     CHECK(report.vertices > 100);
     CHECK(report.triangles == 0x55555555);
     CHECK(report.struct_size == offsetof(FjellCutReport, triangles));

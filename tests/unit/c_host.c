@@ -28,7 +28,7 @@ static FjellStatus look_around(FjellTerrain terrain, FjellLiveCut cut, Allocator
     flown->bound_px = fjell_bound_cut_error_px(cut, &flown->view, false, 1);
     flown->ground = fjell_ground_height(terrain, 300.5, 400.25, 0);
     flown->hit = fjell_cast_ray(terrain, flown->view.eye_m, flown->view.forward, 1e5, 0);
-    const FjellCoord first = {-3, 5};
+    const FjellSampleIndex first = {-3, 5};
     flown->patch_error_m = fjell_ground_patch(terrain, first, 0, 33, flown->heights_m, 33 * 33, NULL, 0).error_m;
 
     FjellRecursiveBudget budget = fjell_recursive_budget_default();
@@ -62,8 +62,8 @@ int c_host_fly(const void* file, size_t file_bytes, Allocator* allocator, Flown*
     s = fjell_create_cut(terrain, &budget, allocator->allocate(allocator, mesh_bytes), mesh_bytes, &cut);
     if (s.code != FJELL_OK) return fail(flown, s);
     FjellCutSettings settings = fjell_cut_settings_default();
-    settings.error_px = 1;
-    settings.items = 5000;
+    settings.max_error_px = 1;
+    settings.max_work = 5000;
     FjellCutReport report = {.struct_size = sizeof report};
     for (int frame = 0; frame < 4; ++frame) {
         s = next_view(frame, &flown->view);

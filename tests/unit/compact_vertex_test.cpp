@@ -20,7 +20,8 @@ CompactVertex compact(const MeshVertex& vertex, const MorphVertex& morph) {
 
 // As terrain.glsl and morphed_height_m() have it, in doubles.
 double morphed(double distance_m, double error_m, double radius_m, const MorphView& view) {
-    const double start_m = radius_m + error_m * double{view.start_per_error}, full_m = radius_m + error_m * double{view.full_per_error};
+    const double start_m = radius_m + error_m * double{view.start_per_error},
+                 full_m = radius_m + error_m * double{view.full_per_error};
     return std::clamp((start_m - distance_m) / (start_m - full_m), 0.0, 1.0);
 }
 
@@ -35,7 +36,8 @@ TEST_CASE("a compact vertex is never drawn farther from its full height than the
     for (int round = 0; round < fjell::test::rounds(20'000, 1'000'000); ++round) {
         const double nesting = among(0.01, 0.5);
         const auto full_per_error = static_cast<float>(among(50, 5000));
-        const MorphView view{0, 0, 0, full_per_error * static_cast<float>((1 + nesting) * (1 + nesting)), full_per_error};
+        const MorphView view{0, 0, 0, full_per_error * static_cast<float>((1 + nesting) * (1 + nesting)),
+                             full_per_error};
         // From the least that is told apart: below it, all of the error is less than a millimetre.
         const auto error_m = static_cast<float>(among(0x1p-10, 4000)), radius_m = static_cast<float>(among(0.1, 1e5));
         const auto height_m = static_cast<float>(among(1, 8000));
@@ -60,7 +62,8 @@ TEST_CASE("a compact vertex is never drawn farther from its full height than the
         const double full = morphed(distance_m, double{error_m}, double{radius_m}, view);
         const double drawn = morphed(distance_m, error, radius, view);
         CHECK(drawn >= full - 1e-9); // doubles
-        // In shares of the threshold: full_per_error is the pixels that a metre covers a metre away, over the threshold.
+        // In shares of the threshold: full_per_error is the pixels that a metre covers a metre away, over the
+        // threshold.
         const double off_m = std::abs(rise * (1 - drawn) - morph_from_m * (1 - full));
         const double share = off_m * double{full_per_error} / distance_m;
         const double rounded = 0x1p-14 * double{full_per_error} / distance_m; // the least half
@@ -74,15 +77,17 @@ TEST_CASE("a compact vertex is never drawn farther from its full height than the
 TEST_CASE("a compact vertex starts to morph by time no earlier than the cut says, and up to two steps later") {
     for (std::uint32_t tick = 0; tick < 1024u << 14; tick += 97) { // steps of the cut's clock
         const float activated_s = static_cast<float>(tick) * 0x1p-14f;
-        const CompactVertex made = compact({}, {.morph_from_m = 0, .error_m = 1, .radius_m = 1, .activated_s = activated_s});
+        const CompactVertex made =
+            compact({}, {.morph_from_m = 0, .error_m = 1, .radius_m = 1, .activated_s = activated_s});
         REQUIRE(made.activated != compact_activated_long_ago);
         const float late_s = static_cast<float>(made.activated) / compact_steps_s - activated_s;
         const float late_turned_s = late_s < -morph_clock_s / 2 ? late_s + morph_clock_s : late_s;
         REQUIRE(late_turned_s >= 0);
         REQUIRE(late_turned_s < compact_late_s);
     }
-    CHECK(compact({}, {.morph_from_m = 0, .error_m = 1, .radius_m = 1, .activated_s = activated_long_ago_s}).activated ==
-          compact_activated_long_ago);
+    CHECK(
+        compact({}, {.morph_from_m = 0, .error_m = 1, .radius_m = 1, .activated_s = activated_long_ago_s}).activated ==
+        compact_activated_long_ago);
 }
 
 TEST_CASE("what a compact vertex cannot hold becomes the nearest that it can") {

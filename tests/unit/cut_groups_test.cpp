@@ -44,7 +44,7 @@ TEST_CASE("sites, parents and children are those of the tree") {
                 REQUIRE(std::count(std::begin(split.apexes), std::end(split.apexes), apex) == 1);
                 if (root) continue;
                 const SampleIndex offset = offset_of(parent_bearing(site, n));
-                REQUIRE(apex == c + SampleIndex{offset.x << site.z, offset.y << site.z});
+                REQUIRE(apex == c + SampleIndex{offset.column << site.z, offset.row << site.z});
             }
         }
 }
@@ -60,11 +60,11 @@ TEST_CASE("the two halves of a split lie on either side of it, counter-clockwise
         };
         const Halves h = halves(bearing);
         // y points south: counter-clockwise from above is a negative turn.
-        const auto turn = [&](SampleIndex d) { return p.x * d.y - p.y * d.x; };
+        const auto turn = [&](SampleIndex d) { return p.column * d.row - p.row * d.column; };
         CHECK(turn(direction(h.first)) < 0);
         CHECK(turn(direction(h.second)) > 0);
         for (const int d : {int{h.first}, int{h.second}})
-            CHECK(p.x * direction(d).x + p.y * direction(d).y > 0); // beside the parent, not opposite
+            CHECK(p.column * direction(d).column + p.row * direction(d).row > 0); // beside the parent, not opposite
     }
 }
 

@@ -24,9 +24,9 @@ const std::map<std::string, Use>& uses() {
         {"open", {{"a.fjell", "\"a b.fjell\" discard"}, {"", "a b", "a discard c"}}},
         {"sample", {{""}, {"x"}}},
         {"set",
-         {{"refine.error_px 2", "refine.method recursive", "budget.items 0", "refine.cull false"},
-          {"", "refine.error_px", "refine.error_px x", "refine.error_px -1", "error_px 2", "budget.vertices 1.5",
-           "refine.method sometimes", "refine.error_px 2 3"}}},
+         {{"refine.max_error_px 2", "refine.method recursive", "budget.max_work 0", "refine.cull false"},
+          {"", "refine.max_error_px", "refine.max_error_px x", "refine.max_error_px -1", "error_px 2",
+           "budget.vertices 1.5", "refine.method sometimes", "refine.max_error_px 2 3"}}},
         {"undo", {{""}, {"x"}}},
         {"redo", {{""}, {"x"}}},
         {"defaults", {{""}, {"x"}}},
@@ -165,8 +165,8 @@ TEST_CASE("every kind of command but those of a hand on the camera or in a form 
 
 TEST_CASE("commands carry what their words say") {
     const auto parsed = [](const char* line) { return *parse_command(line); };
-    const SetKey set = std::get<SetKey>(parsed("set refine.error_px 2.5"));
-    CHECK(std::string(set.key->name) == "error_px");
+    const SetKey set = std::get<SetKey>(parsed("set refine.max_error_px 2.5"));
+    CHECK(std::string(set.key->name) == "max_error_px");
     CHECK(set.value == 2.5);
     CHECK_FALSE(set.dragging);
     CHECK(std::get<SetKey>(parsed("set refine.method recursive")).value == 1);
@@ -185,7 +185,7 @@ TEST_CASE("commands carry what their words say") {
 }
 
 TEST_CASE("empty lines and those that begin with # are no commands, and an unknown verb says where verbs are listed") {
-    for (const char* line : {"", "   ", "# set refine.error_px 2", "\t\r"})
+    for (const char* line : {"", "   ", "# set refine.max_error_px 2", "\t\r"})
         CHECK_FALSE(parse_command(line).has_value());
     CHECK_THROWS_WITH(parse_command("fly me"), Catch::Contains("--help-commands"));
     CHECK_THROWS_WITH(parse_command("open \"a"), Catch::Contains("quote"));

@@ -156,7 +156,8 @@ private:
         model.saved = read;
     }
     void replace() {
-        const flight::Profile other = random_() % 2 == 0 ? flight::Profile{} : with({}, key_of("refine.error_px"), 3);
+        const flight::Profile other =
+            random_() % 2 == 0 ? flight::Profile{} : with({}, key_of("refine.max_error_px"), 3);
         document.replace(other);
         model.change_to(other);
     }
@@ -224,18 +225,18 @@ TEST_CASE("what was saved before an engine refused it is saved still") {
     Document document;
     document.save(folder / "a.toml");
     document.accept();
-    document.set(key_of("refine.error_px"), 3, false);
+    document.set(key_of("refine.max_error_px"), 3, false);
     document.save(folder / "b.toml");
     REQUIRE(document.revert());
     CHECK(document.path() == folder / "b.toml");
-    CHECK(document.saved().refine.error_px == 3);
-    CHECK(document.profile().refine.error_px == 1);
+    CHECK(document.saved().refine.max_error_px == 3);
+    CHECK(document.profile().refine.max_error_px == 1);
     CHECK(document.unsaved());
 }
 
 TEST_CASE("a drag is one step, and none when it ends where it began") {
     Document document;
-    const flight::ProfileKey& key = key_of("refine.error_px");
+    const flight::ProfileKey& key = key_of("refine.max_error_px");
     for (const double value : {1.5, 2.0, 4.0}) document.set(key, value, true);
     CHECK(document.dragging());
     CHECK(document.undo_steps() == 1);
@@ -252,7 +253,7 @@ TEST_CASE("a drag is one step, and none when it ends where it began") {
 
 TEST_CASE("an undo while a control is held is not undone by the hand that still holds it") {
     Document document;
-    const flight::ProfileKey& key = key_of("refine.error_px");
+    const flight::ProfileKey& key = key_of("refine.max_error_px");
     document.set(key, 5, true);
     document.undo();
     CHECK_FALSE(document.dragging()); // the engine may follow
@@ -278,13 +279,13 @@ TEST_CASE("a profile keeps the heading of the file it came from, saved there or 
     const std::string from = FJELL_SOURCE_DIR "/profiles/laptop.toml";
     Document document;
     document.open(from);
-    document.set(key_of("refine.error_px"), 7, false);
+    document.set(key_of("refine.max_error_px"), 7, false);
     document.save(folder / "mine.toml");
     const std::string text = slurp(folder / "mine.toml");
     const std::string heading = flight::profile_heading(slurp(from));
     REQUIRE(!heading.empty());
     CHECK(flight::profile_heading(text) == heading);
-    CHECK(flight::parse_profile(text, "mine").refine.error_px == 7);
+    CHECK(flight::parse_profile(text, "mine").refine.max_error_px == 7);
     CHECK(document.path() == folder / "mine.toml");
     CHECK_FALSE(document.unsaved());
 }
@@ -298,7 +299,7 @@ TEST_CASE("a profile that cannot be saved stays unsaved, and what was there stay
     Document document;
     document.save(folder / "mine.toml");
     const std::string before = slurp(folder / "mine.toml");
-    document.set(key_of("refine.error_px"), 7, false);
+    document.set(key_of("refine.max_error_px"), 7, false);
     for (const std::string& path :
          {folder / "file/mine.toml", folder / "folder.toml", std::string("/dev/full"), folder / "missing/mine.toml"}) {
         INFO(path);
@@ -314,9 +315,9 @@ TEST_CASE("a profile that cannot be saved stays unsaved, and what was there stay
 TEST_CASE("a bad profile is refused in one line and nothing has changed") {
     const TemporaryFolder folder;
     Document document;
-    document.set(key_of("refine.error_px"), 7, false);
+    document.set(key_of("refine.max_error_px"), 7, false);
     const auto version = document.version();
-    spit(folder / "bad.toml", "[refine]\nerror_px = -1\n");
+    spit(folder / "bad.toml", "[refine]\nmax_error_px = -1\n");
     spit(folder / "worse.toml", "{");
     for (const char* name : {"bad.toml", "worse.toml", "missing.toml"}) {
         INFO(name);
@@ -330,19 +331,19 @@ TEST_CASE("a bad profile is refused in one line and nothing has changed") {
 TEST_CASE("restored changes are one step away from the file they were made to, or unsaved where that is gone") {
     const TemporaryFolder folder;
     flight::Profile changed;
-    changed.refine.error_px = 9;
-    spit(folder / "file.toml", "# Mine.\n\n[refine]\nerror_px = 3.0\n");
+    changed.refine.max_error_px = 9;
+    spit(folder / "file.toml", "# Mine.\n\n[refine]\nmax_error_px = 3.0\n");
     Document document;
     document.restore(changed, folder / "file.toml");
     CHECK(document.unsaved());
-    CHECK(document.profile().refine.error_px == 9);
-    CHECK(document.saved().refine.error_px == 3);
+    CHECK(document.profile().refine.max_error_px == 9);
+    CHECK(document.saved().refine.max_error_px == 3);
     CHECK(document.heading() == "Mine.");
     Document gone;
     gone.restore(changed, folder / "gone.toml");
     CHECK(gone.unsaved());
     gone.save("");
-    CHECK(flight::read_profile(folder / "gone.toml").refine.error_px == 9);
+    CHECK(flight::read_profile(folder / "gone.toml").refine.max_error_px == 9);
 }
 
 TEST_CASE("a slider reaches both ends of every key exactly, never falls, and says where a value lies") {

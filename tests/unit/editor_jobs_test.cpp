@@ -52,7 +52,7 @@ struct JobPlace {
     }
     [[nodiscard]] MeasuredFlightPlan plan(std::size_t frames) const {
         MeasuredFlightPlan p{pack(), {}, {}, frames, false};
-        p.profile.refine.error_px = 2;
+        p.profile.refine.max_error_px = 2;
         return p;
     }
     [[nodiscard]] MeasuredFlightPlan streamed(std::size_t frames) const {

@@ -201,7 +201,7 @@ TEST_CASE("the histogram of levels is the plain count, of lists and of strips") 
             random_dem(random, pick(random, 40, 260), pick(random, 40, 260), Shape::fractal), small_bake(tile_log2));
         Recursive method(loaded.terrain, ample_budget(loaded.terrain));
         RefineSettings settings;
-        settings.error_px = uniform(random, 0.2, 20);
+        settings.max_error_px = uniform(random, 0.2, 20);
         settings.cull = pick(random, 0, 1) == 1;
         for (const Topology topology : {Topology::triangles, Topology::strip}) {
             settings.topology = topology;
@@ -228,7 +228,7 @@ TEST_CASE("the histogram of the live cut is the plain count, whatever lies idle 
         for (int frame = 0; frame < 4; ++frame) {
             const View view = random_view(random, loaded.terrain);
             CutSettings settings;
-            settings.error_px = uniform(random, 0.5, 8);
+            settings.max_error_px = uniform(random, 0.5, 8);
             CutReport report;
             REQUIRE(update_cut(cut, std::span(&view, 1), settings, report).ok());
             INFO("seed " << seed << ", frame " << frame);

@@ -28,7 +28,7 @@ struct ProbedTerrain {
         flight::FlightOptions options;
         options.pack = folder / "t.fjell";
         options.profile.method = method;
-        options.profile.refine.error_px = 3;
+        options.profile.refine.max_error_px = 3;
         options.profile.width_px = 640;
         options.profile.height_px = 360;
         flight::open_session(options, session);
@@ -87,8 +87,8 @@ void check_place(ProbedTerrain& terrain, Probe& probe, double x, double y) {
     CHECK(g.distance_m == Approx(length(g.position_m - terrain.view.eye_m)));
     CHECK(g.slope_rad >= 0);
     const PackHeader& h = session.terrain().header();
-    CHECK(std::abs(g.sample.x * h.spacing_m[0] - g.position_m.x) <= 0.5001 * h.spacing_m[0]);
-    CHECK(std::abs(g.sample.y * h.spacing_m[1] - g.position_m.z) <= 0.5001 * h.spacing_m[1]);
+    CHECK(std::abs(g.sample.column * h.spacing_m[0] - g.position_m.x) <= 0.5001 * h.spacing_m[0]);
+    CHECK(std::abs(g.sample.row * h.spacing_m[1] - g.position_m.z) <= 0.5001 * h.spacing_m[1]);
     CHECK(g.tile_x < h.tiles_x);
     CHECK(g.tile_y < h.tiles_y);
     for (int i = 0; i < 100 && probe.looking; ++i) update_probe(probe, session, terrain.view, terrain.view, false);
@@ -98,8 +98,8 @@ void check_place(ProbedTerrain& terrain, Probe& probe, double x, double y) {
     if (levels.empty()) return;
     CHECK(std::find(levels.begin(), levels.end(), probe.ground->mesh->level) != levels.end());
     CHECK(probe.ground->mesh->error_px <= 3.001); // what the session was asked to keep
-    CHECK(probe.ground->mesh->error_px ==
-          Approx(focal_length_px(terrain.view) / g.distance_m * std::abs(probe.ground->mesh->height_m - g.position_m.y)));
+    CHECK(probe.ground->mesh->error_px == Approx(focal_length_px(terrain.view) / g.distance_m *
+                                                 std::abs(probe.ground->mesh->height_m - g.position_m.y)));
 }
 
 } // namespace

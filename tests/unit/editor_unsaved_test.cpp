@@ -45,15 +45,15 @@ struct Editor {
     Jobs jobs;
 
     void run(const std::string& line) { apply(*parse_command(line), {state, engine, jobs}); }
-    void set(double error_px) { run("set refine.error_px " + std::to_string(error_px)); }
-    [[nodiscard]] double error_px() const { return state.document.profile().refine.error_px; }
+    void set(double error_px) { run("set refine.max_error_px " + std::to_string(error_px)); }
+    [[nodiscard]] double error_px() const { return state.document.profile().refine.max_error_px; }
     [[nodiscard]] std::string last_message() const {
         return state.messages.all.empty() ? "" : state.messages.all.back().text;
     }
 };
 
 void change(Document& document, double error_px) {
-    document.set(*flight::find_profile_key("refine.error_px"), error_px, false);
+    document.set(*flight::find_profile_key("refine.max_error_px"), error_px, false);
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {
@@ -100,7 +100,7 @@ TEST_CASE("changes are kept every two seconds, found when their editor is no mor
     living.reset();
     next.find(where);
     REQUIRE(next.found());
-    CHECK(next.found()->profile.refine.error_px == 4);
+    CHECK(next.found()->profile.refine.max_error_px == 4);
     CHECK(next.found()->profile_changed);
     CHECK(next.found()->pack == "a.fjell");
     Recovery third;
@@ -192,10 +192,10 @@ TEST_CASE("two editors keep their changes apart, and both are found, the latest 
     Recovery next;
     next.find(folder / "state");
     REQUIRE(next.found());
-    CHECK(next.found()->profile.refine.error_px == 4);
+    CHECK(next.found()->profile.refine.max_error_px == 4);
     next.drop_found();
     REQUIRE(next.found());
-    CHECK(next.found()->profile.refine.error_px == 3);
+    CHECK(next.found()->profile.refine.max_error_px == 3);
     next.drop_found();
     CHECK_FALSE(next.found());
 }
@@ -224,7 +224,7 @@ TEST_CASE("changes of an editor that was killed are found") {
     REQUIRE(waitpid(child, nullptr, 0) == child);
     next.find(folder / "state");
     REQUIRE(next.found());
-    CHECK(next.found()->profile.refine.error_px == 7);
+    CHECK(next.found()->profile.refine.max_error_px == 7);
     close(ready[0]);
     close(ready[1]);
 }
@@ -275,7 +275,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     CHECK(editor.state.document.unsaved());
     editor.run("save-profile " + folder / "p.toml");
     CHECK(editor.state.quit);
-    CHECK(flight::read_profile(folder / "p.toml").refine.error_px == 3);
+    CHECK(flight::read_profile(folder / "p.toml").refine.max_error_px == 3);
 
     Editor other;
     other.set(3);
@@ -287,7 +287,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     other.run("quit");
     other.run("go-on discard");
     CHECK(other.state.quit);
-    CHECK(flight::read_profile(folder / "q.toml").refine.error_px == 3);
+    CHECK(flight::read_profile(folder / "q.toml").refine.max_error_px == 3);
 
     Editor hasty;
     hasty.set(3);
@@ -298,8 +298,8 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
 TEST_CASE("opening another profile with changes asks first, and remembers which one it was") {
     const TemporaryFolder folder;
     for (const char* verb : {"open", "open-profile"}) {
-        spit(folder / "mine.toml", "[refine]\nerror_px = 2.0\n");
-        spit(folder / "theirs.toml", "[refine]\nerror_px = 5.0\n");
+        spit(folder / "mine.toml", "[refine]\nmax_error_px = 2.0\n");
+        spit(folder / "theirs.toml", "[refine]\nmax_error_px = 5.0\n");
         Editor editor;
         editor.run("open " + folder / "mine.toml");
         editor.set(3);
@@ -307,7 +307,7 @@ TEST_CASE("opening another profile with changes asks first, and remembers which 
         CHECK(editor.error_px() == 3);
         CHECK(editor.state.interface.dialog == Dialog::unsaved);
         editor.run("go-on save");
-        CHECK(flight::read_profile(folder / "mine.toml").refine.error_px == 3);
+        CHECK(flight::read_profile(folder / "mine.toml").refine.max_error_px == 3);
         CHECK(editor.error_px() == 5);
         CHECK(editor.state.document.path() == folder / "theirs.toml");
         editor.set(4);
@@ -321,7 +321,7 @@ TEST_CASE("what cannot be opened is a message, heights are offered to be baked")
     const TemporaryFolder folder;
     Editor editor;
     spit(folder / "damaged.fjell", "FJELLPK\nno more");
-    spit(folder / "bad.toml", "[refine]\nerror_px = 0\n");
+    spit(folder / "bad.toml", "[refine]\nmax_error_px = 0\n");
     spit(folder / "text", "text");
     for (const char* name : {"damaged.fjell", "bad.toml", "text", "missing"}) {
         INFO(name);
@@ -346,13 +346,13 @@ TEST_CASE("what cannot be opened is a message, heights are offered to be baked")
 
 TEST_CASE("the keys in which a compared profile differs are listed, until theirs are taken") {
     const TemporaryFolder folder;
-    spit(folder / "theirs.toml", "[refine]\nerror_px = 5.0\nmorph = \"time\"\n");
+    spit(folder / "theirs.toml", "[refine]\nmax_error_px = 5.0\nmorph = \"time\"\n");
     Editor editor;
     editor.run("compare " + folder / "theirs.toml");
     update_file_state(editor.state);
     const std::vector<Difference>& differences = editor.state.files.differences;
     REQUIRE(differences.size() == 2);
-    CHECK(std::string(differences[0].key->name) == "error_px");
+    CHECK(std::string(differences[0].key->name) == "max_error_px");
     CHECK(differences[0].mine == "1.0");
     CHECK(differences[0].theirs == "5.0");
     CHECK(differences[1].theirs == "\"time\"");
@@ -384,7 +384,7 @@ TEST_CASE("the title names the profile, with a star while it is not saved") {
 
 TEST_CASE("an editor that ended against its will leaves its changes to the next one, which restores or discards them") {
     const Home home;
-    spit(home.folder / "mine.toml", "# Mine.\n\n[refine]\nerror_px = 2.0\n");
+    spit(home.folder / "mine.toml", "# Mine.\n\n[refine]\nmax_error_px = 2.0\n");
     for (const bool restore : {true, false}) {
         {
             Editor editor;

@@ -30,8 +30,8 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
         }
         for (const SampleIndex corner :
              {SampleIndex{0, 0}, {dem.columns - 1, 0}, {0, dem.rows - 1}, {dem.columns - 1, dem.rows - 1}})
-            wrong += ground.ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y)) !=
-                     data_of(whole.terrain).ground_m(whole.terrain.x_m(corner.x), whole.terrain.z_m(corner.y));
+            wrong += ground.ground_m(whole.terrain.x_m(corner.column), whole.terrain.z_m(corner.row)) !=
+                     data_of(whole.terrain).ground_m(whole.terrain.x_m(corner.column), whole.terrain.z_m(corner.row));
         CAPTURE(round, log2, dem.columns, dem.rows);
         REQUIRE(wrong == 0);
     }

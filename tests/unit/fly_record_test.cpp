@@ -33,8 +33,8 @@ Recording random_recording(std::mt19937_64& random) {
             v.forward = {real(), real(), real()};
             v.left = real(), v.right = real(), v.bottom = real(), v.top = real();
         }
-        f.settings.error_px = real();
-        f.settings.items = static_cast<std::uint32_t>(random());
+        f.settings.max_error_px = real();
+        f.settings.max_work = static_cast<std::uint32_t>(random());
         f.settings.visits = static_cast<std::uint32_t>(random());
         f.settings.morph = static_cast<Morph>(frame % 3);
         f.settings.now_s = real();
@@ -67,7 +67,7 @@ bool alike(const Seen& a, const Seen& b) {
                 std::memcmp(a.morph.data(), b.morph.data(), a.morph.size() * sizeof(MorphVertex)) == 0;
     for (std::uint32_t i = 0; i < a.frame.views; ++i)
         same = same && std::memcmp(&a.frame.view[i], &b.frame.view[i], sizeof(MorphView)) == 0;
-    return same && r.items == q.items && r.visits == q.visits && r.activations == q.activations &&
+    return same && r.work == q.work && r.visits == q.visits && r.activations == q.activations &&
            r.deactivations == q.deactivations && r.waiting == q.waiting && r.blocked == q.blocked &&
            r.morphing == q.morphing && r.error_bound_px == q.error_bound_px && r.converged == q.converged &&
            r.vertices_changed == q.vertices_changed && r.triangles_changed == q.triangles_changed;
@@ -75,14 +75,14 @@ bool alike(const Seen& a, const Seen& b) {
 
 // Anything that a host may change from frame to frame, often changed.
 void change_settings(Random& random, CutSettings& s) {
-    if (pick(random, 0, 9) == 0) s.error_px = std::pow(10.0, uniform(random, -0.3, 1.5));
+    if (pick(random, 0, 9) == 0) s.max_error_px = std::pow(10.0, uniform(random, -0.3, 1.5));
     if (pick(random, 0, 19) == 0) s.morph = static_cast<Morph>(pick(random, 0, 2));
     if (pick(random, 0, 19) == 0) s.morph_s = uniform(random, 0.02, 0.5);
     if (pick(random, 0, 19) == 0) s.hysteresis = pick(random, 0, 1) * 0.3;
     if (pick(random, 0, 19) == 0) s.corner_safe = !s.corner_safe;
     if (pick(random, 0, 19) == 0) s.offscreen_factor = pick(random, 0, 1) ? 1 : uniform(random, 1, 20);
-    if (pick(random, 0, 9) == 0) s.items = pick(random, 0, 1) ? unlimited_work : std::uint32_t(pick(random, 0, 600));
-    if (pick(random, 0, 9) == 0) s.budget_us = pick(random, 0, 1) ? 0 : uniform(random, 0.1, 60);
+    if (pick(random, 0, 9) == 0) s.max_work = pick(random, 0, 1) ? unlimited_work : std::uint32_t(pick(random, 0, 600));
+    if (pick(random, 0, 9) == 0) s.max_time_us = pick(random, 0, 1) ? 0 : uniform(random, 0.1, 60);
     s.now_s += pick(random, 0, 29) ? 1.0 / 60 : uniform(random, -5, 900);
 }
 
@@ -93,7 +93,7 @@ void change_views(Random& random, const Terrain& terrain, std::size_t most, std:
     if (views.empty() || (what == 0 && views.size() < most)) views.push_back(random_view(random, terrain));
     if (what == 1 && views.size() > 1) views.erase(views.begin());
     if (what == 2) views.front() = random_view(random, terrain);
-    if (what == 3) views.back().error_px = pick(random, 0, 1) * uniform(random, 0.5, 20);
+    if (what == 3) views.back().max_error_px = pick(random, 0, 1) * uniform(random, 0.5, 20);
 }
 
 struct RecordedRun {
@@ -153,10 +153,10 @@ TEST_CASE("a recording is read back bit for bit") {
         REQUIRE(back.frames.size() == r.frames.size());
         for (std::size_t i = 0; i < r.frames.size(); ++i) {
             CHECK(back.frames[i].mesh_hash == r.frames[i].mesh_hash);
-            CHECK(back.frames[i].settings.items == r.frames[i].settings.items);
+            CHECK(back.frames[i].settings.max_work == r.frames[i].settings.max_work);
             CHECK(back.frames[i].settings.visits == r.frames[i].settings.visits);
             CHECK(back.frames[i].settings.morph == r.frames[i].settings.morph);
-            CHECK(back.frames[i].settings.error_px == r.frames[i].settings.error_px);
+            CHECK(back.frames[i].settings.max_error_px == r.frames[i].settings.max_error_px);
             CHECK(back.frames[i].missing_px == r.frames[i].missing_px);
             REQUIRE(back.frames[i].pages.size() == r.frames[i].pages.size());
             for (std::size_t p = 0; p < r.frames[i].pages.size(); ++p) {

@@ -27,7 +27,7 @@ struct Place {
         (void)baker::bake(random_dem(random, 150, 130, Shape::fractal), bake, folder / "t.fjell");
         options.pack = folder / "t.fjell";
         options.streaming = Streaming::off;
-        options.profile.refine.error_px = 2;
+        options.profile.refine.max_error_px = 2;
     }
     [[nodiscard]] View view(const Session& session) const {
         return view_of(resample(path_of(options), session.ground(), 5)[2], session.terrain(), options.profile);
@@ -152,7 +152,7 @@ TEST_CASE("a session that streams or records is not remade") {
 TEST_CASE("the first page that is damaged is one line to who listens, and all of them are counted") {
     Place place(305);
     place.options.streaming = Streaming::on;
-    place.options.profile.refine.error_px = 0.05;
+    place.options.profile.refine.max_error_px = 0.05;
     const auto whole = io::load_pack(place.options.pack, io::LoadTerrain::yes);
     std::string bytes = slurp(place.options.pack);
     for (std::uint32_t tile = 0; tile < whole.terrain.tile_count(); tile += 2) {

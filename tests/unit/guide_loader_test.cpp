@@ -26,7 +26,7 @@ struct LoaderScene {
     }
     StreamReport update() {
         const View view = view_from_above(pack.terrain, 1);
-        return on.update({&view, 1}, {.error_px = 0.001}, {.now_s = 0.01 * ++frame});
+        return on.update({&view, 1}, {.max_error_px = 0.001}, {.now_s = 0.01 * ++frame});
     }
     // A frame after the other until all is there.
     void settle(game::Loader& loader) {

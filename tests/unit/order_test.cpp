@@ -65,7 +65,7 @@ SampleIndex to_coord(std::uint32_t x, std::uint32_t y) {
     return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
 }
 PagePlace place_of(const PageLayout& layout, SampleIndex c) {
-    return layout.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
+    return layout.place(static_cast<std::uint32_t>(c.column), static_cast<std::uint32_t>(c.row));
 }
 // Places in the order of page, then index.
 std::uint32_t number(PagePlace at) {
@@ -95,7 +95,7 @@ struct Square {
 Square square_of(const PageLayout& layout, std::uint32_t page) {
     const std::int32_t cells = std::int32_t{32} << (layout.page_step_log2(page) + 1);
     const SampleIndex at = layout.page_position(page);
-    return {at.x * cells, at.y * cells, (at.x + 1) * cells, (at.y + 1) * cells};
+    return {at.column * cells, at.row * cells, (at.column + 1) * cells, (at.row + 1) * cells};
 }
 
 // Vertices for which the recursion's arithmetic gives another place than the layout's, or another unit of radii than
@@ -179,7 +179,7 @@ TEST_CASE("what a page holds of others lies on its south or east border, and the
                 return;
             }
             const Square square = square_of(layout, at.page);
-            const bool east = c.x == square.east, south = c.y == square.south;
+            const bool east = c.column == square.east, south = c.row == square.south;
             wrong += east == south;
             wrong += layout.page_position(owner.page) != layout.page_position(at.page) + SampleIndex{east, south};
         });
@@ -244,13 +244,13 @@ TEST_CASE("a page is the closed square of 64 x 64 cells of its step: all vertice
             std::uint32_t found = 0;
             for (std::uint32_t index = 0; index < layout.page_vertices(page); ++index) {
                 const SampleIndex c = layout.coord({page, index});
-                if (c.x < square.west || c.x > square.east || c.y < square.north || c.y > square.south ||
+                if (c.column < square.west || c.column > square.east || c.row < square.north || c.row > square.south ||
                     is_corner(layout, c) || Tree::step_log2(c) != z) {
                     ++wrong;
                     continue;
                 }
-                const auto column = static_cast<std::size_t>((c.x - square.west) >> z),
-                           row = static_cast<std::size_t>((c.y - square.north) >> z), at = row * 65 + column;
+                const auto column = static_cast<std::size_t>((c.column - square.west) >> z),
+                           row = static_cast<std::size_t>((c.row - square.north) >> z), at = row * 65 + column;
                 found += !seen[at];
                 seen[at] = true;
             }
@@ -277,8 +277,8 @@ TEST_CASE("pages of coarser steps come first, and a page's number, its step and 
         REQUIRE(pages == layout.pages_per_tile());
         for (std::uint32_t page = 1; page < pages; ++page) {
             const SampleIndex at = layout.page_position(page);
-            wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(at.x),
-                                    static_cast<std::uint32_t>(at.y)) != page;
+            wrong += layout.page_at(layout.page_step_log2(page), static_cast<std::uint32_t>(at.column),
+                                    static_cast<std::uint32_t>(at.row)) != page;
         }
         REQUIRE(wrong == 0);
     });
@@ -312,8 +312,8 @@ TEST_CASE("in planar order a page's centres come first, then both kinds of sides
         for_each_record(layout, [&](PagePlace at) {
             const SampleIndex c = layout.coord(at);
             if (is_corner(layout, c)) return;
-            const std::array<std::int32_t, 4> now{-Tree::step_log2(c), static_cast<std::int32_t>(Tree::kind(c)), c.y,
-                                                  c.x};
+            const std::array<std::int32_t, 4> now{-Tree::step_log2(c), static_cast<std::int32_t>(Tree::kind(c)), c.row,
+                                                  c.column};
             if (at.index != 0 && at.index != 4) wrong += now <= before;
             before = now;
         });

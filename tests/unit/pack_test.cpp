@@ -200,7 +200,8 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.rows = 0xffffffff; }) == StatusCode::out_of_range);
     CHECK(code([](PackHeader& h) { h.tiles_x = 2, h.columns = 17; }) == StatusCode::corrupt);
     CHECK(code([](PackHeader& h) { h.spacing_m[0] = 0; }) == StatusCode::out_of_range);
-    CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) == StatusCode::out_of_range);
+    CHECK(code([](PackHeader& h) { h.spacing_m[1] = std::numeric_limits<double>::quiet_NaN(); }) ==
+          StatusCode::out_of_range);
     CHECK(code([](PackHeader& h) { h.quantum_m = -1; }) == StatusCode::out_of_range);
     CHECK(code([](PackHeader& h) { h.nesting = 0; }) == StatusCode::out_of_range);
     CHECK(code([](PackHeader& h) { h.colour_log2 = 32; }) == StatusCode::out_of_range);
@@ -227,13 +228,15 @@ TEST_CASE("a header whose hash is right is still not believed") {
     CHECK(code([](PackHeader& h) { h.notes_offset = 511; }) == StatusCode::corrupt);
     CHECK(code([](PackHeader& h) { h.notes_bytes += 1; }) == StatusCode::corrupt); // into the directory
     CHECK(code([](PackHeader& h) { h.notes_hash ^= 1; }) == StatusCode::corrupt);
-    CHECK(code([](PackHeader& h) { h.notes_offset = h.notes_bytes = h.notes_hash = 0; }) == StatusCode::ok); // it needs none
+    CHECK(code([](PackHeader& h) { h.notes_offset = h.notes_bytes = h.notes_hash = 0; }) ==
+          StatusCode::ok); // it needs none
 }
 
 TEST_CASE("every error has a message with a remedy and names its field") {
     for (const StatusCode c :
-         {StatusCode::truncated, StatusCode::not_a_pack, StatusCode::wrong_version, StatusCode::wrong_layout, StatusCode::corrupt, StatusCode::out_of_range,
-          StatusCode::memory_too_small, StatusCode::budget_too_small, StatusCode::out_of_slots, StatusCode::coarser_page_first}) {
+         {StatusCode::truncated, StatusCode::not_a_pack, StatusCode::wrong_version, StatusCode::wrong_layout,
+          StatusCode::corrupt, StatusCode::out_of_range, StatusCode::memory_too_small, StatusCode::budget_too_small,
+          StatusCode::out_of_slots, StatusCode::coarser_page_first}) {
         const std::string text = message(c);
         CHECK(text.find(';') != std::string::npos);
         CHECK(text.find('\n') == std::string::npos);

@@ -208,7 +208,7 @@ TEST_CASE("values as text and back are the key's, and both readers enforce the t
 }
 
 TEST_CASE("a value that is typed in is one value and no more") {
-    const ProfileKey& key = *find_profile_key("refine.error_px");
+    const ProfileKey& key = *find_profile_key("refine.max_error_px");
     for (const char* text : {"", " ", "1\nother = 2", "1 # two", "1, 2", "1 2", "= 1", "\"", "[[[[", "1\r"}) {
         double value = 3;
         INFO(text);
@@ -219,7 +219,7 @@ TEST_CASE("a value that is typed in is one value and no more") {
     CHECK(parse_value(key, " 2 ", value).empty());
     CHECK(value == 2);
     CHECK(key_refusal(*find_profile_key("refine.morph")) == "must be \"none\" or \"error\" or \"time\"");
-    CHECK(key_refusal(*find_profile_key("budget.items")) == "must be a whole number from 0 to 4294967294");
+    CHECK(key_refusal(*find_profile_key("budget.max_work")) == "must be a whole number from 0 to 4294967294");
 }
 
 TEST_CASE("the vertices that are shown are the chosen method's, and set for both") {

@@ -39,14 +39,14 @@ TEST_CASE("every shipped profile loads and names every key") {
         if (file.path().extension() != ".toml") continue;
         ++profiles;
         const Profile p = read_profile(file.path().string());
-        CHECK(p.refine.error_px > 0);
+        CHECK(p.refine.max_error_px > 0);
         CHECK(p.method == Method::incremental);
         CHECK(p.cut_budget.triangles >= 2 * p.cut_budget.vertices);
         CHECK(p.cut_budget.vertices == p.budget.vertices);
         const std::vector<std::byte> bytes = io::read_file(file.path().string());
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
         for (const char* key : {"method",
-                                "error_px",
+                                "max_error_px",
                                 "corner_safe",
                                 "hysteresis",
                                 "offscreen_factor",
@@ -59,8 +59,8 @@ TEST_CASE("every shipped profile loads and names every key") {
                                 "triangles",
                                 "views",
                                 "workers",
-                                "items",
-                                "budget_us",
+                                "max_work",
+                                "max_time_us",
                                 "indices",
                                 "width_px",
                                 "height_px",
@@ -108,27 +108,27 @@ TEST_CASE("every shipped profile loads and names every key") {
     CHECK(profiles == 4);
     const Profile tiny = read_profile((folder / "tiny.toml").string());
     CHECK(tiny.budget.vertices == 4096);
-    CHECK(tiny.cut.items == 500);
+    CHECK(tiny.cut.max_work == 500);
     CHECK(tiny.width_px == 320);
 }
 
 TEST_CASE("an empty profile is the defaults, and every key changes its own field") {
     const Profile d = parse_profile("", "p.toml");
-    CHECK(d.refine.error_px == RefineSettings{}.error_px);
+    CHECK(d.refine.max_error_px == RefineSettings{}.max_error_px);
     CHECK(d.budget.vertices == RecursiveBudget{}.vertices);
     CHECK(d.method == Method::incremental);
     CHECK(d.cut_budget.vertices == CutBudget{}.vertices);
     CHECK(d.cut_budget.triangles == CutBudget{}.triangles);
-    CHECK(d.cut.items == unlimited_work);
-    CHECK(d.cut.budget_us == 0);
+    CHECK(d.cut.max_work == unlimited_work);
+    CHECK(d.cut.max_time_us == 0);
     CHECK(d.cut.morph == Morph::none);
     const Profile p = parse_profile(
-        "[refine]\nmethod = \"recursive\"\nerror_px = 3\nmetric = \"depth\"\ncull = true\ncorner_safe = true\n"
+        "[refine]\nmethod = \"recursive\"\nmax_error_px = 3\nmetric = \"depth\"\ncull = true\ncorner_safe = true\n"
         "topology = \"strip\"\n[budget]\nvertices = 1_000\nindices = 9_000\n"
         "[view]\nwidth_px = 640\nheight_px = 480\nfov_deg = 60.5\n",
         "p.toml");
     CHECK(p.method == Method::recursive);
-    CHECK(p.refine.error_px == 3);
+    CHECK(p.refine.max_error_px == 3);
     CHECK(p.refine.metric == Metric::depth);
     CHECK(p.refine.corner_safe);
     CHECK(p.refine.topology == Topology::strip);
@@ -139,10 +139,10 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(p.fov_deg == 60.5);
     CHECK_FALSE(parse_profile("[refine]\ncull = false\n", "p.toml").refine.cull);
     const Profile q = parse_profile(
-        "[refine]\nmethod = \"incremental\"\nerror_px = 3\ncorner_safe = true\nhysteresis = 0.5\nmorph = \"time\"\n"
+        "[refine]\nmethod = \"incremental\"\nmax_error_px = 3\ncorner_safe = true\nhysteresis = 0.5\nmorph = \"time\"\n"
         "offscreen_factor = 6\nmorph_s = 2\n[budget]\nvertices = 1_000\ntriangles = 2_000\nviews = 3\nworkers = "
-        "6\nitems = "
-        "400\nbudget_us = 99.5\n",
+        "6\nmax_work = "
+        "400\nmax_time_us = 99.5\n",
         "p.toml");
     CHECK(q.method == Method::incremental);
     CHECK(q.cut_budget.vertices == 1000);
@@ -150,17 +150,17 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(q.cut_budget.views == 3);
     CHECK(q.cut_budget.workers == 6);
     const CutSettings settings = cut_settings(q, 1.5);
-    CHECK(settings.error_px == 3);
+    CHECK(settings.max_error_px == 3);
     CHECK(settings.corner_safe);
     CHECK(settings.hysteresis == 0.5);
     CHECK(settings.offscreen_factor == 6);
     CHECK(settings.morph == Morph::time);
     CHECK(settings.morph_s == 2);
-    CHECK(settings.items == 400);
-    CHECK(settings.budget_us == 99.5);
+    CHECK(settings.max_work == 400);
+    CHECK(settings.max_time_us == 99.5);
     CHECK(settings.now_s == 1.5);
     CHECK(parse_profile("[refine]\nmorph = \"error\"\n", "p.toml").cut.morph == Morph::error);
-    CHECK(parse_profile("[budget]\nitems = 0\n", "p.toml").cut.items == unlimited_work);
+    CHECK(parse_profile("[budget]\nmax_work = 0\n", "p.toml").cut.max_work == unlimited_work);
     CHECK(d.stream_budget.map_bytes == StreamBudget{}.map_bytes);
     CHECK(d.stream.map_bytes == StreamSettings{}.map_bytes);
     const Profile s = parse_profile(
@@ -224,12 +224,12 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\n\nerror_pixels = 1\n",
             "p.toml:3: refine.error_pixels: unknown key; [refine] has method, error_px");
     refuses("[budgets]\nvertices = 5000\n", "p.toml:1: budgets: unknown table");
-    refuses("error_px = 1\n", "p.toml:1: error_px: unknown table");
+    refuses("max_error_px = 1\n", "p.toml:1: error_px: unknown table");
     refuses("refine = 1\n", "p.toml:1: refine: must be a table");
-    refuses("[refine]\nerror_px = 0\n", "p.toml:2: refine.error_px: must be a number from 0.01 to 1000");
-    refuses("[refine]\nerror_px = nan\n", "p.toml:2: refine.error_px: must be a number");
-    refuses("[refine]\nerror_px = inf\n", "p.toml:2: refine.error_px: must be a number");
-    refuses("[refine]\nerror_px = \"1\"\n", "p.toml:2: refine.error_px: must be a number");
+    refuses("[refine]\nmax_error_px = 0\n", "p.toml:2: refine.max_error_px: must be a number from 0.01 to 1000");
+    refuses("[refine]\nmax_error_px = nan\n", "p.toml:2: refine.max_error_px: must be a number");
+    refuses("[refine]\nmax_error_px = inf\n", "p.toml:2: refine.max_error_px: must be a number");
+    refuses("[refine]\nmax_error_px = \"1\"\n", "p.toml:2: refine.max_error_px: must be a number");
     refuses("[refine]\nmetric = \"manhattan\"\n", "p.toml:2: refine.metric: must be \"isotropic\" or \"depth\"");
     refuses("[refine]\ncull = 1\n", "p.toml:2: refine.cull: must be true or false");
     refuses("[refine]\nmethod = \"magic\"\n", "p.toml:2: refine.method: must be \"incremental\" or \"recursive\"");
@@ -238,8 +238,9 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\nhysteresis = -0.1\n", "p.toml:2: refine.hysteresis: must be a number from 0 to 10");
     refuses("[refine]\noffscreen_factor = 0.5\n", "p.toml:2: refine.offscreen_factor: must be a number from 1 to 100");
     refuses("[budget]\nviews = 9\n", "p.toml:2: budget.views: must be a whole number from 1 to 8");
-    refuses("[budget]\nitems = 4294967295\n", "p.toml:2: budget.items: must be a whole number from 0 to 4294967294");
-    refuses("[budget]\nbudget_us = -1\n", "p.toml:2: budget.budget_us: must be a number from 0 to");
+    refuses("[budget]\nmax_work = 4294967295\n",
+            "p.toml:2: budget.max_work: must be a whole number from 0 to 4294967294");
+    refuses("[budget]\nmax_time_us = -1\n", "p.toml:2: budget.max_time_us: must be a number from 0 to");
     refuses("[budget]\ntriangles = 0\n", "p.toml:2: budget.triangles: must be a whole number from 16");
     refuses("[budget]\nvertices = -1\n", "p.toml:2: budget.vertices: must be a whole number from 16");
     refuses("[budget]\nvertices = 1e6\n", "p.toml:2: budget.vertices: must be a whole number");
@@ -258,8 +259,8 @@ TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[light]\nair = \"thick\"\n", "p.toml:2: light.air: must be \"simple\" or \"physical\"");
     refuses("[layers]\ntint = 2\n", "p.toml:2: layers.tint: must be a number from 0 to 1");
     refuses("[light]\nvisibility_km = 0\n", "p.toml:2: light.visibility_km: must be a number from 1 to 280");
-    refuses("[refine]\nerror_px = \n", "p.toml:2: is not TOML");
-    refuses("[refine]\nerror_px = 1\nerror_px = 2\n", "p.toml:3: a key or a table is there twice");
+    refuses("[refine]\nmax_error_px = \n", "p.toml:2: is not TOML");
+    refuses("[refine]\nmax_error_px = 1\nmax_error_px = 2\n", "p.toml:3: a key or a table is there twice");
     refuses("[refine]\nmetric = \"depth\"\ncull = false\n", "p.toml: refine.metric \"depth\" needs refine.cull = true");
     CHECK_THROWS_AS(read_profile("/nowhere/p.toml"), io::Failure);
     CHECK_THROWS_AS(read_profile("/"), io::Failure);

@@ -47,7 +47,7 @@ int embed(std::span<const std::byte> file) {
     if (!fjell::create_cut(terrain, budget, allocate(fjell::cut_bytes(terrain, budget)), cut).ok())
         return fail("budget", "too small");
     while (next_view(view)) { // every frame: no allocation, no lock, no system call, no exception
-        if (!fjell::update_cut(cut, {&view, 1}, {.error_px = 1.0, .items = 5'000}, report).ok())
+        if (!fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1.0, .max_work = 5'000}, report).ok())
             return fail("view", "not a camera");
         const fjell::CutMesh live = fjell::cut_mesh(cut);
         const fjell::CutChanges changes = fjell::cut_take_changes(cut);                  // written since the last call:

@@ -29,7 +29,7 @@ struct Scene {
     StreamReport update() {
         const View view = view_from_above(pack.terrain, 1);
         CutSettings cut;
-        cut.error_px = 0.001;
+        cut.max_error_px = 0.001;
         StreamSettings settings;
         settings.now_s = 0.01 * ++frame;
         const StreamReport report = on.update({&view, 1}, cut, settings);

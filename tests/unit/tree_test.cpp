@@ -12,7 +12,7 @@ using namespace fjell;
 namespace {
 
 struct Less {
-    bool operator()(SampleIndex a, SampleIndex b) const { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+    bool operator()(SampleIndex a, SampleIndex b) const { return a.row != b.row ? a.row < b.row : a.column < b.column; }
 };
 
 // What bisection knows of a vertex: who was at the right angles of the triangles it split.
@@ -23,8 +23,8 @@ struct Seen {
 using Book = std::map<SampleIndex, Seen, Less>;
 
 void bisect(Book& book, SampleIndex apex, SampleIndex left, SampleIndex right, int level) {
-    if (((left.x + right.x) | (left.y + right.y)) & 1) return;
-    const SampleIndex m{(left.x + right.x) / 2, (left.y + right.y) / 2};
+    if (((left.column + right.column) | (left.row + right.row)) & 1) return;
+    const SampleIndex m{(left.column + right.column) / 2, (left.row + right.row) / 2};
     Seen& seen = book[m];
     seen.apexes.insert(apex);
     seen.ends.insert(left);
@@ -39,7 +39,8 @@ Book bisect_all(const Tree& tree) {
     const std::int32_t n = tree.side();
     for (std::int32_t ty = 0; ty < tree.tiles_y; ++ty)
         for (std::int32_t tx = 0; tx < tree.tiles_x; ++tx) {
-            const SampleIndex nw{tx * n, ty * n}, ne{nw.x + n, nw.y}, sw{nw.x, nw.y + n}, se{nw.x + n, nw.y + n};
+            const SampleIndex nw{tx * n, ty * n}, ne{nw.column + n, nw.row}, sw{nw.column, nw.row + n},
+                se{nw.column + n, nw.row + n};
             bisect(book, ne, nw, se, 0);
             bisect(book, sw, se, nw, 0);
         }

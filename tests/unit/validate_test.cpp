@@ -48,7 +48,7 @@ struct Scene {
     Scene()
         : pack(rich_terrain(random, 257, 7)), cut(pack.terrain, ample_cut(pack.terrain)),
           s(cut.state()), walk{[this] { return check_cut(cut); }} {
-        settings.error_px = 1;
+        settings.max_error_px = 1;
         const View near = view_from_above(pack.terrain, 0.05), far = view_from_above(pack.terrain, 20);
         update(near, unlimited_work);
         update(far, unlimited_work);
@@ -69,7 +69,7 @@ struct Scene {
     }
     void update(const View& view, std::uint32_t items) {
         settings.now_s += 0.02;
-        settings.items = items;
+        settings.max_work = items;
         (void)cut.update({&view, 1}, settings);
     }
     Random random{77};

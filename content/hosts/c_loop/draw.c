@@ -130,10 +130,10 @@ static void set_row(float* row, FjellVec3 scene) {
     row[2] = (float)scene.y;
 }
 
-static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellCoord origin) {
+static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellSampleIndex origin) {
     const FjellPackHeader* const header = fjell_terrain_header(terrain);
     const double dx = header->spacing_m[0], dz = header->spacing_m[1];
-    const double eye_x = view->eye_m.x - origin.x * dx, eye_z = view->eye_m.z - origin.y * dz; /* doubles until here */
+    const double eye_x = view->eye_m.x - origin.column * dx, eye_z = view->eye_m.z - origin.row * dz; /* doubles until here */
     const FjellVec3 f = view->forward, u = view->up;
     const FjellVec3 r = {f.y * u.z - f.z * u.y, f.z * u.x - f.x * u.z, f.x * u.y - f.y * u.x}; /* to the right */
     float rows[9];
@@ -142,7 +142,7 @@ static void set_view(const Renderer* renderer, FjellTerrain terrain, const Fjell
     set_row(rows + 6, f); /* ahead is +z */
     const double wide = view->right - view->left, high = view->top - view->bottom, range = view->far_m - view->near_m;
     const GLuint p = renderer->program;
-    glUniform2i(glGetUniformLocation(p, "origin"), origin.x, origin.y);
+    glUniform2i(glGetUniformLocation(p, "origin"), origin.column, origin.row);
     glUniform2f(glGetUniformLocation(p, "spacing_m"), (float)dx, (float)dz);
     glUniform3f(glGetUniformLocation(p, "eye_m"), (float)-eye_z, (float)eye_x, (float)view->eye_m.y);
     glUniformMatrix3fv(glGetUniformLocation(p, "eye_from_engine"), 1, GL_TRUE, rows);
@@ -154,7 +154,7 @@ static void set_view(const Renderer* renderer, FjellTerrain terrain, const Fjell
 }
 
 void renderer_draw(const Renderer* renderer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
-                   FjellCoord origin) {
+                   FjellSampleIndex origin) {
     glUseProgram(renderer->program);
     set_view(renderer, terrain, view, origin);
     glBindVertexArray(renderer->format);

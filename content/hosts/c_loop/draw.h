@@ -19,6 +19,6 @@ void renderer_upload(Renderer* renderer, const FjellCutMesh* cut, const FjellCut
 /* Into the current framebuffer and viewport. Depth is reversed: cleared to 0, and best in floats. The origin is that of
    the host's scene: everything on the GPU is counted from there. */
 void renderer_draw(const Renderer* renderer, FjellTerrain terrain, const FjellCutMesh* cut, const FjellView* view,
-                   FjellCoord origin);
+                   FjellSampleIndex origin);
 
 #endif

@@ -107,13 +107,13 @@ static FjellStatus look(const World* world, double now_s, FjellView* view) {
 
 /* The scene's origin is a sample near the eye. An engine counts its objects, physics and sound from there in floats,
    and moves them when it moves. Returns whether it has. */
-static int rebase(const World* world, const FjellView* view, FjellCoord* origin) {
+static int rebase(const World* world, const FjellView* view, FjellSampleIndex* origin) {
     const FjellPackHeader* const header = fjell_terrain_header(world->terrain);
     const double dx = header->spacing_m[0], dz = header->spacing_m[1];
     const double far_m = 1000;
-    if (fabs(view->eye_m.x - origin->x * dx) < far_m && fabs(view->eye_m.z - origin->y * dz) < far_m) return 0;
-    origin->x = (int32_t)floor(view->eye_m.x / dx);
-    origin->y = (int32_t)floor(view->eye_m.z / dz);
+    if (fabs(view->eye_m.x - origin->column * dx) < far_m && fabs(view->eye_m.z - origin->row * dz) < far_m) return 0;
+    origin->column = (int32_t)floor(view->eye_m.x / dx);
+    origin->row = (int32_t)floor(view->eye_m.z / dz);
     return 1;
 }
 
@@ -135,7 +135,7 @@ static GLuint create_target(void) {
 }
 
 static void draw(const World* world, const Renderer* renderer, const FjellCutMesh* mesh, const FjellView* view,
-                 FjellCoord origin) {
+                 FjellSampleIndex origin) {
     glViewport(0, 0, width_px, height_px);
     glClearColor(0.62f, 0.72f, 0.84f, 1);
     glClearDepth(0); /* far away */
@@ -173,11 +173,11 @@ static int play(World* world, GLFWwindow* window, const char* picture, int frame
     if (error != NULL) return fail("graphics", error);
     const GLuint target = create_target();
     FjellCutSettings settings = fjell_cut_settings_default();
-    settings.error_px = 2;
-    settings.items = 20000;
+    settings.max_error_px = 2;
+    settings.max_work = 20000;
     FjellCutReport report = {.struct_size = sizeof report};
     FjellView view;
-    FjellCoord origin = {0, 0};
+    FjellSampleIndex origin = {0, 0};
     int rebased = 0;
     for (int frame = 0; picture == NULL ? !glfwWindowShouldClose(window) : frame < frames; ++frame) {
         FjellStatus status = look(world, picture == NULL ? glfwGetTime() : frame / 60.0, &view);
@@ -214,10 +214,10 @@ static int measure(World* world, Times* times) {
     if (error != NULL) return fail("graphics", error);
     (void)create_target();
     FjellCutSettings settings = fjell_cut_settings_default();
-    settings.error_px = TIMES_ERROR_PX;
+    settings.max_error_px = TIMES_ERROR_PX;
     FjellCutReport report = {.struct_size = sizeof report};
     FjellView view = {.struct_size = sizeof view};
-    FjellCoord origin = {0, 0};
+    FjellSampleIndex origin = {0, 0};
     for (unsigned frame = 0; frame < 2 * times->frames; ++frame) {
         const double* const v = times->view + (size_t)9 * (frame % times->frames);
         const FjellVec3 eye_m = {v[0], v[1], v[2]}, ahead = {v[3], v[4], v[5]}, up = {v[6], v[7], v[8]};

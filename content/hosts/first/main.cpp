@@ -32,7 +32,7 @@ void draw(const fjell::io::LoadedPack& loaded, const std::string& path) {
 
     const fjell::View view = look(terrain);
     fjell::CutReport report;
-    if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.error_px = 1}, report); // a game: every frame
+    if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1}, report); // a game: every frame
     if (!s.ok()) throw Failure(1, std::string(s.field) + ": " + fjell::message(s.code));
 
     std::string error;
@@ -49,8 +49,7 @@ void draw(const fjell::io::LoadedPack& loaded, const std::string& path) {
     if (error.empty()) target->read_colour(picture);
     if (error.empty()) error = fjell::gl::write_png(picture, path);
     if (!error.empty()) throw Failure(3, error);
-    std::printf("%u triangles, no sample off by more than %.2f px\n", report.triangles_drawn,
-                report.error_bound_px);
+    std::printf("%u triangles, no sample off by more than %.2f px\n", report.triangles_drawn, report.error_bound_px);
 }
 
 } // namespace

@@ -116,8 +116,9 @@ void Drawer::set_morph(const fjell::MorphFrame& frame, const fjell::View& view) 
 void Drawer::set_tile(const fjell::Terrain& terrain, std::uint32_t tile, std::span<const fjell::TileMap> colour,
                       std::span<const fjell::TileMap> normal) const {
     const float cells = float(1u << terrain.header().tile_log2);
-    const fjell::SampleIndex place = terrain.tile_place(tile); // where tiles are missing it does not follow from the number
-    glUniform2f(at("tile_first"), float(place.x) * cells, float(place.y) * cells);
+    const fjell::SampleIndex place =
+        terrain.tile_place(tile); // where tiles are missing it does not follow from the number
+    glUniform2f(at("tile_first"), float(place.column) * cells, float(place.row) * cells);
     glUniform1f(at("tile_cells"), cells);
     const std::span<const fjell::TileMap> tiles[] = {colour, normal};
     GLint layer[2] = {-1, -1};

@@ -74,7 +74,7 @@ World::~World() {
 struct Frame {
     fjell::View view[2];
     std::size_t view_count = 2;
-    fjell::CutSettings settings{.error_px = 1, .items = 20'000, .morph = fjell::Morph::error};
+    fjell::CutSettings settings{.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error};
     fjell::StreamReport streamed;
     fjell::CutReport report;
 
@@ -169,7 +169,7 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
 int measure(World& world, Drawer& drawer, const fjell::gl::Target& target, Measured& times) {
     Frame frame;
     frame.view_count = 1;
-    frame.settings = {.error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
+    frame.settings = {.max_error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
     for (unsigned i = 0; i < times.flown(); ++i) {
         frame.view[0] = times.look(i);
         fjell::Status s = i == 0 ? load(world, drawer, frame) : fjell::Status{};

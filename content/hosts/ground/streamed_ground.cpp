@@ -15,7 +15,7 @@ std::string text_of(fjell::Status status) {
 fjell::View focus(fjell::Vec3 place_m, double reach_m, double accuracy_m) {
     fjell::View view;
     view.eye_m = place_m;
-    view.error_px = fjell::focal_length_px(view) * accuracy_m / reach_m; // so large accuracy_m is from reach_m away
+    view.max_error_px = fjell::focal_length_px(view) * accuracy_m / reach_m; // so large accuracy_m is from reach_m away
     return view;
 }
 
@@ -44,7 +44,7 @@ StreamedGround::~StreamedGround() {
 
 fjell::Status StreamedGround::update(std::span<const fjell::View> views, double now_s) {
     const fjell::StreamSettings settings{.texel_px = 100, .lookahead_s = 0, .now_s = now_s}; // maps: the least there is
-    const fjell::Status s = fjell::update_stream(stream_, views, {.error_px = 1}, settings, report_);
+    const fjell::Status s = fjell::update_stream(stream_, views, {.max_error_px = 1}, settings, report_);
     for (const fjell::PageArrival& page : fjell::stream_page_arrivals(stream_)) {
         came_ += page.event == fjell::PageEvent::inserted;
         went_ += page.event == fjell::PageEvent::removed;

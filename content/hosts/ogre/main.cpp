@@ -68,7 +68,7 @@ fjell::Status World::create() {
 }
 
 struct Frame {
-    fjell::CutSettings settings{.error_px = 1.5, .morph = fjell::Morph::error};
+    fjell::CutSettings settings{.max_error_px = 1.5, .morph = fjell::Morph::error};
     fjell::StreamReport streamed;
     fjell::CutReport report;
     double update_us = 0, upload_us = 0;
@@ -169,7 +169,7 @@ int measure(World& world, host::Scene& scene, Measured& times) {
     host::Ground ground(world.terrain, capacities, scene.ground_material());
     scene.add(ground);
     Frame frame;
-    frame.settings.error_px = TIMES_ERROR_PX;
+    frame.settings.max_error_px = TIMES_ERROR_PX;
     for (unsigned i = 0; i < times.flown(); ++i) {
         const fjell::View wanted = times.look(i);
         if (fjell::length(wanted.eye_m - scene.origin_m()) > 500)

@@ -68,7 +68,7 @@ void GroundShape::processAllTriangles(btTriangleCallback* callback, const btVect
             const int id = 2 * (y * patch_cells + x);
             // The vertices of a vertex tree have their diagonals from the even corner to the odd one: from north-west
             // to south-east where column and row have an even sum, counted in the terrain and not in the patch.
-            bool falling = ((first_.x + x + first_.y + y) & 1) == 0;
+            bool falling = ((first_.column + x + first_.row + y) & 1) == 0;
 #ifdef PLANT_WRONG_DIAGONALS
             falling = true;
 #endif

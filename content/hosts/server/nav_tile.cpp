@@ -43,15 +43,15 @@ Triangles triangles_of(const fjell::Terrain& terrain, fjell::SampleIndex first) 
     std::fill(std::begin(holes), std::end(holes), false);
 #endif
     for (int i = 0; i < side * side; ++i)
-        out.vertices.insert(out.vertices.end(), {float(first.x + i % side) * terrain.spacing_x_m(), heights_m[i],
-                                                 float(first.y + i / side) * terrain.spacing_z_m()});
+        out.vertices.insert(out.vertices.end(), {float(first.column + i % side) * terrain.spacing_x_m(), heights_m[i],
+                                                 float(first.row + i / side) * terrain.spacing_z_m()});
     const auto add = [&](int a, int b, int c) {
         if (!holes[a] && !holes[b] && !holes[c]) out.indices.insert(out.indices.end(), {a, b, c});
     };
     for (int y = 0; y < side - 1; ++y)
         for (int x = 0; x < side - 1; ++x) {
             const int nw = y * side + x, ne = nw + 1, sw = nw + side, se = sw + 1;
-            if (((first.x + x + first.y + y) & 1) == 0)
+            if (((first.column + x + first.row + y) & 1) == 0)
                 add(nw, sw, se), add(nw, se, ne);
             else
                 add(nw, sw, ne), add(ne, sw, se);
@@ -164,8 +164,8 @@ void look(const Meshes& meshes, int x, int z, const fjell::Terrain& whole, NavTi
     for (int i = 0; i < tile_cells * tile_cells; ++i)
         if (holes[i])
             tile.in_hole =
-                tile.in_hole || covers(*meshes.detail, (first.x + i % tile_cells) * double(whole.spacing_x_m()),
-                                       (first.y + i / tile_cells) * double(whole.spacing_z_m()));
+                tile.in_hole || covers(*meshes.detail, (first.column + i % tile_cells) * double(whole.spacing_x_m()),
+                                       (first.row + i / tile_cells) * double(whole.spacing_z_m()));
 }
 
 } // namespace

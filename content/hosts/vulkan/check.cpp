@@ -82,7 +82,8 @@ void Check::height(const fjell::Terrain& terrain, const fjell::CutMesh& cut, con
     const double exact_m = double(fjell::morphed_height_m(terrain, vertex, morph, cut.frame));
     const double full_m = double(vertex.height_m), rise_m = double(morph.morph_from_m) - full_m;
     // Some twelve roundings of numbers up to the diagonal on the way to a share of the band, whose width is error_m
-    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height itself.
+    // times start_per_error - full_per_error; the height moves by at most error_m over it. Then a few of the height
+    // itself.
     const fjell::MorphView& eye = cut.frame.view[0];
     const double band = double(eye.start_per_error) - double(eye.full_per_error);
     const double diagonal_m = std::hypot(double(terrain.extent_x_m()), double(terrain.extent_z_m()));

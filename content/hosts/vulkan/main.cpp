@@ -150,7 +150,7 @@ private:
     Check check_;
     Origin origin_;
     fjell::View view_;
-    fjell::CutSettings settings_{.error_px = 1, .items = 20'000, .morph = fjell::Morph::error};
+    fjell::CutSettings settings_{.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error};
     fjell::StreamReport streamed_;
     fjell::CutReport report_;
     Log log_;
@@ -282,7 +282,7 @@ void Flight::write_picture(const std::string& path) const {
 void measure(World& world, Gpu& gpu, Measured& times) {
     Drawer drawer(gpu, world.terrain, world.capacities, {times.width_px, times.height_px});
     Origin origin;
-    fjell::CutSettings settings{.error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
+    fjell::CutSettings settings{.max_error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
     fjell::StreamReport streamed;
     fjell::CutReport report;
     for (unsigned i = 0; i < times.flown(); ++i) {

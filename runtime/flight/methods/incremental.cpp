@@ -101,8 +101,8 @@ public:
                   {"chunk_triangles", budget_.segment_triangles},
                   {"views", budget_.views},
                   {"workers", budget_.workers},
-                  {"items", c.items == unlimited_work ? 0 : c.items},
-                  {"budget_us", c.budget_us}}}};
+                  {"items", c.max_work == unlimited_work ? 0 : c.max_work},
+                  {"budget_us", c.max_time_us}}}};
     }
 
 private:

@@ -32,7 +32,7 @@ struct CompactVertex {
 static_assert(sizeof(CompactVertex) == 16, "CompactVertex is uploaded: change terrain.glsl of content/hosts/vulkan");
 
 inline constexpr std::uint16_t compact_activated_long_ago = 0xffff; // activated_long_ago_s
-inline constexpr float compact_steps_s = 64;                 // 65,536 steps are a turn of the cut's clock
+inline constexpr float compact_steps_s = 64;                        // 65,536 steps are a turn of the cut's clock
 inline constexpr float compact_late_s = 0x1p-5f; // a vertex rises up to so much later: shaders take it off morph_s
 static_assert(morph_clock_s * compact_steps_s == 65536);
 

@@ -63,8 +63,8 @@ inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut
 }
 
 // How a vertex appears and disappears: geomorphing (thesis 5.4.1). With error and time
-// vertices are activated at error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
-// error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
+// vertices are activated at max_error_px / (1 + nesting)^2, on the edge that they split, and reach their height at
+// max_error_px. The ends of that edge no longer move by then, because errors nest; so the surface is continuous and the
 // screen bound holds. When a view appears, disappears or jumps, the mesh changes at once.
 enum class Morph : std::uint8_t {
     none,  // no morphing: at once
@@ -78,19 +78,19 @@ inline constexpr double max_offscreen_factor = 100;
 
 // What an update goes by: may change from frame to frame.
 struct CutSettings {
-    double error_px = 1;                   // the threshold (kappa), 0.001 to 1e6, of views without their own
-    double hysteresis = 0;                 // a vertex is deactivated only below error_px / (1 + hysteresis); 0 to 10
-    bool corner_safe = false;              // bound pixels in the image's corners too
-    std::uint32_t items = unlimited_work; // work that this frame may do
-    // Groups, units of building and looks at pages: replays a frame that budget_us ended.
+    double max_error_px = 1;  // the threshold (kappa), 0.001 to 1e6, of views without their own
+    double hysteresis = 0;    // a vertex is deactivated only below max_error_px / (1 + hysteresis); 0 to 10
+    bool corner_safe = false; // bound pixels in the image's corners too
+    std::uint32_t max_work = unlimited_work; // work items that this frame may do
+    // Groups, units of building and looks at pages: replays a frame that max_time_us ended.
     std::uint32_t visits = unlimited_work;
-    double budget_us = 0; // time that it may take; 0: no limit
+    double max_time_us = 0; // time that it may take; 0: no limit
     Morph morph = Morph::none;
     double morph_s = 0.25; // time that a vertex activated late takes to reach its height; 0.01 to 10
     // The host's clock, for timed morphing only: any finite number, years of uptime and Unix time too. While it runs
     // backwards, the cut's clock stands.
     double now_s = 0;
-    // What no view sees, nor soon will, is refined to error_px times this. 1: as finely as what is seen, so that
+    // What no view sees, nor soon will, is refined to max_error_px times this. 1: as finely as what is seen, so that
     // turning costs nothing; more: a fraction of the vertices and of the work, and turning takes some. Now and then
     // frames look at the pages that have a state, as long as there is time; until all have been looked at that a view
     // may see, the error claimed is this factor times the threshold at least. 1 to 100.
@@ -104,8 +104,8 @@ Status validate(const CutSettings& settings);
 enum CutBudgetBit : std::uint32_t {
     cut_budget_vertices = 1u << 0,  // CutBudget::vertices
     cut_budget_triangles = 1u << 1, // CutBudget::triangles
-    cut_budget_work = 1u << 2,     // CutSettings::items
-    cut_budget_time = 1u << 3       // CutSettings::budget_us
+    cut_budget_work = 1u << 2,      // CutSettings::max_work
+    cut_budget_time = 1u << 3       // CutSettings::max_time_us
 };
 // The field that a single bit stands for, e.g. "CutBudget::vertices".
 [[nodiscard]] const char* budget_field(CutBudgetBit bit);
@@ -118,7 +118,7 @@ struct BudgetUse {
 // What an update has done, and how good the mesh is.
 struct CutReport {
     std::uint64_t frame = 0;
-    std::uint32_t items = 0; // evaluations + activations + deactivations
+    std::uint32_t work = 0; // items: evaluations + activations + deactivations
     std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
@@ -129,15 +129,15 @@ struct CutReport {
     // Vertices that morph by time: in, because they were activated late, or out, because their page is evicted.
     std::uint32_t morphing = 0;
     std::uint32_t exhausted = 0; // CutBudgetBits
-    // Requested: CutSettings::error_px. Threshold: what the cut refines to, which is more when a capacity is exhausted.
-    // Effective: no sample that a view shows is farther from the surface on screen, whatever waits for items, time, a
-    // capacity or a page (Terrain::missing_px): the threshold, or more while the mesh lags. After a jump, and when the
-    // eye stands in what waits, it is what no mesh of the terrain exceeds: the largest error, as near as ground is to
-    // the eye or as the near plane, if that is farther; hundreds or thousands of times the threshold, and measure.h's
-    // unbounded_px at most. Thresholds of all views rise alike: where View::error_px is set, these are for it times
-    // View::error_px / error_px_requested.
+    // Requested: CutSettings::max_error_px. Threshold: what the cut refines to, which is more when a capacity is
+    // exhausted. Error bound: no sample that a view shows is farther from the surface on screen, whatever waits for
+    // items, time, a capacity or a page (Terrain::missing_px): the threshold, or more while the mesh lags. After a
+    // jump, and when the eye stands in what waits, it is what no mesh of the terrain exceeds: the largest error, as
+    // near as ground is to the eye or as the near plane, if that is farther; hundreds or thousands of times the
+    // threshold, and measure.h's unbounded_px at most. Thresholds of all views rise alike: where View::max_error_px is
+    // set, these are for it times View::max_error_px / error_px_requested.
     double error_px_requested = 0, error_bound_px = 0, threshold_px = 0;
-    bool converged = false;                 // nothing waits or morphs, effective == requested: the screen bound holds
+    bool converged = false;                 // nothing waits or morphs, error bound == requested: the screen bound holds
     bool rebuilt = false;                   // by the bulk pass
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
     std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots that this update has written
@@ -185,16 +185,17 @@ inline constexpr float morph_clock_s = 1024;
 
 // Vertices of the cut for morphing, one for one with MeshView::vertices.
 struct MorphVertex {
-    float morph_from_m;      // height on the hypotenuse it splits: where it starts
-    float error_m;     // its own
-    float radius_m;    // of its sphere
-    float activated_s; // on the cut's clock, when it was activated, if late; otherwise activated_long_ago_s
+    float morph_from_m; // height on the hypotenuse it splits: where it starts
+    float error_m;      // its own
+    float radius_m;     // of its sphere
+    float activated_s;  // on the cut's clock, when it was activated, if late; otherwise activated_long_ago_s
 };
 static_assert(sizeof(MorphVertex) == 16, "MorphVertex is uploaded: change the renderer's vertex format with it");
 
 // What the vertex shader needs beside them. A vertex has morphed in by t = (start - d) / (start - full), t from 0 to 1,
-// where d is the distance from the eye to its full height, start = radius_m + error_m * start_per_error, full = radius_m +
-// error_m * full_per_error. Of several views the largest t counts. By time t is at most morph_age_s() / morph_s.
+// where d is the distance from the eye to its full height, start = radius_m + error_m * start_per_error, full =
+// radius_m + error_m * full_per_error. Of several views the largest t counts. By time t is at most morph_age_s() /
+// morph_s.
 struct MorphView {
     float eye_x, eye_y, eye_z; // scene axes, metres
     float start_per_error, full_per_error;

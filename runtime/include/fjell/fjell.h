@@ -6,7 +6,6 @@
 
 #include "fjell/asserts.h"
 #include "fjell/compact.h"
-#include "fjell/sample_index.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"
@@ -18,6 +17,7 @@
 #include "fjell/pages.h"
 #include "fjell/query.h"
 #include "fjell/recursive.h"
+#include "fjell/sample_index.h"
 #include "fjell/status.h"
 #include "fjell/stream.h"
 #include "fjell/terrain.h"

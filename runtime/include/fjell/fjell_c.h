@@ -29,7 +29,7 @@ int fjell_version(void);
 
 // --- fjell/status.h ---
 
-const char* fjell_message(FjellCode code);
+const char* fjell_message(FjellStatusCode code);
 
 // --- fjell/asserts.h ---
 
@@ -95,8 +95,8 @@ float fjell_terrain_extent_x_m(FjellTerrain terrain);
 float fjell_terrain_extent_z_m(FjellTerrain terrain);
 bool fjell_terrain_has_voids(FjellTerrain terrain);
 uint32_t fjell_terrain_tile_count(FjellTerrain terrain);
-uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellCoord place);
-FjellCoord fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile);
+uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellSampleIndex place);
+FjellSampleIndex fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile);
 uint32_t fjell_terrain_pages_per_tile(FjellTerrain terrain);
 uint32_t fjell_terrain_page_count(FjellTerrain terrain);
 uint32_t fjell_terrain_page_slots(FjellTerrain terrain);
@@ -113,7 +113,7 @@ uint32_t fjell_page_of(const FjellPackHeader* header, uint32_t x, uint32_t y);
 bool fjell_page_loaded(FjellTerrain terrain, uint32_t tile, uint32_t page);
 uint64_t fjell_page_changes(FjellTerrain terrain);
 FjellStatus fjell_set_missing_px(FjellTerrain terrain, double missing_px);
-FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellCoord sample);
+FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellSampleIndex sample);
 double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m);
 
 // --- fjell/view.h ---
@@ -186,7 +186,7 @@ FjellGroundHeight fjell_ground_height(FjellTerrain terrain, double x_m, double z
 FjellGroundHit fjell_cast_ray(FjellTerrain terrain, FjellVec3 origin_m, FjellVec3 direction, double most_m,
                               float accurate_m);
 // holes: NULL when they are not wanted.
-FjellGroundPatch fjell_ground_patch(FjellTerrain terrain, FjellCoord first, int step_log2, uint32_t side,
+FjellGroundPatch fjell_ground_patch(FjellTerrain terrain, FjellSampleIndex first, int step_log2, uint32_t side,
                                     float* heights_m, size_t height_count, bool* holes, size_t hole_count);
 
 // --- fjell/stream.h ---

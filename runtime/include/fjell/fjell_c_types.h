@@ -12,7 +12,7 @@
 
 // --- fjell/status.h ---
 
-typedef uint8_t FjellCode;
+typedef uint8_t FjellStatusCode;
 enum {
     FJELL_OK,
     FJELL_TRUNCATED,
@@ -33,7 +33,7 @@ enum {
 };
 
 typedef struct FjellStatus {
-    FjellCode code;
+    FjellStatusCode code;
     const char* field;
 } FjellStatus;
 
@@ -43,9 +43,9 @@ typedef void (*FjellAssertHandler)(const char* condition, const char* file, int 
 
 // --- fjell/sample_index.h ---
 
-typedef struct FjellCoord {
-    int32_t x, y;
-} FjellCoord;
+typedef struct FjellSampleIndex {
+    int32_t column, row;
+} FjellSampleIndex;
 
 // --- fjell/pack.h ---
 
@@ -64,11 +64,11 @@ enum { FJELL_PACK_HAS_HORIZONS = 1, FJELL_PACK_HAS_SPLAT = 2, FJELL_PACK_IS_SPAR
 #define FJELL_MAX_SPARSE_TILES (1u << 26)
 #define FJELL_MAX_EXTENT_M 1e8
 
-typedef uint32_t FjellOrder;
-enum { FJELL_ORDER_PLANAR = 0, FJELL_ORDER_HIERARCHICAL_Z = 1, FJELL_ORDER_LINEAR = 2 };
+typedef uint32_t FjellPageOrder;
+enum { FJELL_PAGE_ORDER_PLANAR = 0, FJELL_PAGE_ORDER_HIERARCHICAL_Z = 1, FJELL_PAGE_ORDER_LINEAR = 2 };
 
-typedef uint32_t FjellEstimate;
-enum { FJELL_ESTIMATE_MAX = 0, FJELL_ESTIMATE_MIDPOINT = 1 };
+typedef uint32_t FjellErrorEstimate;
+enum { FJELL_ERROR_ESTIMATE_MAX = 0, FJELL_ERROR_ESTIMATE_MIDPOINT = 1 };
 
 typedef uint32_t FjellChunkKind;
 enum {
@@ -94,8 +94,8 @@ typedef struct FjellPackHeader {
     uint32_t columns, rows;
     uint32_t tiles_x, tiles_y;
     uint32_t tile_log2;
-    FjellOrder order;
-    FjellEstimate estimate;
+    FjellPageOrder order;
+    FjellErrorEstimate estimate;
     float nesting;
     double spacing_m[2];
     double origin_m[2];
@@ -233,7 +233,7 @@ typedef struct FjellView {
     double bottom, top;
     uint32_t width_px, height_px;
     double near_m, far_m;
-    double error_px;
+    double max_error_px;
 } FjellView;
 
 typedef struct FjellFrustum {
@@ -303,12 +303,12 @@ enum { FJELL_MORPH_NONE, FJELL_MORPH_ERROR, FJELL_MORPH_TIME };
 
 typedef struct FjellCutSettings {
     uint64_t struct_size;
-    double error_px;
+    double max_error_px;
     double hysteresis;
     bool corner_safe;
-    uint32_t items;
+    uint32_t max_work;
     uint32_t visits;
-    double budget_us;
+    double max_time_us;
     FjellMorph morph;
     double morph_s;
     double now_s;
@@ -331,7 +331,7 @@ typedef struct FjellBudgetUse {
 typedef struct FjellCutReport {
     uint64_t struct_size;
     uint64_t frame;
-    uint32_t items;
+    uint32_t work;
     uint32_t visits;
     uint32_t evaluations, activations, deactivations;
     uint32_t vertices;
@@ -430,7 +430,7 @@ enum { FJELL_METRIC_ISOTROPIC, FJELL_METRIC_DEPTH };
 
 typedef struct FjellRefineSettings {
     uint64_t struct_size;
-    double error_px;
+    double max_error_px;
     FjellMetric metric;
     bool cull;
     bool corner_safe;
@@ -464,7 +464,7 @@ typedef struct FjellRecursiveMethod {
 typedef struct FjellMeasuredError {
     double max_px;
     double max_m;
-    FjellCoord sample_px, sample_m;
+    FjellSampleIndex sample_px, sample_m;
     uint64_t samples;
 } FjellMeasuredError;
 
@@ -543,7 +543,7 @@ enum {
 
 typedef struct FjellStreamFailure {
     FjellChunkId id;
-    FjellCode code;
+    FjellStatusCode code;
 } FjellStreamFailure;
 
 typedef uint8_t FjellPageEvent;

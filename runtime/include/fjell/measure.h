@@ -2,11 +2,11 @@
 // keeps to, without looking at every sample.
 #pragma once
 
-#include "fjell/sample_index.h"
 #include "fjell/cut.h"
 #include "fjell/export.h"
 #include "fjell/mesh.h"
 #include "fjell/recursive.h"
+#include "fjell/sample_index.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 
@@ -16,10 +16,10 @@ namespace fjell {
 // The largest errors, and where they are.
 struct MeasuredError {
     // Less what rounding both heights to float may have added: some 1e-7 of the largest height.
-    double max_px = 0;         // largest |height - surface| * lambda / distance(eye, sample)
-    double max_m = 0;          // largest |height - surface|
+    double max_px = 0;               // largest |height - surface| * lambda / distance(eye, sample)
+    double max_m = 0;                // largest |height - surface|
     SampleIndex sample_px, sample_m; // where
-    std::uint64_t samples = 0; // visited, shared edges counted once a triangle
+    std::uint64_t samples = 0;       // visited, shared edges counted once a triangle
 };
 
 // mesh: list or strips. frustum: when given, only samples inside it count. O(samples), for tests and tools.

@@ -49,7 +49,7 @@ enum class ChunkKind : std::uint32_t {
     crs = 4,      // well-known text
     horizon = 5,  // mips, tile by tile
     layers = 6,   // names of the materials that splat maps speak of: text, each ends with a newline
-    splat = 7   // mips, tile by tile
+    splat = 7     // mips, tile by tile
 };
 
 // The pack's first 512 bytes.
@@ -87,7 +87,7 @@ struct PackHeader {
     std::uint64_t notes_bytes;               // 0: none
     std::uint32_t horizon_log2;              // texels a side of mip 0; 0: no horizon map
     std::uint32_t tiles_held;                // of a sparse terrain: tiles that are there; 0: all of them
-    std::uint32_t splat_log2;              // texels a side of mip 0; 0: no splat map
+    std::uint32_t splat_log2;                // texels a side of mip 0; 0: no splat map
     std::uint32_t layer_bytes;               // of the materials' names; 0: no splat map
     std::uint64_t features;                  // PackFeatures
     std::uint64_t reserved[21];              // zero
@@ -195,8 +195,8 @@ struct ChunkId {
 };
 inline constexpr std::uint64_t no_chunk = 0xffff'ffff'ffff'ffffull;
 // Its place in the directory, a fixed order: corners; geometry, colour and normal, each tile by tile; CRS; horizon,
-// tile by tile; names of layers; splat maps, tile by tile. no_chunk when the pack has no such chunk: tile < tile_count(),
-// item below pages_per_tile() or mip_count(). O(1).
+// tile by tile; names of layers; splat maps, tile by tile. no_chunk when the pack has no such chunk: tile <
+// tile_count(), item below pages_per_tile() or mip_count(). O(1).
 [[nodiscard]] std::uint64_t chunk_index(const PackHeader& header, ChunkId id);
 // The way back. For a chunk that is not there an id that names none: tile and item are 0xffffffff.
 [[nodiscard]] ChunkId chunk_id(const PackHeader& header, std::uint64_t chunk);

@@ -8,9 +8,9 @@
 
 #include <cstdint>
 
-#include "fjell/sample_index.h"
 #include "fjell/export.h"
 #include "fjell/pack.h"
+#include "fjell/sample_index.h"
 #include "fjell/terrain.h"
 
 FJELL_API_BEGIN

@@ -14,8 +14,8 @@
 #include <cstdint>
 #include <span>
 
-#include "fjell/sample_index.h"
 #include "fjell/export.h"
+#include "fjell/sample_index.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
 

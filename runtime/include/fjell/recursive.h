@@ -43,7 +43,7 @@ enum class Metric : std::uint8_t {
 
 // What an update goes by.
 struct RefineSettings {
-    double error_px = 1; // the threshold (kappa), 0.001 to 1e6; a view may have its own (View::error_px)
+    double max_error_px = 1; // the threshold (kappa), 0.001 to 1e6; a view may have its own (View::max_error_px)
     Metric metric = Metric::isotropic;
     bool cull = true;         // per vertex, against the six planes
     bool corner_safe = false; // bound pixels in the image's corners too, at the price of more triangles
@@ -61,10 +61,10 @@ struct FrameReport {
     std::uint32_t tiles = 0;            // drawn
     std::uint32_t vertices_written = 0; // new in the vertex buffer
     std::uint32_t buffer_clearings = 0;
-    std::uint32_t restarts = 0;                            // passes thrown away because a capacity did not suffice
-    std::uint32_t exhausted = 0;                           // BudgetBits
+    std::uint32_t restarts = 0;                        // passes thrown away because a capacity did not suffice
+    std::uint32_t exhausted = 0;                       // BudgetBits
     double error_px_requested = 0, error_bound_px = 0; // requested: the view's own, or that of the settings
-    bool converged = false;                                // effective == requested
+    bool converged = false;                            // error bound == requested
 };
 
 struct RecursiveState; // opaque, lives in the host's memory

@@ -10,10 +10,14 @@ namespace fjell {
 
 // Or the way from one sample to another.
 struct SampleIndex {
-    std::int32_t x = 0, y = 0; // column, row
+    std::int32_t column = 0, row = 0;
     friend constexpr bool operator==(SampleIndex, SampleIndex) = default;
-    friend constexpr SampleIndex operator+(SampleIndex a, SampleIndex b) { return {a.x + b.x, a.y + b.y}; }
-    friend constexpr SampleIndex operator-(SampleIndex a, SampleIndex b) { return {a.x - b.x, a.y - b.y}; }
+    friend constexpr SampleIndex operator+(SampleIndex a, SampleIndex b) {
+        return {a.column + b.column, a.row + b.row};
+    }
+    friend constexpr SampleIndex operator-(SampleIndex a, SampleIndex b) {
+        return {a.column - b.column, a.row - b.row};
+    }
 };
 
 } // namespace fjell

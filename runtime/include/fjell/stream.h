@@ -52,7 +52,7 @@ struct StreamBudget {
     std::uint32_t tail_log2 = 6;                        // of the size that every tile always has, 2 to 12
     std::uint32_t decoders = 1; // client threads at a time, 1 to 16; 160 KB each. More would wait in stream_provide()
     bool horizons = false;      // horizon maps too, of a pack that has them: for renderers that draw shadows
-    bool splat = false;       // splat maps too: for renderers that draw materials
+    bool splat = false;         // splat maps too: for renderers that draw materials
 };
 // The layers that fit map_bytes: an equal share for each size, but no more than one layer a tile; what remains goes to
 // the finest. O(1). Zeroes for a map that the pack does not have, and for one that the budget does not want.

@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <span>
 
-#include "fjell/sample_index.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"
 #include "fjell/pack.h"
+#include "fjell/sample_index.h"
 
 FJELL_API_BEGIN
 namespace fjell {
@@ -52,8 +52,8 @@ public:
     [[nodiscard]] std::uint32_t pages_loaded() const;
     [[nodiscard]] std::uint32_t pages_missing() const; // page_count() - pages_loaded()
     // The largest error on screen, in pixels, that missing pages which the views want may hide; 0: none. In views with
-    // a threshold of their own (View::error_px) by that over CutSettings::error_px more. Set by what loads pages for
-    // the views (update_stream), read by update_cut for its report.
+    // a threshold of their own (View::max_error_px) by that over CutSettings::max_error_px more. Set by what loads
+    // pages for the views (update_stream), read by update_cut for its report.
     [[nodiscard]] double missing_px() const;
 };
 

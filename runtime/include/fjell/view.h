@@ -44,7 +44,7 @@ struct View {
     std::uint32_t width_px = 1280, height_px = 720;
     double near_m = 1, far_m = 1e6;
     // The threshold of this view, 0.001 to 1e6; 0: that of the settings (CutSettings, RefineSettings).
-    double error_px = 0;
+    double max_error_px = 0;
 };
 
 // Pixels a unit of tangent: height_px / (top - bottom); where pixels are narrower than high, those of the width.
@@ -55,7 +55,7 @@ struct View {
 
 // The view's own threshold where it has one, or that of the settings.
 [[nodiscard]] constexpr double view_max_error_px(const View& view, double settings_px) {
-    return view.error_px > 0 ? view.error_px : settings_px;
+    return view.max_error_px > 0 ? view.max_error_px : settings_px;
 }
 
 // A view with its direction of sight in the middle of the picture and square pixels. Makes forward and up orthonormal,

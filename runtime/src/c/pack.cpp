@@ -7,7 +7,7 @@ using namespace fjell::c_api;
 int fjell_version(void) {
     return FJELL_VERSION;
 }
-const char* fjell_message(FjellCode code) {
+const char* fjell_message(FjellStatusCode code) {
     return message(static_cast<StatusCode>(code));
 }
 bool fjell_set_assert_handler(FjellAssertHandler handler) {
@@ -179,10 +179,10 @@ bool fjell_terrain_has_voids(FjellTerrain terrain) {
 uint32_t fjell_terrain_tile_count(FjellTerrain terrain) {
     return to_cpp(terrain).tile_count();
 }
-uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellCoord place) {
+uint32_t fjell_terrain_tile_at(FjellTerrain terrain, FjellSampleIndex place) {
     return to_cpp(terrain).tile_at(to_cpp(place));
 }
-FjellCoord fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile) {
+FjellSampleIndex fjell_terrain_tile_place(FjellTerrain terrain, uint32_t tile) {
     return to_c(to_cpp(terrain).tile_place(tile));
 }
 uint32_t fjell_terrain_pages_per_tile(FjellTerrain terrain) {
@@ -227,7 +227,7 @@ uint64_t fjell_page_changes(FjellTerrain terrain) {
 FjellStatus fjell_set_missing_px(FjellTerrain terrain, double missing_px) {
     return to_c(set_missing_px(to_cpp(terrain), missing_px));
 }
-FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellCoord sample) {
+FjellTerrainVertex fjell_terrain_vertex(FjellTerrain terrain, FjellSampleIndex sample) {
     return to_c(terrain_vertex(to_cpp(terrain), to_cpp(sample)));
 }
 double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m) {
@@ -243,7 +243,7 @@ FjellGroundHit fjell_cast_ray(FjellTerrain terrain, FjellVec3 origin_m, FjellVec
                               float accurate_m) {
     return to_c(cast_ray(to_cpp(terrain), to_cpp(origin_m), to_cpp(direction), most_m, accurate_m));
 }
-FjellGroundPatch fjell_ground_patch(FjellTerrain terrain, FjellCoord first, int step_log2, uint32_t side,
+FjellGroundPatch fjell_ground_patch(FjellTerrain terrain, FjellSampleIndex first, int step_log2, uint32_t side,
                                     float* heights_m, size_t height_count, bool* holes, size_t hole_count) {
     return to_c(ground_patch(to_cpp(terrain), to_cpp(first), step_log2, side, span_of(heights_m, height_count),
                              span_of(holes, hole_count)));

@@ -16,7 +16,7 @@ import textwrap
 
 SOURCE = pathlib.Path(__file__).resolve().parent
 INCLUDE = SOURCE.parent.parent / "include" / "fjell"
-HEADERS = ("status asserts handle coord pack pack_set texture terrain pages view mesh jobs cut compact recursive measure query"
+HEADERS = ("status asserts handle sample_index pack pack_set texture terrain pages view mesh jobs cut compact recursive measure query"
            " stream").split()
 
 # Descriptors and reports: they may grow, so they begin with struct_size.
@@ -25,7 +25,7 @@ SIZED = {"TerrainBudget", "View", "CutBudget", "CutSettings", "CutReport", "Recu
 LAST = {"MeshView": "topology"}  # a field that C has behind the others
 COPIED_BY_HAND = {"MeshView", "CutMesh"}  # c/mesh.cpp
 LEFT_OUT = {"PageHead", "PageFlags"}
-PREFIX = {"Code": "", "ChunkKind": "CHUNK_", "MapKind": "MAP_", "PageEvent": "PAGE_"}  # of enumerators; else the type's
+PREFIX = {"StatusCode": "", "ChunkKind": "CHUNK_", "MapKind": "MAP_", "PageEvent": "PAGE_"}  # of enumerators; else the type's
 COUNT = {"bytes": "byte_count", "vertex_bits": "vertex_bit_words", "triangle_bits": "triangle_bit_words",
          "vertices": "vertex_count", "indices": "index_count", "morph": "morph_count"}  # of the second field of a span
 AFTER = {"cut": """

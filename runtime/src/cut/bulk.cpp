@@ -507,7 +507,7 @@ namespace {
 // there is hardly any room.
 bool may_build_beside(const Mesh& mesh, const Frame& frame) {
     const std::uint32_t free = free_vertices(mesh);
-    return frame.settings.items == unlimited_work && free >= (mesh.capacity - free) / 4;
+    return frame.settings.max_work == unlimited_work && free >= (mesh.capacity - free) / 4;
 }
 
 // It takes states of pages that it finds, while those of what is drawn stay.
@@ -521,7 +521,7 @@ bool run_bulk(CutState& s) {
     BulkPass& b = s.bulk;
     // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
     // items has this frame's.
-    if (b.phase != BulkPhase::idle && (s.frame.settings.items != unlimited_work || has_lost_pages(s.pages)))
+    if (b.phase != BulkPhase::idle && (s.frame.settings.max_work != unlimited_work || has_lost_pages(s.pages)))
         finish_bulk(s);
     b.again = b.again || s.views.leapt;
     CutReport& r = s.frame.report;

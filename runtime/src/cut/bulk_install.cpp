@@ -195,8 +195,8 @@ void release(Pages& pages, Mesh& mesh, std::uint32_t slot) {
 // The two triangles that a tile's root splits, or that it is.
 void name_bases(const Grid& grid, const BulkPass& bulk, Mesh& mesh, std::uint32_t tile) {
     const SampleIndex place = grid.terrain->tile_xy(tile);
-    mesh.triangle_of[grid.terrain->corner_at(place.x + 1, place.y) * 4 + 2] = bulk.bases[tile][0];
-    mesh.triangle_of[grid.terrain->corner_at(place.x, place.y + 1) * 4 + 1] = bulk.bases[tile][1];
+    mesh.triangle_of[grid.terrain->corner_at(place.column + 1, place.row) * 4 + 2] = bulk.bases[tile][0];
+    mesh.triangle_of[grid.terrain->corner_at(place.column, place.row + 1) * 4 + 1] = bulk.bases[tile][1];
 }
 
 } // namespace

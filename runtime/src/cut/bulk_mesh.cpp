@@ -101,11 +101,11 @@ private:
         const int z = pages_.grid.terrain->tree.tile_log2 - 1;
         SlotGrid& grid = down_.grids[z];
         const auto corner = [&](std::int32_t x, std::int32_t y) {
-            return pages_.grid.terrain->corner_at(tile.x + x, tile.y + y);
+            return pages_.grid.terrain->corner_at(tile.column + x, tile.row + y);
         };
         for (std::int32_t y = 0; y < 2; ++y)
             for (std::int32_t x = 0; x < 2; ++x) grid.corner[y][x] = corner(x, y);
-        const BulkSquares root = squares_at(pages_, z, tile.x, tile.y);
+        const BulkSquares root = squares_at(pages_, z, tile.column, tile.row);
         const BulkPage* const found = found_in(b, root.slot);
         std::uint32_t(&base)[2] = b.bases[down_.tile];
         base[0] = base[1] = no_index;
@@ -405,8 +405,8 @@ namespace {
 bool may_hide(const Grid& grid, std::uint32_t tile) {
     const TerrainData& t = *grid.terrain;
     const SampleIndex place = t.tile_xy(tile);
-    return t.has_voids() || (t.tree.cut_x != 0 && place.x + 1 == grid.tiles_x) ||
-           (t.tree.cut_y != 0 && place.y + 1 == grid.tiles_y);
+    return t.has_voids() || (t.tree.cut_x != 0 && place.column + 1 == grid.tiles_x) ||
+           (t.tree.cut_y != 0 && place.row + 1 == grid.tiles_y);
 }
 
 } // namespace

@@ -160,12 +160,12 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
 
     const std::uint32_t slot = take_vertex(s.mesh);
     const SampleIndex at = s.pages.grid.terrain->tree.sample(site_coord(site));
-    s.mesh.vertices[slot] = {at.x, at.y, v.y};
+    s.mesh.vertices[slot] = {at.column, at.row, v.y};
     s.mesh.hole[slot] = is_void(record_of(s.pages, vertex));
     s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, activated_long_ago_s};
     if (morphing) {
         s.mesh.morph[slot].morph_from_m = flat_height(s.pages.grid, s.mesh, slot, site_coord(site), site.z,
-                                                site.kind == VertexKind::centre, ends[0], ends[1]);
+                                                      site.kind == VertexKind::centre, ends[0], ends[1]);
         // What comes into sight is refined before it is seen: at once, or it would still morph when it is.
         if (s.visibility.now.count == 0 || seen(s.views, v))
             s.mesh.morph[slot].activated_s =

@@ -18,7 +18,7 @@ constexpr double grow = 1 + 0x1p-18;
 // bounded in the same units, whatever their own thresholds are.
 double unit_px(const Views& views, const Frame& frame, std::uint32_t view) {
     const View& v = views.view[view];
-    const double own = view_max_error_px(v, frame.settings.error_px) / frame.settings.error_px;
+    const double own = view_max_error_px(v, frame.settings.max_error_px) / frame.settings.max_error_px;
     return focal_length_px(v) / own * (frame.settings.corner_safe ? corner_factor(v) : 1);
 }
 

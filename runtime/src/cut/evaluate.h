@@ -106,8 +106,8 @@ struct Evaluation {
     const SampleIndex at = site_coord(site);
     const std::int32_t base = pages.state[vertex / group_lanes / max_page_groups].base;
     Evaluation v{};
-    v.x = static_cast<float>(std::min(at.x, c.last_x)) * c.spacing_x_m;
-    v.z = static_cast<float>(std::min(at.y, c.last_y)) * c.spacing_z_m;
+    v.x = static_cast<float>(std::min(at.column, c.last_x)) * c.spacing_x_m;
+    v.z = static_cast<float>(std::min(at.row, c.last_y)) * c.spacing_z_m;
     v.y = c.base_m + static_cast<float>(record.height + base) * c.quantum_m;
     v.error_m = c.error_m[record.error];
     v.code = record.error;

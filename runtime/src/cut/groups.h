@@ -76,7 +76,7 @@ struct Site {
 }
 [[nodiscard]] constexpr Site site_at(SampleIndex c) {
     const int z = Tree::step_log2(c);
-    return {z, Tree::kind(c), c.x >> (z + 1), c.y >> (z + 1)};
+    return {z, Tree::kind(c), c.column >> (z + 1), c.row >> (z + 1)};
 }
 
 // Child d of a centre lies west, east, north, south; of a side, at the quadrant (east: +1) + (south: +2).

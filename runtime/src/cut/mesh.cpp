@@ -104,12 +104,14 @@ void compact_indices(std::span<const std::uint32_t> indices, std::span<std::uint
 }
 
 // Rounding moves start = radius + error * start_per_error out by start / 2048 at most, which is start / 2048 / (error *
-// (start_per_error - full_per_error)) of the way. The height moves by error over the whole way. A metre at distance d is full_per_error / d
-// thresholds, and d is at least radius + error * full_per_error, which is at least start * full_per_error / start_per_error. The product:
-// start_per_error / (start_per_error - full_per_error) / 2048. Beside it, a 1024th for the flat height.
+// (start_per_error - full_per_error)) of the way. The height moves by error over the whole way. A metre at distance d
+// is full_per_error / d thresholds, and d is at least radius + error * full_per_error, which is at least start *
+// full_per_error / start_per_error. The product: start_per_error / (start_per_error - full_per_error) / 2048. Beside
+// it, a 1024th for the flat height.
 double compact_share(const MorphView& view) {
     const double band = double{view.start_per_error} - double{view.full_per_error};
-    return band > 0 ? 0x1p-11 * double{view.start_per_error} / band + 0x1p-10 : 0; // without a band nothing morphs by distance
+    return band > 0 ? 0x1p-11 * double{view.start_per_error} / band + 0x1p-10
+                    : 0; // without a band nothing morphs by distance
 }
 
 float compact_rise_m(std::uint16_t rise) {

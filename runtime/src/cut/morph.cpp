@@ -137,8 +137,8 @@ namespace {
 
 std::uint32_t slot_at(const Pages& pages, SampleIndex c) {
     if (!pages.grid.terrain->tree.is_corner(c)) return pages.vertex_slot[find_vertex(pages, site_at(c))];
-    return pages.grid.terrain->corner_at(c.x >> pages.grid.terrain->tree.tile_log2,
-                                         c.y >> pages.grid.terrain->tree.tile_log2);
+    return pages.grid.terrain->corner_at(c.column >> pages.grid.terrain->tree.tile_log2,
+                                         c.row >> pages.grid.terrain->tree.tile_log2);
 }
 
 } // namespace
@@ -151,8 +151,9 @@ void flatten_all(const Pages& pages, Mesh& mesh) {
             const SampleIndex at = site_coord(site);
             const Diamond split = diamond(pages.grid.terrain->tree, at);
             const std::uint32_t slot = pages.vertex_slot[vertex];
-            mesh.morph[slot].morph_from_m = flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
-                                                  slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
+            mesh.morph[slot].morph_from_m =
+                flat_height(pages.grid, mesh, slot, at, site.z, site.kind == VertexKind::centre,
+                            slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
             mesh.dirty_vertices.mark(slot);
         }
 }

@@ -46,7 +46,8 @@ struct Morphing {
 [[nodiscard]] inline bool stands_near_cut_rim(const Grid& grid, SampleIndex at, int z, bool centre) {
     const Tree& tree = grid.terrain->tree;
     const std::int32_t out = (centre ? 3 : 2) << z;
-    return (tree.cut_x != 0 && at.x + out > tree.columns() - 1) || (tree.cut_y != 0 && at.y + out > tree.rows() - 1);
+    return (tree.cut_x != 0 && at.column + out > tree.columns() - 1) ||
+           (tree.cut_y != 0 && at.row + out > tree.rows() - 1);
 }
 
 // Where a vertex starts: in the middle of the edge that it splits.
@@ -90,8 +91,9 @@ void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // 
 
 // Moves the clock on to the host's time.
 void advance_clock(Morphing& morphing, const Frame& frame, bool first);
-// Before the clock's numbers return, what was activated the last time round becomes activated_long_ago_s: a cursor passes over
-// all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still show.
+// Before the clock's numbers return, what was activated the last time round becomes activated_long_ago_s: a cursor
+// passes over all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still
+// show.
 void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before);
 
 // Computes morph_from_m of every active vertex, which is not kept up to date while nothing morphs. O(active vertices).

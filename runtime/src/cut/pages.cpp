@@ -20,7 +20,7 @@ void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded
     const std::int32_t half = grid.terrain->tree.side() / 2, side = grid.terrain->tree.side();
     const SampleIndex root{info.tile_x * side + half, info.tile_y * side + half}, at = grid.terrain->tree.sample(root);
     const TerrainData::Vertex v = grid.terrain->vertex(root);
-    tile.centre_m = {grid.terrain->x_m(at.x), v.height_m, grid.terrain->z_m(at.y)};
+    tile.centre_m = {grid.terrain->x_m(at.column), v.height_m, grid.terrain->z_m(at.row)};
     tile.radius_m = v.radius_m;
 }
 
@@ -71,8 +71,8 @@ std::uint32_t attach(Pages& pages, Work& work, Mesh& mesh, Visibility& visibilit
     info.terrain_slot = terrain_slot;
     info.tile = info.page / pages.grid.pages_per_tile;
     const SampleIndex tile = t.tile_xy(info.tile);
-    info.tile_x = tile.x;
-    info.tile_y = tile.y;
+    info.tile_x = tile.column;
+    info.tile_y = tile.row;
     info.base = t.page_table[info.page].base;
     info.status = loaded.evicting ? PageStatus::evicting : PageStatus::live;
     if (loaded.evicting) pages.evicting[pages.evicting_count++] = slot;
@@ -80,8 +80,8 @@ std::uint32_t attach(Pages& pages, Work& work, Mesh& mesh, Visibility& visibilit
         const SampleIndex position = t.pages.page_position(in_tile);
         info.shape = 1;
         info.z = static_cast<std::uint8_t>(t.pages.page_step_log2(in_tile));
-        info.i0 = position.x << page_squares_log2;
-        info.j0 = position.y << page_squares_log2;
+        info.i0 = position.column << page_squares_log2;
+        info.j0 = position.row << page_squares_log2;
     }
     info.x0 = info.tile_x * pages.grid.terrain->tree.side() + (info.i0 << (info.z + 1));
     info.y0 = info.tile_y * pages.grid.terrain->tree.side() + (info.j0 << (info.z + 1));
@@ -426,10 +426,10 @@ namespace {
 
 // All of it at once.
 void deactivate_page(CutState& s, std::uint32_t slot) {
-    while (s.frame.report.items < s.frame.item_limit) {
+    while (s.frame.report.work < s.frame.item_limit) {
         const std::uint32_t v = first_active(s.pages, slot), lowest = v == no_index ? v : lowest_below(s.pages, v);
         if (v == no_index || deactivate(s.pages, s.work, s.mesh, s.views, lowest) != Outcome::done) return;
-        ++s.frame.report.items;
+        ++s.frame.report.work;
         ++s.frame.report.deactivations;
         revisit(s.pages, s.work, lowest / group_lanes); // the page may be kept before all have gone
     }
@@ -440,13 +440,13 @@ void morph_out_page(Pages& pages, Mesh& mesh, Morphing& morphing, Frame& frame, 
     for (std::uint32_t n = 0; n < pages.grid.shapes[pages.state[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t lanes = pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
-            if (frame.report.items >= frame.item_limit) return;
+            if (frame.report.work >= frame.item_limit) return;
             const std::uint32_t v =
                 lowest_below(pages, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
             if (morphs_out(mesh, pages.vertex_slot[v])) continue;
             begin_morphing_out(pages, mesh, morphing, v);
             note_late(pages, morphing, v / group_lanes / max_page_groups);
-            ++frame.report.items;
+            ++frame.report.work;
             ++frame.report.evaluations; // it was evaluated
         }
     }
@@ -455,7 +455,7 @@ void morph_out_page(Pages& pages, Mesh& mesh, Morphing& morphing, Frame& frame, 
 // Deactivates what has arrived at its edge. An entry whose vertex is gone, or morphs out again, belongs to a page that
 // was unloaded without waiting.
 void end_morphing_out(CutState& s) {
-    while (s.morphing.out_count != 0 && s.frame.report.items < s.frame.item_limit) {
+    while (s.morphing.out_count != 0 && s.frame.report.work < s.frame.item_limit) {
         const std::uint32_t vertex = s.morphing.out[s.morphing.first_out];
         const bool there = is_active(s.pages, vertex) && morphs_out(s.mesh, s.pages.vertex_slot[vertex]);
         if (there && s.morphing.now.morph != Morph::none &&
@@ -464,7 +464,7 @@ void end_morphing_out(CutState& s) {
         // Children it can have only when morphing has just been switched off.
         const std::uint32_t lowest = there ? lowest_below(s.pages, vertex) : vertex;
         if (there && deactivate(s.pages, s.work, s.mesh, s.views, lowest) != Outcome::done) return;
-        s.frame.report.items += there;
+        s.frame.report.work += there;
         s.frame.report.deactivations += there;
         if (there) revisit(s.pages, s.work, lowest / group_lanes); // its page may have been kept
         if (lowest != vertex) continue;

@@ -42,7 +42,7 @@ Evaluated evaluate_group(CutState& s, std::uint32_t number) {
         if (morphs_out(s.mesh, s.pages.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
     }
     ++s.frame.report.evaluations;
-    ++s.frame.report.items;
+    ++s.frame.report.work;
     ++s.frame.report.visits;
     VertexRecord gathered[group_lanes];
     LaneGroup lanes = lanes_of(s.pages, number, gathered);
@@ -99,10 +99,10 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
         if (looked)
             --r.evaluations;
         else
-            ++r.items;
+            ++r.work;
         looked = false;
     };
-    const auto may_go_on = [&] { return looked || r.items < s.frame.item_limit; };
+    const auto may_go_on = [&] { return looked || r.work < s.frame.item_limit; };
     for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
         switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
         case Outcome::done: spend(r.activations); break;
@@ -230,16 +230,16 @@ constexpr std::uint32_t batch_groups = 16;
 
 bool out_of_time(Frame& frame, bool done_something) {
     if (frame.report.visits >= frame.settings.visits) return true;
-    if (frame.settings.budget_us <= 0 || !done_something ||
+    if (frame.settings.max_time_us <= 0 || !done_something ||
         std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - frame.started).count() <
-            frame.settings.budget_us - frame.reserved_us)
+            frame.settings.max_time_us - frame.reserved_us)
         return false;
     frame.report.exhausted |= cut_budget_time;
     return true;
 }
 
 bool has_done_something(const Frame& frame) {
-    return frame.report.items != 0 || frame.report.visits != 0;
+    return frame.report.work != 0 || frame.report.visits != 0;
 }
 
 namespace {
@@ -268,7 +268,7 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     }
     prefetch_changes(s.pages, s.work, s.mesh, s.morphing, {groups, count});
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (s.frame.report.items < s.frame.item_limit && !out_of_time(s.frame, has_done_something(s.frame))) {
+        if (s.frame.report.work < s.frame.item_limit && !out_of_time(s.frame, has_done_something(s.frame))) {
             change_group(s, groups[i], may_deactivate);
             continue;
         }
@@ -400,7 +400,7 @@ bool work_off(CutState& s) {
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     s.frame.lagging = s.frame.lagging || s.views.jumped;
     const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_work;
-    while (s.frame.report.items < s.frame.item_limit) {
+    while (s.frame.report.work < s.frame.item_limit) {
         const bool any_due = visits.any();
         if (any_due && s.frame.examined < most_examined) {
             if (out_of_time(s.frame, has_done_something(s.frame))) return false;
@@ -417,7 +417,7 @@ bool work_off(CutState& s) {
         keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
         if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
     }
-    return s.frame.report.items >= s.frame.item_limit;
+    return s.frame.report.work >= s.frame.item_limit;
 }
 
 } // namespace

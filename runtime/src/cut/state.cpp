@@ -106,7 +106,8 @@ std::size_t bytes_of(const TerrainData& t, const CutBudget& b) {
 
 Status check_budget(const TerrainData& t, const CutBudget& b) {
     if (t.pages.order == PageOrder::linear)
-        return {StatusCode::not_supported, "terrain in linear order (bake with --order planar, or use the recursive method)"};
+        return {StatusCode::not_supported,
+                "terrain in linear order (bake with --order planar, or use the recursive method)"};
     if (b.vertices > 1u << 28) return {StatusCode::out_of_range, "CutBudget::vertices (at most 2^28)"};
     if (b.triangles > 1u << 29) return {StatusCode::out_of_range, "CutBudget::triangles (at most 2^29)"};
     if (b.segment_triangles < 8 || b.segment_triangles > 65536 || !std::has_single_bit(b.segment_triangles))
@@ -133,11 +134,11 @@ void make_hz_places(const Grid& grid) {
                 const SampleIndex c = planar.coord({shape, group.first + group.stride * lane});
                 std::uint32_t place = 0;
                 if (shape == 0) {
-                    place = hz.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y)).index;
+                    place = hz.place(static_cast<std::uint32_t>(c.column), static_cast<std::uint32_t>(c.row)).index;
                 } else {
                     const Site at = site_at(c);
-                    place = page_index<PageOrder::hierarchical_z>(page_squares, at.kind, static_cast<std::uint32_t>(at.i),
-                                                              static_cast<std::uint32_t>(at.j));
+                    place = page_index<PageOrder::hierarchical_z>(
+                        page_squares, at.kind, static_cast<std::uint32_t>(at.i), static_cast<std::uint32_t>(at.j));
                 }
                 grid.hz_places[(shape * max_page_groups + n) * group_lanes + lane] = static_cast<std::uint16_t>(place);
             }
@@ -182,14 +183,14 @@ void make_corners(const Grid& grid, Mesh& mesh) {
         const SampleIndex at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
-        mesh.vertices[slot] = {at.x, at.y, height_m};
+        mesh.vertices[slot] = {at.column, at.row, height_m};
         mesh.morph[slot] = {height_m, 0, 0, activated_long_ago_s};
         mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
         mesh.dirty_vertices.mark(slot);
     };
     // Of a sparse terrain some more than once: places without a tile have none.
     for (std::uint32_t tile = 0; t.is_sparse() && tile < t.tile_count(); ++tile)
-        for (std::int32_t k = 0; k < 4; ++k) make(t.tile_xy(tile).x + k % 2, t.tile_xy(tile).y + k / 2);
+        for (std::int32_t k = 0; k < 4; ++k) make(t.tile_xy(tile).column + k % 2, t.tile_xy(tile).row + k / 2);
     for (std::int32_t y = 0; !t.is_sparse() && y <= grid.tiles_y; ++y)
         for (std::int32_t x = 0; x <= grid.tiles_x; ++x) make(x, y);
 }
@@ -222,7 +223,7 @@ void begin_at_roots(const Pages& pages, Work& work, Mesh& mesh) {
     for (std::uint32_t tile = 0; tile < mesh.tile_count; ++tile) {
         const SampleIndex at = pages.grid.terrain->tile_xy(tile);
         const auto slot = [&](std::int32_t x, std::int32_t y) {
-            return pages.grid.terrain->corner_at(at.x + x, at.y + y);
+            return pages.grid.terrain->corner_at(at.column + x, at.row + y);
         };
         const std::uint32_t nw = slot(0, 0), ne = slot(1, 0), sw = slot(0, 1), se = slot(1, 1);
         for (const MeshTriangle& base : {MeshTriangle{ne, nw, se}, MeshTriangle{sw, se, nw}}) {
@@ -249,7 +250,8 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     const std::size_t bytes = bytes_of(terrain, budget);
     if (memory.size() < bytes) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, bytes); // touches every page now rather than in a frame
 
     auto& s = *new (at) CutState{};

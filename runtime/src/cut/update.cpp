@@ -132,9 +132,9 @@ void begin_frame(Mesh& mesh, Morphing& morphing, Frame& frame, const CutSettings
     begin_changes(mesh, frame);
     frame.report = {};
     frame.report.frame = ++frame.number;
-    frame.report.error_px_requested = settings.error_px;
+    frame.report.error_px_requested = settings.max_error_px;
     // As much as the last one that lagged has taken: it looks at what waits, and nobody knows which will.
-    frame.reserved_us = std::min(frame.output_us, settings.budget_us / 2);
+    frame.reserved_us = std::min(frame.output_us, settings.max_time_us / 2);
     frame.full_capacities = frame.batches = frame.deactivations_when_full = 0;
     advance_clock(morphing, frame, frame.number == 1);
 }
@@ -165,22 +165,22 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     const std::int64_t ticks_before = s.morphing.clock.ticks;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     retire_times(s.mesh, s.morphing, ticks_before);
-    s.frame.item_limit = settings.items;
+    s.frame.item_limit = settings.max_work;
     CutReport& r = s.frame.report;
-    s.governor.effective_px = std::max(s.governor.effective_px, settings.error_px);
-    if (s.governor.cause == 0) s.governor.effective_px = s.governor.aim_px = settings.error_px;
+    s.governor.effective_px = std::max(s.governor.effective_px, settings.max_error_px);
+    if (s.governor.cause == 0) s.governor.effective_px = s.governor.aim_px = settings.max_error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
     if (run_bulk(s)) {
         const auto built = Clock::now();
         finish(s);
-        r.items = r.evaluations + r.activations + r.deactivations;
+        r.work = r.evaluations + r.activations + r.deactivations;
         r.refine_us = microseconds(s.frame.started, built);
         r.output_us = microseconds(built, Clock::now());
         report = r;
         return {};
     }
-    r.items = r.evaluations + r.activations + r.deactivations;
+    r.work = r.evaluations + r.activations + r.deactivations;
     sync_pages(s);
     watch_pages(s);
     take_turns(s.work.queues);
@@ -207,12 +207,12 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     s.frame.item_limit = s.frame.settings.visits = unlimited_work;
-    s.frame.settings.budget_us = 0;
+    s.frame.settings.max_time_us = 0;
     s.frame.report.rebuilt = true;
     CutReport& r = s.frame.report;
     // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
     // allow.
-    begin_governing(s.governor, settings.error_px);
+    begin_governing(s.governor, settings.max_error_px);
     bool complete = true;
     finish_bulk(s);
     if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
@@ -241,7 +241,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     r.threshold_px = s.governor.effective_px;
     if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
     r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
-    r.items = r.evaluations + r.activations;
+    r.work = r.evaluations + r.activations;
     const auto built = Clock::now();
     finish(s);
     r.refine_us = microseconds(s.frame.started, built);
@@ -265,7 +265,8 @@ Status cut_release_page(LiveCut cut, std::uint32_t tile, std::uint32_t page, boo
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {StatusCode::out_of_range, "tile or page"};
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile)
+        return {StatusCode::out_of_range, "tile or page"};
     LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     released = loaded == nullptr;
     if (released) return {};
@@ -287,7 +288,8 @@ Status cut_cancel_release(LiveCut cut, std::uint32_t tile, std::uint32_t page) {
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile) return {StatusCode::out_of_range, "tile or page"};
+    if (tile >= s.mesh.tile_count || page >= s.pages.grid.pages_per_tile)
+        return {StatusCode::out_of_range, "tile or page"};
     LoadedPage* const loaded = loaded_page(s.pages, tile * s.pages.grid.pages_per_tile + page);
     if (loaded == nullptr) return {};
     loaded->evicting = false;

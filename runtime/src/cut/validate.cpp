@@ -217,7 +217,7 @@ Violation check_slot(const CutState& s, std::uint32_t vertex, const Site& site) 
     const std::uint32_t slot = s.pages.vertex_slot[vertex];
     if (slot < s.mesh.corner_count || slot >= s.mesh.fresh_vertex) return at("no vertex slot for", s, vertex);
     const SampleIndex sample = s.pages.grid.terrain->tree.sample(site_coord(site));
-    if (s.mesh.vertices[slot].column != sample.x || s.mesh.vertices[slot].row != sample.y)
+    if (s.mesh.vertices[slot].column != sample.column || s.mesh.vertices[slot].row != sample.row)
         return at("a vertex slot is another vertex':", s, vertex);
     return {};
 }
@@ -271,7 +271,7 @@ Changeable changeable(const CutState& s, std::uint32_t group) {
 Violation check_decision(const CutState& s, std::uint32_t vertex, bool on, double left_m) {
     const SampleIndex c = site_coord(site_of(s.pages, vertex)), sample = s.pages.grid.terrain->tree.sample(c);
     const TerrainData::Vertex v = s.pages.grid.terrain->vertex(c);
-    const float x = s.pages.grid.terrain->x_m(sample.x), z = s.pages.grid.terrain->z_m(sample.y);
+    const float x = s.pages.grid.terrain->x_m(sample.column), z = s.pages.grid.terrain->z_m(sample.row);
     const Criterion& decision = criterion_of(s.pages, s.views, vertex / group_lanes);
     double margin = -1e300;
     bool in = false;

@@ -10,11 +10,12 @@
 namespace fjell {
 
 Status validate(const CutSettings& c) {
-    if (!(c.error_px >= 1e-3 && c.error_px <= 1e6)) return {StatusCode::out_of_range, "CutSettings::error_px"};
-    if (!(c.hysteresis >= 0 && c.hysteresis <= 10)) return {StatusCode::out_of_range, "CutSettings::hysteresis (0 to 10)"};
+    if (!(c.max_error_px >= 1e-3 && c.max_error_px <= 1e6)) return {StatusCode::out_of_range, "CutSettings::error_px"};
+    if (!(c.hysteresis >= 0 && c.hysteresis <= 10))
+        return {StatusCode::out_of_range, "CutSettings::hysteresis (0 to 10)"};
     if (!(c.offscreen_factor >= 1 && c.offscreen_factor <= max_offscreen_factor))
         return {StatusCode::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
-    if (!(c.budget_us >= 0)) return {StatusCode::out_of_range, "CutSettings::budget_us"};
+    if (!(c.max_time_us >= 0)) return {StatusCode::out_of_range, "CutSettings::budget_us"};
     if (c.morph > Morph::time) return {StatusCode::out_of_range, "CutSettings::morph"};
     if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {StatusCode::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
     if (!std::isfinite(c.now_s)) return {StatusCode::out_of_range, "CutSettings::now_s"};
@@ -88,7 +89,7 @@ private:
 
 // Exactly the requested one when the effective threshold is.
 double view_threshold_px(const View& view, const CutSettings& settings, double effective_px) {
-    return view.error_px > 0 ? view.error_px * (effective_px / settings.error_px) : effective_px;
+    return view.max_error_px > 0 ? view.max_error_px * (effective_px / settings.max_error_px) : effective_px;
 }
 
 } // namespace

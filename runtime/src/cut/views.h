@@ -93,7 +93,7 @@ struct Governor {
 
 // A view's threshold over that of the settings. All views' rise alike when the effective threshold does.
 [[nodiscard]] inline double threshold_ratio(const View& view, const CutSettings& settings) {
-    return view_max_error_px(view, settings.error_px) / settings.error_px;
+    return view_max_error_px(view, settings.max_error_px) / settings.max_error_px;
 }
 
 // At the requested threshold, as if nothing had ever failed.

@@ -35,13 +35,13 @@ Box box_of(const Pages& pages, const PageState& page, std::uint32_t i0, std::uin
     };
     // What lies beyond the terrain's rim stands on it.
     const SampleIndex first = t.tree.sample({place(page.x0, i0), place(page.y0, j0)}),
-                last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
+                      last = t.tree.sample({place(page.x0, i1), place(page.y0, j1)});
     const PageExtent& extent = pages.loaded[page.terrain_slot].extent;
     const double out = static_cast<double>(extent.radius_m) * (1 + 0x1p-18);
-    return {{static_cast<double>(t.x_m(first.x)) - out, static_cast<double>(extent.low_m) - out,
-             static_cast<double>(t.z_m(first.y)) - out},
-            {static_cast<double>(t.x_m(last.x)) + out, static_cast<double>(extent.high_m) + out,
-             static_cast<double>(t.z_m(last.y)) + out}};
+    return {{static_cast<double>(t.x_m(first.column)) - out, static_cast<double>(extent.low_m) - out,
+             static_cast<double>(t.z_m(first.row)) - out},
+            {static_cast<double>(t.x_m(last.column)) + out, static_cast<double>(extent.high_m) + out,
+             static_cast<double>(t.z_m(last.row)) + out}};
 }
 Box box_of(const Pages& pages, const PageState& page) {
     const auto tile_squares = static_cast<std::uint32_t>(pages.grid.terrain->tree.side()) / 2;

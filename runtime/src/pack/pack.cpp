@@ -72,7 +72,8 @@ Status check_ranges(const PackHeader& h) {
                                          static_cast<int>(h.tile_log2));
     if (static_cast<std::uint32_t>(covering.tiles_x) != h.tiles_x) return bad("tiles_x");
     if (static_cast<std::uint32_t>(covering.tiles_y) != h.tiles_y) return bad("tiles_y");
-    if (h.order != PageOrder::planar && h.order != PageOrder::hierarchical_z && h.order != PageOrder::linear) return bad("order");
+    if (h.order != PageOrder::planar && h.order != PageOrder::hierarchical_z && h.order != PageOrder::linear)
+        return bad("order");
     if (h.estimate != ErrorEstimate::max && h.estimate != ErrorEstimate::midpoint) return bad("estimate");
     if (!in_range(h.nesting, 0.0009, 1.0001)) return bad("nesting");
     for (const double spacing : h.spacing_m)

@@ -275,7 +275,8 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     at_fault = static_cast<std::uint32_t>(parts.size());
     if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
     auto* const numbers = reinterpret_cast<std::uint32_t*>(at + l.numbers);
     if (!number_tiles(parts, h, numbers, at_fault))
         return {StatusCode::out_of_range, "tiles (an earlier pack of the set has some of them)"};

@@ -27,12 +27,12 @@ struct StepRows {
     const VertexRecord* records; // of the step
     std::int32_t base;
     std::uint32_t side; // squares of the page
-    PageOrder order;        // not linear
+    PageOrder order;    // not linear
     std::uint32_t i0, j0;
 
     [[nodiscard]] std::uint32_t index(VertexKind kind, std::uint32_t i, std::uint32_t j) const {
         return order == PageOrder::planar ? page_index<PageOrder::planar>(side, kind, i0 + i, j0 + j)
-                                      : page_index<PageOrder::hierarchical_z>(side, kind, i0 + i, j0 + j);
+                                          : page_index<PageOrder::hierarchical_z>(side, kind, i0 + i, j0 + j);
     }
     [[nodiscard]] std::int32_t steps(VertexKind kind, std::uint32_t i, std::uint32_t j) const {
         return base + records[index(kind, i, j)].height;

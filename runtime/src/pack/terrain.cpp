@@ -63,7 +63,7 @@ void permute(const PageLayout& pages, std::uint32_t page, std::uint16_t* vertex_
     const PageLayout planar{pages.tile_log2, PageOrder::planar};
     for (std::uint32_t i = 0; i < planar.page_vertices(page); ++i) {
         const SampleIndex c = planar.coord({page, i});
-        const PagePlace to = pages.place(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y));
+        const PagePlace to = pages.place(static_cast<std::uint32_t>(c.column), static_cast<std::uint32_t>(c.row));
         vertex_at[to.index] = static_cast<std::uint16_t>(i);
     }
 }
@@ -96,11 +96,12 @@ struct TilePages {
         const PageLayout& pages = terrain.pages;
         const auto side = static_cast<std::int32_t>(pages.side());
         const SampleIndex c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-        if (((c.x | c.y) & (side - 1)) == 0) return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
+        if (((c.column | c.row) & (side - 1)) == 0)
+            return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
         const int z = Tree::step_log2(c);
         const StepLayout step = pages.step_layout(z);
-        const std::uint32_t px = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.x) >> z,
-                            py = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.y) >> z;
+        const std::uint32_t px = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.column) >> z,
+                            py = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.row) >> z;
         const std::uint32_t page = step.page_side == page_squares ? pages.page_at(z, px, py) : 0;
         const std::uint32_t i = (x >> (z + 1)) - px * step.page_side, j = (y >> (z + 1)) - py * step.page_side;
         const VertexKind kind = Tree::kind(c);
@@ -115,7 +116,8 @@ struct TilePages {
 std::uint32_t page_over(const PageLayout& pages, SampleIndex position, int z) {
     const StepLayout step = pages.step_layout(z);
     if (step.page_side != page_squares) return 0;
-    return pages.page_at(z, static_cast<std::uint32_t>(position.x) >> z, static_cast<std::uint32_t>(position.y) >> z);
+    return pages.page_at(z, static_cast<std::uint32_t>(position.column) >> z,
+                         static_cast<std::uint32_t>(position.row) >> z);
 }
 
 bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, SampleIndex position) {
@@ -127,8 +129,8 @@ bool coarser_pages_loaded(const PageLayout& pages, const PageEntry* table, Sampl
 // Heights of the squares' corners of a page of step 1.
 void gather_corners(const TilePages& tile, SampleIndex position, CornerSteps& out) {
     const PageLayout& pages = tile.terrain.pages;
-    const auto x0 = static_cast<std::uint32_t>(position.x) * page_squares,
-               y0 = static_cast<std::uint32_t>(position.y) * page_squares; // in squares of step 1
+    const auto x0 = static_cast<std::uint32_t>(position.column) * page_squares,
+               y0 = static_cast<std::uint32_t>(position.row) * page_squares; // in squares of step 1
     StepRows rows[page_squares_log2];
     for (int z = page_squares_log2; z > 0; --z) {
         const StepLayout step = pages.step_layout(z);
@@ -163,7 +165,8 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
     if (m.arrays.errors_derived) {
         const SampleIndex position = terrain.pages.page_position(page);
-        if (!coarser_pages_loaded(terrain.pages, table, position)) return {StatusCode::coarser_page_first, "geometry page"};
+        if (!coarser_pages_loaded(terrain.pages, table, position))
+            return {StatusCode::coarser_page_first, "geometry page"};
         gather_corners({terrain, table}, position, m.coarse);
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
@@ -254,7 +257,8 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     const Layout l = layout_of(h, budget);
     if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
 
     TerrainData& t = *new (at) TerrainData{}; // whatever was here is refused from now on
     t.header = h;
@@ -370,7 +374,7 @@ TerrainData::Vertex TerrainData::vertex(SampleIndex v) const {
     in_no_tile.in_tile = false;
     in_no_tile.height_m = header.min_m;
     if (tree.is_corner(v)) {
-        const std::uint32_t corner = corner_at(v.x / side, v.y / side);
+        const std::uint32_t corner = corner_at(v.column / side, v.row / side);
         if (corner == no_index) return in_no_tile;
         out.loaded = true;
         const std::uint32_t stored = corners[corner];
@@ -379,12 +383,12 @@ TerrainData::Vertex TerrainData::vertex(SampleIndex v) const {
         out.height_m = height_scale.height_m(out.steps);
         return out;
     }
-    const std::int32_t tx = std::min(v.x / side, tree.tiles_x - 1), ty = std::min(v.y / side, tree.tiles_y - 1);
+    const std::int32_t tx = std::min(v.column / side, tree.tiles_x - 1), ty = std::min(v.row / side, tree.tiles_y - 1);
     const SampleIndex owner = tile_with(v, {tx, ty});
-    const std::uint32_t tile = tile_at(owner.x, owner.y);
+    const std::uint32_t tile = tile_at(owner.column, owner.row);
     if (tile == no_index) return in_no_tile;
-    const PagePlace at =
-        pages.place(static_cast<std::uint32_t>(v.x - owner.x * side), static_cast<std::uint32_t>(v.y - owner.y * side));
+    const PagePlace at = pages.place(static_cast<std::uint32_t>(v.column - owner.column * side),
+                                     static_cast<std::uint32_t>(v.row - owner.row * side));
     const PageEntry entry = page_table[std::size_t{tile} * pages_per_tile + at.page];
     if (entry.slot == no_index) return out;
     const VertexRecord record = records[std::size_t{entry.slot} * page_capacity + at.index];
@@ -470,9 +474,10 @@ std::uint32_t Terrain::tile_count() const {
 }
 std::uint32_t Terrain::tile_at(SampleIndex place) const {
     const TerrainData& t = shown(*this);
-    if (place.x < 0 || place.y < 0 || place.x >= t.tree.tiles_x || place.y >= t.tree.tiles_y) return no_tile;
+    if (place.column < 0 || place.row < 0 || place.column >= t.tree.tiles_x || place.row >= t.tree.tiles_y)
+        return no_tile;
     static_assert(no_tile == no_index);
-    return t.tile_at(place.x, place.y);
+    return t.tile_at(place.column, place.row);
 }
 SampleIndex Terrain::tile_place(std::uint32_t tile) const {
     const TerrainData& t = shown(*this);

@@ -70,12 +70,13 @@ struct TerrainData {
     // The tile that a sample is read from: the one that begins there, at tile_; on the border of one that is not there
     // the neighbour to the west, the north or both that has it too.
     [[nodiscard]] SampleIndex tile_with(SampleIndex v, SampleIndex tile_) const {
-        if (has_tile(tile_.x, tile_.y)) return tile_;
-        const std::int32_t west = tile_.x != 0 && v.x == tile_.x * tree.side() ? 1 : 0,
-                           north = tile_.y != 0 && v.y == tile_.y * tree.side() ? 1 : 0;
-        if (west != 0 && has_tile(tile_.x - 1, tile_.y)) return {tile_.x - 1, tile_.y};
-        if (north != 0 && has_tile(tile_.x, tile_.y - 1)) return {tile_.x, tile_.y - 1};
-        if (west != 0 && north != 0 && has_tile(tile_.x - 1, tile_.y - 1)) return {tile_.x - 1, tile_.y - 1};
+        if (has_tile(tile_.column, tile_.row)) return tile_;
+        const std::int32_t west = tile_.column != 0 && v.column == tile_.column * tree.side() ? 1 : 0,
+                           north = tile_.row != 0 && v.row == tile_.row * tree.side() ? 1 : 0;
+        if (west != 0 && has_tile(tile_.column - 1, tile_.row)) return {tile_.column - 1, tile_.row};
+        if (north != 0 && has_tile(tile_.column, tile_.row - 1)) return {tile_.column, tile_.row - 1};
+        if (west != 0 && north != 0 && has_tile(tile_.column - 1, tile_.row - 1))
+            return {tile_.column - 1, tile_.row - 1};
         return tile_;
     }
     // The same of corners of tiles: one of a tile that there is.

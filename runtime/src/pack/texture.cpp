@@ -48,7 +48,8 @@ void values_of(const std::byte* block, std::uint8_t (&palette)[8]) {
 
 Status check(std::uint32_t side, std::size_t stored, std::size_t block_bytes, std::size_t texels,
              std::size_t texel_bytes) {
-    if (side < 4 || side > 1u << max_texture_log2 || !std::has_single_bit(side)) return {StatusCode::out_of_range, "side"};
+    if (side < 4 || side > 1u << max_texture_log2 || !std::has_single_bit(side))
+        return {StatusCode::out_of_range, "side"};
     if (stored != blocks_of(side) * block_bytes) return {StatusCode::out_of_range, "blocks"};
     if (texels != std::size_t{side} * side * texel_bytes) return {StatusCode::out_of_range, "texels"};
     return {};

@@ -47,9 +47,9 @@ struct RecursiveVertices {
     [[nodiscard]] bool find(SampleIndex at, SampleIndex tile, std::uint32_t& /*slot*/) const {
         const TerrainData& t = *s.terrain;
         const std::int32_t side = t.tree.side();
-        const PagePlace place = t.pages.place(static_cast<std::uint32_t>(at.x - tile.x * side),
-                                              static_cast<std::uint32_t>(at.y - tile.y * side));
-        const std::uint32_t number = t.tile_at(tile.x, tile.y);
+        const PagePlace place = t.pages.place(static_cast<std::uint32_t>(at.column - tile.column * side),
+                                              static_cast<std::uint32_t>(at.row - tile.row * side));
+        const std::uint32_t number = t.tile_at(tile.column, tile.row);
         const std::uint32_t page = t.page_table[std::size_t{number} * t.pages_per_tile + place.page].slot;
         return page != no_index && is_selected(s, page * t.page_capacity + place.index);
     }
@@ -57,7 +57,7 @@ struct RecursiveVertices {
 };
 
 std::int64_t cross2(SampleIndex a, SampleIndex b, SampleIndex p) {
-    return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x);
+    return std::int64_t{b.column - a.column} * (p.row - a.row) - std::int64_t{b.row - a.row} * (p.column - a.column);
 }
 
 template <typename Vertices>
@@ -78,7 +78,7 @@ public:
 
     void tile(std::uint32_t number) {
         tile_ = t_.tile_xy(number);
-        const std::int32_t n = t_.tree.side(), x = tile_.x * n, y = tile_.y * n;
+        const std::int32_t n = t_.tree.side(), x = tile_.column * n, y = tile_.row * n;
         const Corner nw = tile_corner({x, y}), ne = tile_corner({x + n, y}), sw = tile_corner({x, y + n}),
                      se = tile_corner({x + n, y + n});
         triangle(ne, nw, se);
@@ -95,14 +95,14 @@ private:
 
     [[nodiscard]] Vec3 position(SampleIndex at, double height_m) const {
         const SampleIndex c = t_.tree.sample(at);
-        return {c.x * t_.header.spacing_m[0], height_m, c.y * t_.header.spacing_m[1]};
+        return {c.column * t_.header.spacing_m[0], height_m, c.row * t_.header.spacing_m[1]};
     }
 
     void triangle(const Corner& apex, const Corner& left, const Corner& right) {
         const SampleIndex sum = left.at + right.at;
         std::uint32_t slot = 0;
-        const bool finest = ((sum.x | sum.y) & 1) != 0;
-        if (const SampleIndex middle{sum.x / 2, sum.y / 2}; !finest && vertices_.find(middle, tile_, slot)) {
+        const bool finest = ((sum.column | sum.row) & 1) != 0;
+        if (const SampleIndex middle{sum.column / 2, sum.row / 2}; !finest && vertices_.find(middle, tile_, slot)) {
             const TerrainData::Vertex v = t_.vertex(middle);
             const auto full_m = static_cast<double>(v.height_m);
             const Corner m{middle, vertices_.drawn_m(slot, full_m), full_m, v.hole};
@@ -135,7 +135,7 @@ private:
         if (cross2(t_.tree.sample(a.at), t_.tree.sample(b.at), t_.tree.sample(c.at)) == 0) return; // not drawn
         const bool drawn = !a.hole && !b.hole && !c.hole;
         if (finest && !drawn) return; // at full resolution a rim is where it belongs
-        const SampleIndex sum = b.at + c.at, middle{sum.x / 2, sum.y / 2};
+        const SampleIndex sum = b.at + c.at, middle{sum.column / 2, sum.row / 2};
         const Hidden hidden = hidden_under(a, middle, finest);
         double moved_m = 0; // by morphing
         for (const Corner* corner : {&a, &b, &c})
@@ -201,8 +201,8 @@ private:
                                      const Corner& c) const {
         const SampleIndex pa = t_.tree.sample(a.at), pb = t_.tree.sample(b.at), pc = t_.tree.sample(c.at);
         const std::int64_t area = cross2(pa, pb, pc), sign = area > 0 ? 1 : -1;
-        const auto [x0, x1] = std::minmax({pa.x, pb.x, pc.x});
-        const auto [y0, y1] = std::minmax({pa.y, pb.y, pc.y});
+        const auto [x0, x1] = std::minmax({pa.column, pb.column, pc.column});
+        const auto [y0, y1] = std::minmax({pa.row, pb.row, pc.row});
         double most_px = 0, rim_px = 0;
         bool ground = false, hole = false;
         for (std::int32_t y = y0; y <= y1; ++y)

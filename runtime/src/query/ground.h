@@ -48,10 +48,11 @@ struct Plane {
     SampleIndex at;
     double steps = 0, x = 0, y = 0;
     bool exists = false; // the triangle has an area
-    [[nodiscard]] double height(Point p) const { return steps + x * (p.x - at.x) + y * (p.y - at.y); }
+    [[nodiscard]] double height(Point p) const { return steps + x * (p.x - at.column) + y * (p.y - at.row); }
 };
 [[nodiscard]] inline Plane plane_of(const Corner& a, const Corner& b, const Corner& c) {
-    const double bx = b.at.x - a.at.x, by = b.at.y - a.at.y, cx = c.at.x - a.at.x, cy = c.at.y - a.at.y;
+    const double bx = b.at.column - a.at.column, by = b.at.row - a.at.row, cx = c.at.column - a.at.column,
+                 cy = c.at.row - a.at.row;
     const double hb = static_cast<double>(b.steps) - a.steps, hc = static_cast<double>(c.steps) - a.steps;
     const double area = bx * cy - by * cx;
     if (area == 0) return {a.at, static_cast<double>(a.steps), 0, 0, false};
@@ -60,10 +61,11 @@ struct Plane {
 
 // Which side of the line from a through b: 0 on it.
 [[nodiscard]] inline double turn(SampleIndex a, SampleIndex b, Point p) {
-    return static_cast<double>(b.x - a.x) * (p.y - a.y) - static_cast<double>(b.y - a.y) * (p.x - a.x);
+    return static_cast<double>(b.column - a.column) * (p.y - a.row) -
+           static_cast<double>(b.row - a.row) * (p.x - a.column);
 }
 [[nodiscard]] inline double turn(SampleIndex a, SampleIndex b, SampleIndex p) {
-    return turn(a, b, Point{static_cast<double>(p.x), static_cast<double>(p.y)});
+    return turn(a, b, Point{static_cast<double>(p.column), static_cast<double>(p.row)});
 }
 
 // --- triangles
@@ -73,9 +75,9 @@ struct Triangle {
     std::int32_t bound = any_error; // of the vertex that splits it, should it not be there: the largest code
     [[nodiscard]] bool hole() const { return apex.hole || ends[0].hole || ends[1].hole; }
     // Half of a cell: of the full resolution.
-    [[nodiscard]] bool leaf() const { return ((ends[0].at.x ^ ends[1].at.x) & 1) != 0; }
+    [[nodiscard]] bool leaf() const { return ((ends[0].at.column ^ ends[1].at.column) & 1) != 0; }
     [[nodiscard]] SampleIndex middle() const {
-        return {(ends[0].at.x + ends[1].at.x) / 2, (ends[0].at.y + ends[1].at.y) / 2};
+        return {(ends[0].at.column + ends[1].at.column) / 2, (ends[0].at.row + ends[1].at.row) / 2};
     }
     // The half that has ends[k].
     [[nodiscard]] Triangle half(const Corner& middle_, int k, std::int32_t bound_) const {
@@ -110,7 +112,7 @@ struct Square {
     Corner corners[4];
     std::int32_t bound = any_error; // of its centre, should it not be there
 
-    [[nodiscard]] SampleIndex centre() const { return {nw.x + side / 2, nw.y + side / 2}; }
+    [[nodiscard]] SampleIndex centre() const { return {nw.column + side / 2, nw.row + side / 2}; }
     // Its halves: the one with the south-west or, rising, the north-west corner first.
     [[nodiscard]] Triangle half(int k) const {
         if (falling) return {corners[k == 0 ? 2 : 1], {corners[0], corners[3]}, bound};
@@ -126,12 +128,12 @@ struct Square {
 };
 
 [[nodiscard]] inline bool cut_by_rim(const TerrainData& t, SampleIndex nw, std::int32_t side) {
-    return nw.x + side >= t.tree.columns() || nw.y + side >= t.tree.rows();
+    return nw.column + side >= t.tree.columns() || nw.row + side >= t.tree.rows();
 }
 // The quarter that has p: never one without an area, beyond a centre that stands at the rim.
 [[nodiscard]] inline int quarter_at(const TerrainData& t, SampleIndex centre, Point p) {
-    return (p.x > centre.x && centre.x < t.tree.columns() - 1 ? 1 : 0) +
-           (p.y > centre.y && centre.y < t.tree.rows() - 1 ? 2 : 0);
+    return (p.x > centre.column && centre.column < t.tree.columns() - 1 ? 1 : 0) +
+           (p.y > centre.row && centre.row < t.tree.rows() - 1 ? 2 : 0);
 }
 [[nodiscard]] inline Corner corner_of(const TerrainData& t, SampleIndex v, const Sample& sample) {
     return {t.tree.sample(v), sample.steps, sample.hole};
@@ -143,7 +145,7 @@ struct Square {
     s.nw = reader.origin();
     s.side = t.tree.side();
     for (int k = 0; k < 4; ++k) {
-        const SampleIndex v{s.nw.x + (k & 1) * s.side, s.nw.y + (k >> 1) * s.side};
+        const SampleIndex v{s.nw.column + (k & 1) * s.side, s.nw.row + (k >> 1) * s.side};
         s.corners[k] = corner_of(t, v, reader.read(v));
     }
     return s;
@@ -188,8 +190,9 @@ struct Quarter {
 [[nodiscard]] inline Quarter quarter_of(const TerrainData& t, Reader& reader, const Square& s, const Corner& centre,
                                         std::int32_t code, int k) {
     const std::int32_t half = s.side / 2;
-    const SampleIndex at = s.centre(), nw{s.nw.x + (k & 1) * half, s.nw.y + (k >> 1) * half};
-    const SampleIndex beside_row{at.x, s.nw.y + (k >> 1) * s.side}, beside_column{s.nw.x + (k & 1) * s.side, at.y};
+    const SampleIndex at = s.centre(), nw{s.nw.column + (k & 1) * half, s.nw.row + (k >> 1) * half};
+    const SampleIndex beside_row{at.column, s.nw.row + (k >> 1) * s.side},
+        beside_column{s.nw.column + (k & 1) * s.side, at.row};
     const Sample samples[2] = {reader.read(beside_row), reader.read(beside_column)};
     const Corner sides[2] = {corner_of(t, beside_row, samples[0]), corner_of(t, beside_column, samples[1])};
     const Corner& own = s.corners[k];
@@ -270,8 +273,8 @@ struct Found {
     const auto hole = [&] { return height[a].hole || height[b].hole || height[c].hole; };
     const auto found = [&](std::int32_t code) {
         const auto corner = [&](std::uint32_t k) {
-            return Corner{{static_cast<std::int32_t>(way.spot[k].x) + reader.origin().x,
-                           static_cast<std::int32_t>(way.spot[k].y) + reader.origin().y},
+            return Corner{{static_cast<std::int32_t>(way.spot[k].x) + reader.origin().column,
+                           static_cast<std::int32_t>(way.spot[k].y) + reader.origin().row},
                           height[k].steps,
                           height[k].hole};
         };
@@ -312,7 +315,8 @@ struct Found {
     if (t.pages.order == PageOrder::linear) return find_below_linear(t, reader, from, p, accurate);
     const SampleIndex origin = reader.origin();
     const auto in_tile = [&](const Corner& c) {
-        return Spot{static_cast<std::uint32_t>(c.at.x - origin.x), static_cast<std::uint32_t>(c.at.y - origin.y)};
+        return Spot{static_cast<std::uint32_t>(c.at.column - origin.column),
+                    static_cast<std::uint32_t>(c.at.row - origin.row)};
     };
     Way way;
     way.spot[0] = in_tile(from.apex);
@@ -353,7 +357,7 @@ struct Found {
 [[nodiscard]] inline SampleIndex tile_of(const TerrainData& t, Point p) {
     const std::int32_t side = t.tree.side();
     const SampleIndex tile{std::min(static_cast<std::int32_t>(p.x) / side, t.tree.tiles_x - 1),
-                     std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
+                           std::min(static_cast<std::int32_t>(p.y) / side, t.tree.tiles_y - 1)};
     if (!t.is_sparse()) return tile;
     // Between samples no other tile has it: one that is beside a border's line is not on it.
     const auto on_sample = [](double at) { return std::floor(at) < at ? -1 : static_cast<std::int32_t>(at); };

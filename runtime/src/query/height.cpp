@@ -25,7 +25,7 @@ GroundHeight ground_height(const Terrain& handle, double x_m, double z_m, float 
     const double column = x_m / terrain.header.spacing_m[0], row = z_m / terrain.header.spacing_m[1];
     const Point p{onto(column, terrain.tree.columns() - 1), onto(row, terrain.tree.rows() - 1)};
     const SampleIndex tile = tile_of(terrain, p);
-    Reader reader(terrain, tile.x, tile.y);
+    Reader reader(terrain, tile.column, tile.row);
     const Found found = find_ground(terrain, reader, p, accurate_code(terrain, accurate_m));
     GroundHeight out;
     out.inside = p.x == column && p.y == row;

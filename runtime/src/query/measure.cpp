@@ -21,7 +21,7 @@ struct Accumulator {
         if (vertex.hole) return;
         const double height = vertex.height_m;
         const Vec3 eye_to_sample =
-            Vec3{at.x * terrain.header.spacing_m[0], height, at.y * terrain.header.spacing_m[1]} - view.eye_m;
+            Vec3{at.column * terrain.header.spacing_m[0], height, at.row * terrain.header.spacing_m[1]} - view.eye_m;
         if (frustum)
             for (int i = 0; i < 6; ++i)
                 if (dot(frustum->normal[i], eye_to_sample) < frustum->offset[i]) return;

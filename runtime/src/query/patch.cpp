@@ -32,8 +32,8 @@ public:
     explicit PatchReader(const TerrainData& terrain) : t_(terrain) {}
 
     void read(const Span& span, const Row& to) {
-        const auto x = static_cast<std::uint32_t>(span.first.x - span.tile.x * t_.tree.side()),
-                   y = static_cast<std::uint32_t>(span.first.y - span.tile.y * t_.tree.side());
+        const auto x = static_cast<std::uint32_t>(span.first.column - span.tile.column * t_.tree.side()),
+                   y = static_cast<std::uint32_t>(span.first.row - span.tile.row * t_.tree.side());
         const int top = t_.tree.tile_log2, of_y = std::countr_zero(y | 1u << top);
         const bool on_step = std::countr_zero(x | y | 1u << span.step_log2) == span.step_log2;
         if (t_.pages.order != PageOrder::planar || !on_step || span.step_log2 >= top) return one_by_one(span, 0, 1, to);
@@ -49,7 +49,7 @@ public:
     }
     // One sample, for a place of the row.
     void read(SampleIndex tile, SampleIndex v, std::uint32_t place, const Row& to) {
-        Reader reader(t_, tile.x, tile.y);
+        Reader reader(t_, tile.column, tile.row);
         read(reader, v, place, to);
     }
     [[nodiscard]] GroundPatch result() const { return {reported_m(t_, worst_m_), finest_}; }
@@ -87,7 +87,7 @@ private:
     bool read_run(SampleIndex tile, PagePlace at, std::uint32_t count, std::uint32_t place, std::uint32_t stride,
                   const Row& to) const {
         VertexRecord records[page_squares + 1];
-        const std::uint32_t number = t_.tile_at(tile.x, tile.y);
+        const std::uint32_t number = t_.tile_at(tile.column, tile.row);
         if (number == no_index) return false;
         const std::size_t page = std::size_t{number} * t_.pages_per_tile + at.page;
         PublishedPage found;
@@ -101,9 +101,10 @@ private:
 
     void one_by_one(const Span& span, std::uint32_t place, std::uint32_t stride, const Row& to,
                     std::uint32_t count = max_patch_side) {
-        Reader reader(t_, span.tile.x, span.tile.y);
+        Reader reader(t_, span.tile.column, span.tile.row);
         for (; place < span.count && count != 0; place += stride, --count)
-            read(reader, {span.first.x + static_cast<std::int32_t>(place << span.step_log2), span.first.y}, place, to);
+            read(reader, {span.first.column + static_cast<std::int32_t>(place << span.step_log2), span.first.row},
+                 place, to);
     }
     void read(Reader& reader, SampleIndex v, std::uint32_t place, const Row& to) {
         bool hole = false;
@@ -112,9 +113,9 @@ private:
             hole = s.hole;
         } else {
             const Found found =
-                find_ground(t_, reader, {static_cast<double>(v.x), static_cast<double>(v.y)}, any_error);
+                find_ground(t_, reader, {static_cast<double>(v.column), static_cast<double>(v.row)}, any_error);
             to.heights_m[place] = static_cast<float>(
-                query::height_m(t_, found.plane.height({static_cast<double>(v.x), static_cast<double>(v.y)})));
+                query::height_m(t_, found.plane.height({static_cast<double>(v.column), static_cast<double>(v.row)})));
             hole = found.hole;
             worst_m_ = std::max(worst_m_, found.error_m);
             finest_ = finest_ && found.error_m == 0;
@@ -148,14 +149,15 @@ GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2
     for (std::uint32_t j = 0; j < side; ++j) {
         const Row row{heights_m.data() + std::size_t{j} * side,
                       holes.empty() ? nullptr : holes.data() + std::size_t{j} * side};
-        const std::int32_t y = onto(place(first.y, j), tree.rows() - 1);
+        const std::int32_t y = onto(place(first.row, j), tree.rows() - 1);
         for (std::uint32_t i = 0; i < side;) {
-            const std::int64_t at = place(first.x, i);
+            const std::int64_t at = place(first.column, i);
             const SampleIndex v{onto(at, last_x), y};
-            const SampleIndex tile = tile_of(terrain, {static_cast<double>(v.x), static_cast<double>(v.y)});
-            if (v.x != at) { // beyond the rim: those that stand on the same sample
+            const SampleIndex tile = tile_of(terrain, {static_cast<double>(v.column), static_cast<double>(v.row)});
+            if (v.column != at) { // beyond the rim: those that stand on the same sample
                 reader.read(tile, v, i, row);
-                for (const std::uint32_t from = i++; i < side && onto(place(first.x, i), last_x) == v.x; ++i) {
+                for (const std::uint32_t from = i++; i < side && onto(place(first.column, i), last_x) == v.column;
+                     ++i) {
                     row.heights_m[i] = row.heights_m[from];
                     if (row.holes != nullptr) row.holes[i] = row.holes[from];
                 }
@@ -164,8 +166,8 @@ GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2
             // As far as the tile goes.
             // It does not go beyond v where it is the neighbour of one that is not there.
             const std::int32_t end =
-                tile.x == tree.tiles_x - 1 ? last_x : std::max((tile.x + 1) * tree.side() - 1, v.x);
-            const std::uint32_t in_tile = (static_cast<std::uint32_t>(end - v.x) >> step_log2) + 1;
+                tile.column == tree.tiles_x - 1 ? last_x : std::max((tile.column + 1) * tree.side() - 1, v.column);
+            const std::uint32_t in_tile = (static_cast<std::uint32_t>(end - v.column) >> step_log2) + 1;
             const Span span{tile, v, std::min(in_tile, side - i), step_log2};
             reader.read(span, {row.heights_m + i, row.holes != nullptr ? row.holes + i : nullptr});
             i += span.count;

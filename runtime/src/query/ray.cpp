@@ -32,7 +32,7 @@ struct Line {
     // Where it meets the line from a through b, if it does.
     [[nodiscard]] double meets(SampleIndex a, SampleIndex b, double s0) const {
         const double at = turn(a, b, over(s0));
-        const double slope = static_cast<double>(b.x - a.x) * dy - static_cast<double>(b.y - a.y) * dx;
+        const double slope = static_cast<double>(b.column - a.column) * dy - static_cast<double>(b.row - a.row) * dx;
         return slope == 0 ? s0 : s0 - at / slope;
     }
 };

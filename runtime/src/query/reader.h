@@ -53,7 +53,7 @@ public:
         Sample sample;
         if (t_.tree.is_corner(v)) {
             const std::int32_t l = t_.tree.tile_log2;
-            const std::uint32_t corner = t_.corner_at(v.x >> l, v.y >> l);
+            const std::uint32_t corner = t_.corner_at(v.column >> l, v.row >> l);
             sample.loaded = true;
             sample.hole = first_page_ == no_pages; // without a tile there is no ground, whatever its neighbours have
             if (sample.hole) return sample;
@@ -62,8 +62,8 @@ public:
             sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
             return sample;
         }
-        const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.x - origin_.x),
-                                      static_cast<std::uint32_t>(v.y - origin_.y));
+        const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.column - origin_.column),
+                                      static_cast<std::uint32_t>(v.row - origin_.row));
         VertexRecord record;
         if (!read(at, record)) return sample;
         sample.loaded = true;

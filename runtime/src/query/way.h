@@ -34,8 +34,8 @@ public:
     }
 
 private:
-    // Planar (page_index<PageOrder::planar>): of a plane that begins at `first` and whose rows are `wider` than the page's
-    // squares.
+    // Planar (page_index<PageOrder::planar>): of a plane that begins at `first` and whose rows are `wider` than the
+    // page's squares.
     [[nodiscard]] PagePlace place(VertexKind kind, std::uint32_t first, std::uint32_t wider, std::uint32_t x,
                                   std::uint32_t y) const {
         const std::uint32_t i = x >> shift_, j = y >> shift_;
@@ -78,8 +78,8 @@ struct PointHalves {
     PointHalves(Point p, SampleIndex origin) { // p: not negative
         const auto column = static_cast<std::int32_t>(p.x), row = static_cast<std::int32_t>(p.y);
         const double u = p.x - column, v = p.y - row, rest = 1 - v;
-        const auto x0 = 2 * static_cast<std::uint32_t>(column - origin.x),
-                   y0 = 2 * static_cast<std::uint32_t>(row - origin.y);
+        const auto x0 = 2 * static_cast<std::uint32_t>(column - origin.column),
+                   y0 = 2 * static_cast<std::uint32_t>(row - origin.row);
         const auto one_if = [](bool condition) { return static_cast<std::uint32_t>(condition); };
         x = x0 + one_if(u > 0);
         y = y0 + one_if(v > 0);

@@ -69,7 +69,8 @@ inline LevelPlane make_level_plane(const TerrainData& terrain, int z, VertexKind
     const bool in_pages = step.page_side == page_squares;
     p.squares = step.squares;
     p.page_side = step.page_side;
-    p.offset = step.offset + (pages.order == PageOrder::planar ? page_index<PageOrder::planar>(step.page_side, kind, 0, 0) : 0);
+    p.offset = step.offset +
+               (pages.order == PageOrder::planar ? page_index<PageOrder::planar>(step.page_side, kind, 0, 0) : 0);
     p.stride = (1u << 16) + step.page_side + (kind == VertexKind::side_y ? 1 : 0);
     p.digit = page_index<PageOrder::hierarchical_z>(2, kind, 0, 0);
     p.first = in_pages ? first_entry(pages, z) : 0;
@@ -91,12 +92,13 @@ inline void set_step_page(const TerrainData& terrain, std::uint32_t page, StepPa
     const StepLayout step = terrain.pages.step_layout(z);
     const SampleIndex position = terrain.pages.page_position(page);
     const auto side = std::int32_t{1} << step.pages_log2;
-    StepPageEntry* const at = tile_entries + first_entry(terrain.pages, z) + position.y * 2 * side + position.x;
+    StepPageEntry* const at = tile_entries + first_entry(terrain.pages, z) + position.row * 2 * side + position.column;
     *at = entry;
     // Seen through the extra column and row, the planes begin at the page's last but one.
     const bool planar = terrain.pages.order == PageOrder::planar && entry.origin != no_index;
-    if (position.x == side - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
-    if (position.y == side - 1) at[2 * side] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
+    if (position.column == side - 1) at[1] = {entry.origin + (planar ? page_squares : 0), entry.base};
+    if (position.row == side - 1)
+        at[2 * side] = {entry.origin + (planar ? page_squares * page_squares : 0), entry.base};
 }
 
 inline constexpr std::array<std::uint16_t, page_squares> spread_table = [] {

@@ -97,8 +97,8 @@ private:
         side = terrain.pages.side();
         tile_place = terrain.tile_xy(tile);
         const auto n = static_cast<std::int32_t>(side);
-        column0 = tile_place.x * n;
-        row0 = tile_place.y * n;
+        column0 = tile_place.column * n;
+        row0 = tile_place.row * n;
         for (LevelPlane* plane = levels; plane != last_planes; ++plane)
             plane->pages = s.step_pages + std::size_t{tile} * s.step_pages_per_tile + plane->first;
         limit_x = terrain.tree.columns() - 1 - column0;
@@ -267,7 +267,7 @@ private:
     FJELL_NOINLINE bool not_drawn(Corner a, Corner b, Corner c) const {
         if (holes && ((slot_of(a) | slot_of(b) | slot_of(c)) & hole_flag) != 0) return true;
         const SampleIndex from = place(xy_of(a)), ab = place(xy_of(b)) - from, ac = place(xy_of(c)) - from;
-        return ab.x * ac.y == ab.y * ac.x;
+        return ab.column * ac.row == ab.row * ac.column;
     }
 
     struct Position {
@@ -276,8 +276,8 @@ private:
     // Of a vertex of this tile. Beyond the rim it stands at the rim.
     [[nodiscard]] Position position(VertexRecord record, std::int32_t page_base, std::uint32_t xy) const {
         const SampleIndex at = place(xy);
-        return {terrain.x_m(column0 + at.x), height_scale.height_m(page_base + record.height),
-                terrain.z_m(row0 + at.y)};
+        return {terrain.x_m(column0 + at.column), height_scale.height_m(page_base + record.height),
+                terrain.z_m(row0 + at.row)};
     }
 
     // Squared distances from the eye to the tile's columns and rows: half of what there is to work out for a vertex.
@@ -307,7 +307,8 @@ private:
         if (incomplete && decision(at.index) <= in_wholly) // a child of it was decided
             return decision(at.index) == not_in ? not_selected : to_ask;
         to_ask = select(records[at.index], position(records[at.index], at.base, xy), plane, to_ask);
-        const SampleIndex v{column0 + static_cast<std::int32_t>(xy & 0xffff), row0 + static_cast<std::int32_t>(xy >> 16)};
+        const SampleIndex v{column0 + static_cast<std::int32_t>(xy & 0xffff),
+                            row0 + static_cast<std::int32_t>(xy >> 16)};
         if (incomplete && to_ask != not_selected && !parents_in(v)) to_ask = not_selected;
         return store(at.index, to_ask);
     }
@@ -373,15 +374,15 @@ private:
         if (!terrain.tree.contains(parent) || terrain.tree.is_corner(parent)) return false;
         if (Tree::kind(parent) != VertexKind::centre) return true;
         const int log2 = terrain.tree.tile_log2;
-        return terrain.has_tile(parent.x >> log2, parent.y >> log2);
+        return terrain.has_tile(parent.column >> log2, parent.row >> log2);
     }
 
     // A vertex on the border of two tiles has a copy in each that there is.
     [[nodiscard]] bool copies_loaded(SampleIndex v) const {
         const auto n = static_cast<std::int32_t>(side);
-        const SampleIndex first{std::max(v.x - 1, 0) / n, std::max(v.y - 1, 0) / n};
-        for (std::int32_t ty = first.y; ty <= std::min(v.y / n, terrain.tree.tiles_y - 1); ++ty)
-            for (std::int32_t tx = first.x; tx <= std::min(v.x / n, terrain.tree.tiles_x - 1); ++tx)
+        const SampleIndex first{std::max(v.column - 1, 0) / n, std::max(v.row - 1, 0) / n};
+        for (std::int32_t ty = first.row; ty <= std::min(v.row / n, terrain.tree.tiles_y - 1); ++ty)
+            for (std::int32_t tx = first.column; tx <= std::min(v.column / n, terrain.tree.tiles_x - 1); ++tx)
                 if (terrain.has_tile(tx, ty) && find(tx, ty, v).page.slot == no_index) return false;
         return true;
     }
@@ -393,8 +394,8 @@ private:
     [[nodiscard]] Found find(std::int32_t tx, std::int32_t ty, SampleIndex v) const {
         const auto n = static_cast<std::int32_t>(side);
         const std::size_t tile = terrain.tile_at(tx, ty);
-        const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.x - tx * n),
-                                                       static_cast<std::uint32_t>(v.y - ty * n));
+        const PagePlace at = terrain.pages.place_as<O>(static_cast<std::uint32_t>(v.column - tx * n),
+                                                       static_cast<std::uint32_t>(v.row - ty * n));
         const PageEntry page = terrain.page_table[tile * terrain.pages_per_tile + at.page];
         return {page, page.slot * terrain.page_capacity + at.index};
     }
@@ -403,16 +404,16 @@ private:
     bool in_cut(SampleIndex v) {
         const auto n = static_cast<std::int32_t>(side);
         const SampleIndex tile = terrain.tile_with(
-            v, {std::min(v.x / n, terrain.tree.tiles_x - 1), std::min(v.y / n, terrain.tree.tiles_y - 1)});
-        const Found found = find(tile.x, tile.y, v);
+            v, {std::min(v.column / n, terrain.tree.tiles_x - 1), std::min(v.row / n, terrain.tree.tiles_y - 1)});
+        const Found found = find(tile.column, tile.row, v);
         if (found.page.slot == no_index) return false;
         if (decision(found.index) <= in_wholly) return decision(found.index) != not_in;
         const LevelPlane& plane =
             levels[3 * (terrain.tree.tile_log2 - 1 - Tree::step_log2(v)) + static_cast<int>(Tree::kind(v))];
         const VertexRecord record = records[found.index];
         const SampleIndex sample = terrain.tree.sample(v);
-        const Position p{terrain.x_m(sample.x), height_scale.height_m(found.page.base + record.height),
-                         terrain.z_m(sample.y)};
+        const Position p{terrain.x_m(sample.column), height_scale.height_m(found.page.base + record.height),
+                         terrain.z_m(sample.row)};
         std::uint32_t to_ask = select(record, p, plane, (cull ? all_planes : 0) | special);
         if (to_ask != not_selected && !parents_in(v)) to_ask = not_selected;
         return store(found.index, to_ask) != not_selected;
@@ -434,7 +435,7 @@ private:
         (void)store(index, special);
         if (slots[index] != no_index) return make_corner(pack_xy(x, y), slots[index]);
         const std::uint32_t stored = terrain.corners[terrain.corner_at(
-            tile_place.x + static_cast<std::int32_t>(east), tile_place.y + static_cast<std::int32_t>(south))];
+            tile_place.column + static_cast<std::int32_t>(east), tile_place.row + static_cast<std::int32_t>(south))];
         return make_corner(pack_xy(x, y), insert(index, static_cast<std::int32_t>(stored & ~corner_void_bit),
                                                  (stored & corner_void_bit) != 0, pack_xy(x, y)));
     }
@@ -447,7 +448,7 @@ private:
 
     std::uint32_t insert(std::uint32_t index, std::int32_t steps, bool hole, std::uint32_t xy) {
         const SampleIndex at = place(xy);
-        const MeshVertex vertex{column0 + at.x, row0 + at.y, height_scale.height_m(steps)};
+        const MeshVertex vertex{column0 + at.column, row0 + at.row, height_scale.height_m(steps)};
         const std::uint32_t slot = insert_vertex(s, index, vertex, holes && hole, result);
         if (slot != no_index) return slot;
         give_up(budget_vertices);

@@ -68,8 +68,10 @@ bool move_page(RecursiveState& s, std::uint32_t slot) {
 
 Status check_budget(const TerrainData& terrain, const RecursiveBudget& budget) {
     const std::uint64_t tiles = terrain.tile_count();
-    if (state_count(terrain) >= no_index) return {StatusCode::out_of_range, "terrain: more than 4,294,967,294 vertices"};
-    if (budget.vertices > max_vertices) return {StatusCode::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
+    if (state_count(terrain) >= no_index)
+        return {StatusCode::out_of_range, "terrain: more than 4,294,967,294 vertices"};
+    if (budget.vertices > max_vertices)
+        return {StatusCode::out_of_range, "RecursiveBudget::vertices (at most 2^31 - 2)"};
     if (budget.vertices < tiles * 4) return {StatusCode::budget_too_small, "RecursiveBudget::vertices (4 a tile)"};
     if (budget.indices < tiles * 9) return {StatusCode::budget_too_small, "RecursiveBudget::indices (9 a tile)"};
     return {};
@@ -92,7 +94,8 @@ Status create_recursive(const Terrain& handle, const RecursiveBudget& budget, st
     const Layout l = layout_of(terrain, budget);
     if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
 
     auto& s = *new (at) RecursiveState{};
@@ -179,7 +182,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     if (found == nullptr) return no_recursive;
     RecursiveState& s = *found;
     if (Status v = validate(view); !v.ok()) return v;
-    if (!(settings.error_px >= 1e-3 && settings.error_px <= 1e6))
+    if (!(settings.max_error_px >= 1e-3 && settings.max_error_px <= 1e6))
         return {StatusCode::out_of_range, "RefineSettings::error_px"};
     if (settings.metric == Metric::depth && !settings.cull)
         return {StatusCode::out_of_range,
@@ -190,7 +193,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     s.dirty_end = 0;
     report = {};
     report.frame = ++s.frame;
-    const double requested_px = view_max_error_px(view, settings.error_px);
+    const double requested_px = view_max_error_px(view, settings.max_error_px);
     report.error_px_requested = requested_px;
 
     const double corner = settings.corner_safe ? corner_factor(view) : 1;

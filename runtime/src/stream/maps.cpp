@@ -192,7 +192,8 @@ void upload_maps(StreamState& s) {
         switch (phase_of(r)) {
         case Phase::damaged:
         case Phase::unreadable:
-            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
+            note_failure(s, r.id, r.first_chunk,
+                         phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
             end_map_request(s, r, true);
             break;
         case Phase::unwanted: end_map_request(s, r, false); break;
@@ -442,7 +443,7 @@ Status min_lod_grid(std::span<const TileMap> maps, const Terrain& terrain, std::
     if (tile >= maps.size()) return {StatusCode::out_of_range, "tile"};
     const SampleIndex place = t->tile_xy(tile);
     fill_grid(
-        maps, place.x, place.y, tile,
+        maps, place.column, place.row, tile,
         [&](std::int64_t i, std::int64_t j) {
             return i < t->tree.tiles_x && j < t->tree.tiles_y
                        ? t->tile_at(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j))

@@ -51,8 +51,8 @@ void insert(StreamState& s, Request& r) {
         const SampleIndex position = r.id.item == 0 ? SampleIndex{0, 0} : t.pages.page_position(r.id.item);
         for (std::uint32_t k = 0; k < (r.id.item == 0 ? 1u : 4u); ++k) {
             const bool only = r.id.item == 0;
-            const auto px = static_cast<std::uint32_t>(position.x) * (only ? 1 : 2) + k % 2,
-                       py = static_cast<std::uint32_t>(position.y) * (only ? 1 : 2) + k / 2;
+            const auto px = static_cast<std::uint32_t>(position.column) * (only ? 1 : 2) + k % 2,
+                       py = static_cast<std::uint32_t>(position.row) * (only ? 1 : 2) + k / 2;
             const std::uint32_t page = t.pages.page_at(z - 1, px, py);
             const bool failed = has_failed(s, chunk_index(t.header, {ChunkKind::geometry, r.id.tile, page}));
             watch_page(s, own + 1 + k, r.id.tile, page, failed ? WatchState::failed : WatchState::missing);
@@ -94,7 +94,8 @@ void insert_pages(StreamState& s) {
         switch (phase_of(r)) {
         case Phase::damaged:
         case Phase::unreadable:
-            note_failure(s, r.id, r.first_chunk, phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
+            note_failure(s, r.id, r.first_chunk,
+                         phase_of(r) == Phase::damaged ? StatusCode::corrupt : StatusCode::unreadable);
             end_request(s, r, WatchState::failed);
             break;
         case Phase::unwanted: end_request(s, r, WatchState::missing); break;

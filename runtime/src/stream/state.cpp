@@ -104,7 +104,8 @@ Status check_budget(const Pack& pack, const TerrainData& t, const StreamBudget& 
         return {StatusCode::out_of_range, "StreamBudget::map_requests (1 to 64)"};
     if (b.tail_log2 < 2 || b.tail_log2 > max_texture_log2)
         return {StatusCode::out_of_range, "StreamBudget::tail_log2 (2 to 12)"};
-    if (b.decoders < 1 || b.decoders > max_decoders) return {StatusCode::out_of_range, "StreamBudget::decoders (1 to 16)"};
+    if (b.decoders < 1 || b.decoders > max_decoders)
+        return {StatusCode::out_of_range, "StreamBudget::decoders (1 to 16)"};
     if (t.slot_count < t.tile_count()) return {StatusCode::budget_too_small, "TerrainBudget::page_slots (one a tile)"};
     if (t.slot_count > 0xffffffffu / 8) return {StatusCode::out_of_range, "TerrainBudget::page_slots"};
     if (t.pages_missing != t.page_count()) return {StatusCode::out_of_range, "terrain (no page may be loaded yet)"};
@@ -138,7 +139,8 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
     const Layout l = layout_of(pack, terrain, budget);
     if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
-    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0) return {StatusCode::out_of_range, "memory alignment"};
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
     std::memset(at, 0, l.end); // touches every page now rather than in a frame
     auto& s = *new (at) StreamState{};
     const auto part = [&]<typename T>(T*& pointer, std::size_t offset) { pointer = reinterpret_cast<T*>(at + offset); };
@@ -214,7 +216,8 @@ using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a syst
 Status check(const StreamState& s, std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
     if (views.empty() || views.size() > max_cut_views) return {StatusCode::out_of_range, "views (1 to 8)"};
     if (Status v = validate(views, cut, s.cut_state ? s.cut_state->budget.views : max_cut_views); !v.ok()) return v;
-    if (!(c.texel_px >= 0.1 && c.texel_px <= 100)) return {StatusCode::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
+    if (!(c.texel_px >= 0.1 && c.texel_px <= 100))
+        return {StatusCode::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
         return {StatusCode::out_of_range, "StreamSettings::lookahead_s (0 to 60)"};
     if (!(c.fade_s >= 0 && c.fade_s <= 10)) return {StatusCode::out_of_range, "StreamSettings::fade_s (0 to 10)"};

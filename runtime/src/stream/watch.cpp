@@ -25,22 +25,22 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
     const SampleIndex place = t.tile_xy(tile);
-    SampleIndex first{place.x * t.tree.side(), place.y * t.tree.side()};
+    SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
     std::int32_t cells = t.tree.side();
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
         const SampleIndex position = t.pages.page_position(page);
         cells = static_cast<std::int32_t>(2 * page_squares) << z;
-        first = {first.x + position.x * cells, first.y + position.y * cells};
+        first = {first.column + position.column * cells, first.row + position.row * cells};
     }
-    const SampleIndex a = t.tree.sample(first), b = t.tree.sample({first.x + cells, first.y + cells});
+    const SampleIndex a = t.tree.sample(first), b = t.tree.sample({first.column + cells, first.row + cells});
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
-    return {t.x_m(a.x),
-            t.x_m(b.x),
+    return {t.x_m(a.column),
+            t.x_m(b.column),
             height(std::uint32_t{bound.low} << shift),
             height(((std::uint32_t{bound.high} + 1) << shift) - 1),
-            t.z_m(a.y),
-            t.z_m(b.y),
+            t.z_m(a.row),
+            t.z_m(b.row),
             t.errors.metres[bound.error],
             t.header.level_radius_m[bound_level(t.pages, page)] * t.radii.factor[bound.radius]};
 }
@@ -156,7 +156,7 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
     const double nested = 1 + static_cast<double>(s.terrain->header.nesting);
     const double early = cut.morph == Morph::none ? 1 : nested * nested;
     // Below most_px, or nothing would be wanted at any threshold.
-    const double threshold_px = std::min(std::max(cut.error_px, effective_px), most_px / 2);
+    const double threshold_px = std::min(std::max(cut.max_error_px, effective_px), most_px / 2);
     const double seconds = s.settings.now_s - s.now_s;
     const std::uint32_t kinds = s.settings.lookahead_s > 0 ? 2 : 1;
     const auto count = static_cast<std::uint32_t>(views.size());
@@ -166,7 +166,7 @@ void set_views(StreamState& s, std::span<const View> views, const CutSettings& c
         const Vec3 eye = views[i].eye_m;
         if (i >= s.view_count) s.last_eye[i] = eye, s.last_speed[i] = s.speed[i] = {};
         // A view with its own threshold is one that magnifies as much more as its threshold is lower.
-        const double own = cut.error_px / view_max_error_px(views[i], cut.error_px);
+        const double own = cut.max_error_px / view_max_error_px(views[i], cut.max_error_px);
         const double lambda = focal_length_px(views[i]) * early * (cut.corner_safe ? corner_factor(views[i]) : 1) * own;
         for (std::uint32_t kind = 0; kind < kinds; ++kind) {
             const Vec3 at = kind == 0 ? eye : ahead(s, i, eye, seconds);

@@ -120,7 +120,8 @@ struct PageLayout {
     }
     [[nodiscard]] constexpr std::uint32_t page_at(int z, std::uint32_t px, std::uint32_t py) const {
         const StepLayout step = step_layout(z);
-        return step.first_page + (order == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px);
+        return step.first_page +
+               (order == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px);
     }
 
     // Not for linear order.
@@ -152,7 +153,8 @@ struct PageLayout {
             const StepLayout step = step_layout(z);
             const std::uint32_t i = x >> (z + 1), j = y >> (z + 1), last = (1u << step.pages_log2) - 1;
             const std::uint32_t px = std::min(i / step.page_side, last), py = std::min(j / step.page_side, last);
-            const std::uint32_t page = O == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px;
+            const std::uint32_t page =
+                O == PageOrder::hierarchical_z ? interleave(px, py) : (py << step.pages_log2) + px;
             return {step.first_page + page,
                     step.offset +
                         page_index<O>(step.page_side, Tree::kind(c), i - px * step.page_side, j - py * step.page_side)};
@@ -174,7 +176,7 @@ struct PageLayout {
         }
         if (at.page != 0) {
             const SampleIndex position = page_position(at.page);
-            return page_coord(page_step_log2(at.page), position.x, position.y, at.index);
+            return page_coord(page_step_log2(at.page), position.column, position.row, at.index);
         }
         const auto n = static_cast<std::int32_t>(side());
         if (at.index < 4)

@@ -17,8 +17,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "fjell/sample_index.h"
 #include "fjell/pack.h"
+#include "fjell/sample_index.h"
 
 namespace fjell {
 
@@ -46,21 +46,21 @@ struct Tree {
     [[nodiscard]] constexpr std::int32_t grid_columns() const { return tiles_x * side() + 1; }
     [[nodiscard]] constexpr std::int32_t grid_rows() const { return tiles_y * side() + 1; }
     [[nodiscard]] constexpr bool contains(SampleIndex c) const {
-        return c.x >= 0 && c.y >= 0 && c.x < grid_columns() && c.y < grid_rows();
+        return c.column >= 0 && c.row >= 0 && c.column < grid_columns() && c.row < grid_rows();
     }
     // Where a vertex stands, and whose height it has.
     [[nodiscard]] constexpr SampleIndex sample(SampleIndex c) const {
-        return {std::min(c.x, columns() - 1), std::min(c.y, rows() - 1)};
+        return {std::min(c.column, columns() - 1), std::min(c.row, rows() - 1)};
     }
     // A corner of a tile: always active, outside the tree.
-    [[nodiscard]] constexpr bool is_corner(SampleIndex c) const { return ((c.x | c.y) & (side() - 1)) == 0; }
+    [[nodiscard]] constexpr bool is_corner(SampleIndex c) const { return ((c.column | c.row) & (side() - 1)) == 0; }
     // log2 of the step of a vertex that is not a corner.
     [[nodiscard]] static constexpr int step_log2(SampleIndex c) {
-        return std::countr_zero(static_cast<std::uint32_t>(c.x | c.y));
+        return std::countr_zero(static_cast<std::uint32_t>(c.column | c.row));
     }
     [[nodiscard]] static constexpr VertexKind kind(SampleIndex c) {
         const int z = step_log2(c);
-        const bool odd_x = (c.x >> z) & 1, odd_y = (c.y >> z) & 1;
+        const bool odd_x = (c.column >> z) & 1, odd_y = (c.row >> z) & 1;
         return odd_x && odd_y ? VertexKind::centre : odd_x ? VertexKind::side_x : VertexKind::side_y;
     }
     [[nodiscard]] constexpr int level(SampleIndex c) const {
@@ -79,14 +79,17 @@ struct Diamond {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
     switch (Tree::kind(v)) {
-    case VertexKind::side_x: return {{{v.x - s, v.y}, {v.x + s, v.y}}, {{v.x, v.y - s}, {v.x, v.y + s}}};
-    case VertexKind::side_y: return {{{v.x, v.y - s}, {v.x, v.y + s}}, {{v.x - s, v.y}, {v.x + s, v.y}}};
+    case VertexKind::side_x:
+        return {{{v.column - s, v.row}, {v.column + s, v.row}}, {{v.column, v.row - s}, {v.column, v.row + s}}};
+    case VertexKind::side_y:
+        return {{{v.column, v.row - s}, {v.column, v.row + s}}, {{v.column - s, v.row}, {v.column + s, v.row}}};
     case VertexKind::centre: break;
     }
     // The square's corner (x-s, y-s), in units of 2s: an even sum ends the hypotenuse, an odd sum is a parent. A
     // tile's root square counts from its own tile, so its sum is 0.
-    const bool odd = z != tree.tile_log2 - 1 && ((((v.x - s) >> (z + 1)) + ((v.y - s) >> (z + 1))) & 1);
-    const SampleIndex nw{v.x - s, v.y - s}, ne{v.x + s, v.y - s}, sw{v.x - s, v.y + s}, se{v.x + s, v.y + s};
+    const bool odd = z != tree.tile_log2 - 1 && ((((v.column - s) >> (z + 1)) + ((v.row - s) >> (z + 1))) & 1);
+    const SampleIndex nw{v.column - s, v.row - s}, ne{v.column + s, v.row - s}, sw{v.column - s, v.row + s},
+        se{v.column + s, v.row + s};
     if (odd) return {{sw, ne}, {nw, se}};
     return {{nw, se}, {ne, sw}};
 }
@@ -101,10 +104,12 @@ struct Children {
     const int z = Tree::step_log2(v);
     const std::int32_t s = std::int32_t{1} << z;
     if (Tree::kind(v) == VertexKind::centre)
-        return {{{v.x - s, v.y}, {v.x + s, v.y}, {v.x, v.y - s}, {v.x, v.y + s}}, 4};
+        return {{{v.column - s, v.row}, {v.column + s, v.row}, {v.column, v.row - s}, {v.column, v.row + s}}, 4};
     if (s == 1) return {};
     const std::int32_t h = s / 2;
-    return {{{v.x - h, v.y - h}, {v.x + h, v.y - h}, {v.x - h, v.y + h}, {v.x + h, v.y + h}}, 4};
+    return {
+        {{v.column - h, v.row - h}, {v.column + h, v.row - h}, {v.column - h, v.row + h}, {v.column + h, v.row + h}},
+        4};
 }
 
 } // namespace fjell

@@ -60,7 +60,7 @@ Status validate(const View& view) {
     if (view.height_px < 1 || view.height_px > 65536) return bad("View::height_px");
     if (!(view.near_m > 0 && view.near_m < view.far_m)) return bad("View::near_m");
     if (!(view.far_m <= 1e9)) return bad("View::far_m");
-    if (view.error_px != 0 && !(view.error_px >= 1e-3 && view.error_px <= 1e6))
+    if (view.max_error_px != 0 && !(view.max_error_px >= 1e-3 && view.max_error_px <= 1e6))
         return bad("View::error_px (0, or 0.001 to 1e6)");
     if (const double lambda = focal_length_px(view); !(lambda > 1e-3 && lambda < 1e9))
         return bad("View::width_px, height_px (pixels a unit of tangent: 1e-3 to 1e9)");

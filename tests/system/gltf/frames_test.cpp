@@ -35,7 +35,7 @@ public:
     [[nodiscard]] bool draws_something() const {
         Cut cut(baked_.terrain, ample_cut(baked_.terrain));
         const View seen = view();
-        return cut.rebuild({&seen, 1}, {.error_px = 4}).triangles_drawn != 0;
+        return cut.rebuild({&seen, 1}, {.max_error_px = 4}).triangles_drawn != 0;
     }
 
     gltf::SnapshotInfo add(const std::string& name, Cut& cut, const View& view, const CutSettings& settings,
@@ -94,12 +94,12 @@ private:
 void add_live_frames(Frames& frames) {
     const Terrain& terrain = frames.baked().terrain;
     const View view = frames.view(), low = frames.low_view();
-    CutSettings settings{.error_px = 2};
+    CutSettings settings{.max_error_px = 2};
     Cut cut(terrain, ample_cut(terrain));
     CutReport report = cut.rebuild({&view, 1}, settings);
     CHECK(frames.add("converged", cut, view, settings, report).converged);
 
-    settings.items = 150;
+    settings.max_work = 150;
     report = cut.update({&low, 1}, settings);
     const gltf::SnapshotInfo lagging = frames.add("lagging", cut, low, settings, report);
     CHECK(lagging.lagging);
@@ -110,7 +110,7 @@ void add_live_frames(Frames& frames) {
     CutBudget few = ample_cut(terrain);
     few.vertices = 4 * terrain.tile_count() + 200;
     Cut capped(terrain, few);
-    settings.items = unlimited_work;
+    settings.max_work = unlimited_work;
     for (int frame = 0; frame < 40; ++frame) report = capped.update({&view, 1}, settings);
     const gltf::SnapshotInfo full = frames.add("capped", capped, view, settings, report);
     CHECK_FALSE(full.converged);
@@ -121,7 +121,7 @@ void add_morphed_frames(Frames& frames) {
     const Terrain& terrain = frames.baked().terrain;
     for (const Morph morph : {Morph::error, Morph::time}) {
         Cut cut(terrain, ample_cut(terrain));
-        CutSettings settings{.error_px = 3, .morph = morph};
+        CutSettings settings{.max_error_px = 3, .morph = morph};
         View view = frames.view();
         (void)cut.rebuild({&view, 1}, settings);
         CutReport report;
@@ -139,7 +139,7 @@ void add_recursive_frames(Frames& frames) {
     Recursive method(frames.baked().terrain, ample_budget(frames.baked().terrain));
     for (const bool cull : {false, true})
         for (const Topology topology : {Topology::triangles, Topology::strip}) {
-            const RefineSettings settings{.error_px = 2, .cull = cull, .topology = topology};
+            const RefineSettings settings{.max_error_px = 2, .cull = cull, .topology = topology};
             const View view = frames.low_view();
             const FrameReport report = method.update(view, settings);
             const gltf::SnapshotInfo info =
@@ -155,7 +155,7 @@ void add_corner_safe_frames(Frames& frames) {
     View view = frames.view(1.9);
     for (const double pitch : {-0.05, -0.7}) {
         view = make_view(view.eye_m, {0.3, pitch, -1}, {0, 1, 0}, 1.9, 640, 360, 1, view.far_m);
-        CutSettings settings{.error_px = 3, .corner_safe = true};
+        CutSettings settings{.max_error_px = 3, .corner_safe = true};
         Cut cut(terrain, ample_cut(terrain));
         CutReport report = cut.rebuild({&view, 1}, settings);
         const gltf::SnapshotInfo info =
@@ -164,7 +164,7 @@ void add_corner_safe_frames(Frames& frames) {
         CHECK(info.corner_safe);
         CHECK(info.converged);
         Cut late(terrain, ample_cut(terrain));
-        settings.items = 300;
+        settings.max_work = 300;
         report = late.update({&view, 1}, settings);
         CHECK(frames.add(pitch < -0.5 ? "corners-down-late" : "corners-late", late, view, settings, report).lagging);
     }
@@ -181,7 +181,7 @@ void add_streamed_frames(Frames& frames) {
                     (void)load_page(pack, paged.terrain, tile, page);
                 }
         const View view = every == 3 ? frames.low_view() : frames.view();
-        const CutSettings settings{.error_px = 2};
+        const CutSettings settings{.max_error_px = 2};
         Cut cut(paged.terrain, ample_cut(paged.terrain));
         const CutReport report = cut.rebuild({&view, 1}, settings);
         if (report.triangles_drawn == 0) continue; // a hole at every vertex

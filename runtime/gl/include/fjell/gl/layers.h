@@ -28,7 +28,7 @@ struct LayerSettings {
     bool on = false;          // no more than Renderer::set_layers() has been given
     double distance_m = 4000; // from so far on the ground is as it was baked; from 0.4 of it on it fades. 1 to 100,000
     double tint = 0.4;        // how far a material takes on its map's colour; 0: its own, 1: the map's. 0 to 1
-    bool splat = true;      // from splat maps, of a pack that has them; false: from rules all the same
+    bool splat = true;        // from splat maps, of a pack that has them; false: from rules all the same
     double relief = 1;        // how strongly its bumps catch the light, 0 to 4
 };
 

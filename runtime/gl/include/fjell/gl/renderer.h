@@ -56,7 +56,7 @@ struct RendererOptions {
     bool horizons =
         true; // load those of a whole pack, for LightSettings::shadows: often four times the bytes of its other maps
     bool splat_maps = true; // load those of a whole pack, for LayerSettings::splat: 8 bytes a texel
-    LightSettings light{};    // of the first draw: its shaders are compiled at creation; others when first used
+    LightSettings light{};  // of the first draw: its shaders are compiled at creation; others when first used
     // Textures of set_layers(), in bytes: finest mips are left out until they fit. Ten materials of 512 texels a side
     // take 7 MB.
     std::uint64_t material_bytes = std::uint64_t{64} << 20;

@@ -54,8 +54,8 @@ namespace fjell::gltf {
 
 // What the mesh is a picture of. take_snapshot() of a method finds it out.
 struct SnapshotInfo {
-    View view;                     // as make_view() makes them: glTF's cameras look at the picture's middle
-    double error_px = 1;           // as it was asked for, > 0
+    View view;                 // as make_view() makes them: glTF's cameras look at the picture's middle
+    double error_px = 1;       // as it was asked for, > 0
     double error_bound_px = 1; // what this mesh keeps, > 0
     bool corner_safe = false;
     bool converged = false; // error_bound_px <= error_px, and nothing waits
