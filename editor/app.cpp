@@ -29,9 +29,9 @@
 #include "editor/panels/ui.h"
 #include "fjell/gl/image.h"
 #include "fjell/io/failure.h"
-#include "flight/session.h"
 #include "gl/objects.h"
 #include "io/file.h"
+#include "session/session.h"
 
 namespace fjell::editor {
 
@@ -80,8 +80,8 @@ void write_text(const std::string& path, const std::string& text) {
 App::App(Options options) : options_(std::move(options)) {
     script_.read(options_.commands, options_.script);
     if (!options_.materials.empty())
-        engine_.set_layers(std::make_shared<const flight::GroundLayers>(
-            flight::read_ground_layers(options_.materials, options_.layers)));
+        engine_.set_layers(std::make_shared<const session::GroundLayers>(
+            session::read_ground_layers(options_.materials, options_.layers)));
     // Before there is a window: whoever sees that may ask already.
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_requested = 1; });
     IMGUI_CHECKVERSION();
@@ -334,7 +334,7 @@ double App::move_and_update() {
     compared_changed_ = comparison_.update(state_, refining);
     const OwnCode own(watch_);
     const auto updated = Clock::now();
-    const flight::Session& session = engine_.session();
+    const session::Session& session = engine_.session();
     if (session.streamed) state_.reader = session.streamed->reader();
     state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
     const bool pages = entry_.streamed && (entry_.stream.pages_inserted != 0 || entry_.stream.pages_evicting != 0);
@@ -472,7 +472,7 @@ bool App::settled() const {
     if (!comparison_.settled()) return false;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
     if (state_.probe.looking) return false;
-    const flight::FrameEntry& e = state_.measures.last();
+    const session::FrameEntry& e = state_.measures.last();
     const StreamReport& r = e.stream;
     // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.
     const bool resting = r.in_flight == 0 && r.pages_left == 0 && r.mips_left == 0 && r.pages_inserted == 0 &&

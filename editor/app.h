@@ -89,11 +89,11 @@ private:
     bool baking_input_ = false; // headless: frames and the script begin when it is done
     double baking_shown_s_ = 0;
     std::string shown_title_;
-    bool dumping_ = false;     // at the end of this frame
-    bool dumped_ = false;      // in this frame
-    bool ended_ = false;       // as it should: not by a signal or a failure
-    double styled_ = 0;        // the scale that fonts were made for
-    flight::FrameEntry entry_; // of this frame
+    bool dumping_ = false;      // at the end of this frame
+    bool dumped_ = false;       // in this frame
+    bool ended_ = false;        // as it should: not by a signal or a failure
+    double styled_ = 0;         // the scale that fonts were made for
+    session::FrameEntry entry_; // of this frame
     FrameTimes times_;
     void (*watch_)(bool begins) = [](bool) {};
     std::vector<Command> after_frame_; // Screenshot and DumpState, once the frame is drawn

@@ -15,7 +15,7 @@
 #include "editor/files/settings.h"
 #include "editor/measures.h"
 #include "fjell/io/failure.h"
-#include "flight/profile.h"
+#include "session/profile.h"
 
 namespace fjell::editor {
 
@@ -154,10 +154,10 @@ constexpr double degree = 3.14159265358979323846 / 180;
 
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.max_error_px");
-    const flight::ProfileKey* const key = flight::find_profile_key(name);
+    const session::ProfileKey* const key = session::find_profile_key(name);
     if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
-    if (const std::string problem = flight::parse_value(*key, w.text("a value"), value); !problem.empty())
+    if (const std::string problem = session::parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
     return SetKey{key, value, false};
 }
@@ -242,10 +242,11 @@ Command tune(Words& w) {
                 }},
                {"least_px",
                 [&](const std::string& v) {
-                    s.least_px = Words::number_in(v, "least_px", flight::least_threshold_px, flight::most_threshold_px);
+                    s.least_px =
+                        Words::number_in(v, "least_px", session::least_threshold_px, session::most_threshold_px);
                 }},
                {"most_px", [&](const std::string& v) {
-                    s.most_px = Words::number_in(v, "most_px", flight::least_threshold_px, flight::most_threshold_px);
+                    s.most_px = Words::number_in(v, "most_px", session::least_threshold_px, session::most_threshold_px);
                 }}});
     return t;
 }
@@ -377,7 +378,7 @@ std::vector<Verb> picture_verbs() {
          }},
         {"clear-marks", "", "removes both marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
-         [](Words& w) { return SetPictureMode{w.one_of<flight::PictureMode>(flight::picture_mode_names, "mode")}; }},
+         [](Words& w) { return SetPictureMode{w.one_of<session::PictureMode>(session::picture_mode_names, "mode")}; }},
         {"overlay", "NAME on|off",
          "wireframe, tile-borders, page-borders, spheres, culled, error, path, contours or slope",
          [](Words& w) {
@@ -479,8 +480,8 @@ Command compare_pictures(Words& w) {
     if (word == "off") return ComparePictures{};
     if (word == "profile") return ComparePictures{CompareWith::profile, 0};
     return ComparePictures{CompareWith::threshold,
-                           Words::number_in(word, "the threshold, unless off or profile,", flight::least_threshold_px,
-                                            flight::most_threshold_px)};
+                           Words::number_in(word, "the threshold, unless off or profile,", session::least_threshold_px,
+                                            session::most_threshold_px)};
 }
 
 std::vector<Verb> study_verbs() {

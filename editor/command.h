@@ -17,8 +17,8 @@
 
 #include "editor/names.h"
 #include "fjell/view.h"
-#include "flight/camera.h"
-#include "flight/profile_keys.h"
+#include "session/camera.h"
+#include "session/profile_keys.h"
 
 namespace fjell::editor {
 
@@ -29,7 +29,7 @@ struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: t
 };
 struct OpenSample {}; // baked at its first use
 struct SetKey {
-    const flight::ProfileKey* key = nullptr;
+    const session::ProfileKey* key = nullptr;
     double value = 0;
     bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };
@@ -62,7 +62,7 @@ struct RecoverChanges {   // what an earlier run did not save
 
 // --- the camera ---
 struct MoveCamera { // of this frame: keys and mouse
-    flight::Steering steering;
+    session::Steering steering;
     double seconds = 0;
     double right_rad = 0, up_rad = 0;   // looked, or went around the orbit's centre
     double speed_steps = 0;             // notches of the wheel: faster, or nearer to the orbit's centre
@@ -147,7 +147,7 @@ struct ClearMarks {};
 
 // --- what is shown ---
 struct SetPictureMode {
-    flight::PictureMode mode = flight::PictureMode::shaded;
+    session::PictureMode mode = session::PictureMode::shaded;
 };
 struct SetOverlay {
     Overlay overlay = Overlay::wireframe;

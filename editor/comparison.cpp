@@ -6,16 +6,16 @@
 #include <epoxy/gl.h>
 
 #include "fjell/io/failure.h"
-#include "flight/pictures.h"
-#include "flight/profile_keys.h"
+#include "session/pictures.h"
+#include "session/profile_keys.h"
 
 namespace fjell::editor {
 
 namespace {
 
-bool needs_reopening(const flight::Profile& from, const flight::Profile& to) {
-    for (const flight::ProfileKey& key : flight::profile_keys())
-        if (key.rebuild != flight::Rebuild::nothing && key.get(from) != key.get(to)) return true;
+bool needs_reopening(const session::Profile& from, const session::Profile& to) {
+    for (const session::ProfileKey& key : session::profile_keys())
+        if (key.rebuild != session::Rebuild::nothing && key.get(from) != key.get(to)) return true;
     return false;
 }
 
@@ -23,15 +23,15 @@ bool needs_reopening(const flight::Profile& from, const flight::Profile& to) {
 
 Comparison::~Comparison() = default;
 
-flight::Profile Comparison::wanted(const State& state) const {
-    const flight::Profile* const other = state.document.compared();
-    flight::Profile profile =
+session::Profile Comparison::wanted(const State& state) const {
+    const session::Profile* const other = state.document.compared();
+    session::Profile profile =
         state.compared.with == CompareWith::profile && other != nullptr ? *other : state.document.profile();
     if (state.compared.with == CompareWith::threshold) profile.refine.max_error_px = state.compared.error_px;
     return profile;
 }
 
-flight::FlightOptions Comparison::options(const Engine& engine) const {
+session::FlightOptions Comparison::options(const Engine& engine) const {
     return options_of(engine.session().file, profile_, engine.layers());
 }
 
@@ -45,7 +45,7 @@ void Comparison::close(State& state) {
 void Comparison::adopt(State& state, const Engine& engine) {
     session_ = opening_.get();
     std::string error;
-    renderer_ = flight::make_renderer(options(engine), *session_, error);
+    renderer_ = session::make_renderer(options(engine), *session_, error);
     if (!renderer_) {
         session_.reset();
         state.compared.with = CompareWith::nothing;
@@ -70,12 +70,12 @@ void Comparison::follow(State& state, const Engine& engine) {
         }
     }
     if (opening_.valid() || state.document.dragging()) return;
-    const flight::Profile now = wanted(state);
+    const session::Profile now = wanted(state);
     if (session_ && terrains_ == engine.terrains() && !needs_reopening(profile_, now)) {
         if (!renderer_) { // the context was lost
             std::string error;
-            renderer_ = flight::make_renderer(options(engine), *session_, error);
-            flight::require_graphics(renderer_ != nullptr, error);
+            renderer_ = session::make_renderer(options(engine), *session_, error);
+            session::require_graphics(renderer_ != nullptr, error);
             new_ = true;
         }
         profile_ = now;
@@ -85,17 +85,17 @@ void Comparison::follow(State& state, const Engine& engine) {
     profile_ = now;
     terrains_ = engine.terrains();
     opening_ = std::async(std::launch::async, [o = options(engine)] {
-        auto session = std::make_unique<flight::Session>();
-        flight::open_session(o, *session);
+        auto session = std::make_unique<session::Session>();
+        session::open_session(o, *session);
         return session;
     });
 }
 
 bool Comparison::update(State& state, const View& refining) {
     if (!session_ || !renderer_) return false;
-    entry_ = flight::update_frame(*session_, refining, profile_, state.now_s);
-    const std::string error = flight::upload_mesh(*renderer_, *session_, entry_);
-    flight::require_graphics(error.empty(), error);
+    entry_ = session::update_frame(*session_, refining, profile_, state.now_s);
+    const std::string error = session::upload_mesh(*renderer_, *session_, entry_);
+    session::require_graphics(error.empty(), error);
     state.compared.there = true;
     state.compared.triangles = entry_.triangles_drawn;
     state.compared.update_us = entry_.update_us + entry_.stream_us;
@@ -115,18 +115,18 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     const std::uint32_t w = target.width(), h = target.height();
     std::string error;
     if (!target_ || target_->width() != w || target_->height() != h) target_ = gl::Target::create({w, h, 1}, error);
-    flight::require_graphics(target_ != nullptr, error);
-    gl::DrawOptions options = flight::draw_options(state.interface.mode, profile_, 0);
+    session::require_graphics(target_ != nullptr, error);
+    gl::DrawOptions options = session::draw_options(state.interface.mode, profile_, 0);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
     options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
     options.slope = state.shows(Overlay::slope);
     error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
-    flight::require_graphics(error.empty(), error);
+    session::require_graphics(error.empty(), error);
     if (state.compared.view == CompareView::difference) {
         error = difference_.draw(target, *target_);
-        flight::require_graphics(error.empty(), error);
+        session::require_graphics(error.empty(), error);
         return;
     }
     glDisable(GL_FRAMEBUFFER_SRGB);

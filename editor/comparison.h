@@ -15,8 +15,8 @@
 #include "editor/state.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/gl/target.h"
-#include "flight/session.h"
 #include "gl/objects.h"
+#include "session/session.h"
 
 namespace fjell::editor {
 
@@ -54,20 +54,20 @@ public:
     void drop_graphics();
 
 private:
-    [[nodiscard]] flight::Profile wanted(const State& state) const;
-    [[nodiscard]] flight::FlightOptions options(const Engine& engine) const;
+    [[nodiscard]] session::Profile wanted(const State& state) const;
+    [[nodiscard]] session::FlightOptions options(const Engine& engine) const;
     void close(State& state);
     void adopt(State& state, const Engine& engine);
 
-    flight::Profile profile_;    // that it goes by
+    session::Profile profile_;   // that it goes by
     std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to
     // In the order of destruction, last first: the renderer points into the session.
-    std::unique_ptr<flight::Session> session_;
+    std::unique_ptr<session::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     std::unique_ptr<gl::Target> target_;
     PictureDifference difference_;
-    std::future<std::unique_ptr<flight::Session>> opening_;
-    flight::FrameEntry entry_;
+    std::future<std::unique_ptr<session::Session>> opening_;
+    session::FrameEntry entry_;
     bool new_ = false;
 };
 

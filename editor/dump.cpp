@@ -30,14 +30,14 @@ json document_json(const Document& d) {
             {"compared", d.compared() != nullptr}};
 }
 
-json profile_json(const flight::Profile& profile) {
+json profile_json(const session::Profile& profile) {
     json values;
-    for (const flight::ProfileKey& key : flight::profile_keys()) {
+    for (const session::ProfileKey& key : session::profile_keys()) {
         const std::string name = std::string(key.table) + "." + key.name;
         const double value = key.get(profile);
-        if (key.kind == flight::KeyKind::choice)
+        if (key.kind == session::KeyKind::choice)
             values[name] = key.choices[static_cast<std::size_t>(value)];
-        else if (key.kind == flight::KeyKind::flag)
+        else if (key.kind == session::KeyKind::flag)
             values[name] = value != 0;
         else
             values[name] = value;
@@ -94,7 +94,7 @@ json files_json(const State& state) {
 }
 
 json camera_json(const Eye& eye) {
-    const flight::FreeCamera& c = eye.free;
+    const session::FreeCamera& c = eye.free;
     return {{"position_m", vector_json(c.position_m)},
             {"heading_rad", c.heading},
             {"pitch_rad", c.pitch},
@@ -113,7 +113,7 @@ json camera_json(const Eye& eye) {
 json route_json(const Route& r) {
     json selected_m;
     if (r.selected()) {
-        const flight::ControlPoint& p = r.points()[*r.selected()];
+        const session::ControlPoint& p = r.points()[*r.selected()];
         selected_m = {p[0], p[1], p[2]};
     }
     return {{"path", r.path()},
@@ -164,7 +164,7 @@ json interface_json(const State& state) {
                {"split", i.arrangement.split[1]},
                {"folded", i.arrangement.folded[1]}}}},
             {"dialog", dialog_names[static_cast<int>(i.dialog)]},
-            {"mode", flight::picture_mode_names[static_cast<int>(i.mode)]},
+            {"mode", session::picture_mode_names[static_cast<int>(i.mode)]},
             {"overlay", overlay},
             {"window_px", {i.width_px, i.height_px}},
             {"view_px", {i.view_x_px, i.view_y_px, i.view_width_px, i.view_height_px}},
@@ -262,7 +262,7 @@ json times_json(const State& state) {
 }
 
 json measures_json(const State& state) {
-    const flight::FrameEntry& e = state.measures.last();
+    const session::FrameEntry& e = state.measures.last();
     const auto ring = [&](Series series) {
         const Quantiles q = state.measures.ring(series).quantiles();
         return json{{"p50", q.p50}, {"p99", q.p99}, {"max", q.max}, {"last", q.last}};
@@ -285,7 +285,7 @@ json measures_json(const State& state) {
             {"frame_us", ring(Series::frame_us)},
             {"editor_us", ring(Series::editor_us)},
             {"stream_us", ring(Series::stream_us)},
-            {"exhausted", flight::budget_names(e.exhausted)},
+            {"exhausted", session::budget_names(e.exhausted)},
             {"draw_us", ring(Series::draw_us)},
             {"upload_us", ring(Series::upload_us)},
             {"present_us", ring(Series::present_us)},
@@ -300,7 +300,7 @@ json place_json(const FlownRun& run, std::size_t at) {
             {"frame", p.frame},
             {"update_us", p.update_us},
             {"error_px", p.error_px},
-            {"exhausted", flight::budget_names(p.exhausted)},
+            {"exhausted", session::budget_names(p.exhausted)},
             {"position_m", vector_json(p.pose.position_m)}};
 }
 

@@ -11,33 +11,33 @@
 #include "editor/measures.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
-#include "flight/pictures.h"
 #include "gl/window.h"
 #include "pack/terrain_data.h"
+#include "session/pictures.h"
 
 namespace fjell::editor {
 
 namespace {
 
 // The most that any changed key takes.
-flight::Rebuild rebuild_of(const flight::Profile& from, const flight::Profile& to) {
-    flight::Rebuild most = flight::Rebuild::nothing;
-    for (const flight::ProfileKey& key : flight::profile_keys())
+session::Rebuild rebuild_of(const session::Profile& from, const session::Profile& to) {
+    session::Rebuild most = session::Rebuild::nothing;
+    for (const session::ProfileKey& key : session::profile_keys())
         if (key.get(from) != key.get(to)) most = std::max(most, key.rebuild);
     return most;
 }
 
 // Needs the graphics context.
-std::unique_ptr<gl::Renderer> renderer_for(const flight::FlightOptions& options, const flight::Session& session) {
+std::unique_ptr<gl::Renderer> renderer_for(const session::FlightOptions& options, const session::Session& session) {
     std::string error;
-    auto renderer = flight::make_renderer(options, session, error);
+    auto renderer = session::make_renderer(options, session, error);
     if (!renderer) throw io::Failure(3, error);
     return renderer;
 }
 
 // All but Mode::error, which has to wait for its heights.
 gl::DrawOptions picture_options(const State& state) {
-    gl::DrawOptions options = flight::draw_options(state.interface.mode, state.document.profile(), 0);
+    gl::DrawOptions options = session::draw_options(state.interface.mode, state.document.profile(), 0);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
@@ -63,16 +63,16 @@ private:
 Engine::Engine() = default;
 Engine::~Engine() = default;
 
-flight::FlightOptions Engine::options(const flight::Profile& profile) const {
-    flight::FlightOptions o;
+session::FlightOptions Engine::options(const session::Profile& profile) const {
+    session::FlightOptions o;
     o.pack = pack_;
     o.profile = profile;
     o.layers = layers_;
     return o;
 }
 
-void Engine::open(const std::string& pack, const flight::Profile& profile) {
-    flight::FlightOptions o = options(profile);
+void Engine::open(const std::string& pack, const session::Profile& profile) {
+    session::FlightOptions o = options(profile);
     o.pack = pack;
     adopt(prepare(o, {}, nullptr, nullptr), pack, profile);
 }
@@ -86,7 +86,7 @@ void Engine::begin_opening(const std::string& pack, const State& state) {
 
 void Engine::start(Request request) {
     request_ = std::move(request);
-    flight::FlightOptions o = options(request_.profile);
+    session::FlightOptions o = options(request_.profile);
     o.pack = request_.pack;
     abandoned_ = std::make_shared<std::atomic<bool>>(false);
     opening_ =
@@ -99,13 +99,13 @@ void Engine::abandon_opening() {
     if (abandoned_) abandoned_->store(true, std::memory_order_relaxed);
 }
 
-Engine::Opened Engine::prepare(const flight::FlightOptions& options, const gl::DrawOptions& shown,
+Engine::Opened Engine::prepare(const session::FlightOptions& options, const gl::DrawOptions& shown,
                                gl::SecondContext* context, const Abandoned& abandoned) {
     const auto go_on = [&] { return !abandoned || !abandoned->load(std::memory_order_relaxed); };
     Opened opened;
     if (!go_on()) return opened;
-    opened.session = std::make_unique<flight::Session>();
-    flight::open_session(options, *opened.session);
+    opened.session = std::make_unique<session::Session>();
+    session::open_session(options, *opened.session);
     if (!go_on() || context == nullptr || !context->make_current()) return opened;
     const ContextInUse until_done(*context);
     std::unique_ptr<gl::Renderer> renderer;
@@ -143,9 +143,9 @@ std::string Engine::finish_opening() {
     return request_.pack;
 }
 
-void Engine::adopt(Opened opened, const std::string& pack, const flight::Profile& profile) {
+void Engine::adopt(Opened opened, const std::string& pack, const session::Profile& profile) {
     auto& [session, renderer] = opened;
-    flight::FlightOptions o = options(profile);
+    session::FlightOptions o = options(profile);
     o.pack = pack;
     unread_told_ = 0;
     if (session->streamed)
@@ -170,15 +170,15 @@ void Engine::close() {
     ++terrains_;
 }
 
-void Engine::remake(const flight::Profile& profile) {
-    flight::remake_method(options(profile), *session_);
+void Engine::remake(const session::Profile& profile) {
+    session::remake_method(options(profile), *session_);
     set_renderer(nullptr); // the old one's memory first
     try {
         set_renderer(renderer_for(options(profile), *session_));
         built_ = profile;
     } catch (...) { // as it was; and when that cannot be had any more either, nothing is open
         try {
-            flight::remake_method(options(built_), *session_);
+            session::remake_method(options(built_), *session_);
             set_renderer(renderer_for(options(built_), *session_));
         } catch (...) {
             close();
@@ -187,16 +187,16 @@ void Engine::remake(const flight::Profile& profile) {
     }
 }
 
-bool Engine::follow(const flight::Profile& profile) {
+bool Engine::follow(const session::Profile& profile) {
     switch (rebuild_of(built_, profile)) {
-    case flight::Rebuild::nothing: return false;
-    case flight::Rebuild::method:
+    case session::Rebuild::nothing: return false;
+    case session::Rebuild::method:
         if (!session_->streamed) {
             remake(profile);
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut
-    case flight::Rebuild::session: {
+    case session::Rebuild::session: {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
@@ -207,11 +207,11 @@ bool Engine::follow(const flight::Profile& profile) {
     return false;
 }
 
-flight::FrameEntry Engine::update(const View& view, const flight::Profile& profile, double now_s, double& upload_us) {
-    flight::FrameEntry entry = flight::update_frame(*session_, view, profile, now_s);
+session::FrameEntry Engine::update(const View& view, const session::Profile& profile, double now_s, double& upload_us) {
+    session::FrameEntry entry = session::update_frame(*session_, view, profile, now_s);
     if (entry.streamed && entry.stream.in_flight == 0) tell_unread();
     const auto start = Clock::now();
-    const std::string error = flight::upload_mesh(*renderer_, *session_, entry);
+    const std::string error = session::upload_mesh(*renderer_, *session_, entry);
     upload_us = microseconds(Clock::now() - start);
     if (!error.empty()) throw io::Failure(3, error);
     return entry;
@@ -306,7 +306,7 @@ void Engine::make_graphics() {
 Scene Engine::scene() const {
     Scene s;
     if (!session_) return s;
-    const flight::Session& session = *session_;
+    const session::Session& session = *session_;
     const PackHeader& h = session.loaded.pack.header;
     s.path = pack_;
     s.columns = h.columns;

@@ -68,12 +68,12 @@ int triangle_level(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
     return 2 * (static_cast<int>(tile_log2) - longest_log2) + (wide == deep ? 0 : 1);
 }
 
-void Measures::observe(const flight::FrameEntry& entry) {
+void Measures::observe(const session::FrameEntry& entry) {
     last_ = entry;
     ++frames_;
 }
 
-void Measures::raise_peaks(const flight::FrameEntry& entry) {
+void Measures::raise_peaks(const session::FrameEntry& entry) {
     const auto raise = [](auto& peak, auto value) { peak = std::max<std::decay_t<decltype(peak)>>(peak, value); };
     raise(peaks_.vertices, entry.vertex_slots.used);
     raise(peaks_.indices, entry.index_slots.used);
@@ -87,8 +87,8 @@ void Measures::raise_peaks(const flight::FrameEntry& entry) {
     raise(peaks_.map_upload_bytes, entry.stream.map_upload_bytes);
 }
 
-void Measures::record(const FrameTimes& times, const flight::Pose& pose, bool drawn) {
-    const flight::FrameEntry& entry = last_;
+void Measures::record(const FrameTimes& times, const session::Pose& pose, bool drawn) {
+    const session::FrameEntry& entry = last_;
     if (!drawn) { // at rest, a frame costs what a window without a terrain costs
         if (!entry.rebuilt) raise_peaks(entry);
         return;

@@ -13,8 +13,8 @@
 
 #include "fjell/gl/palette.h"
 #include "fjell/mesh.h"
-#include "flight/log.h"
-#include "flight/path.h"
+#include "session/log.h"
+#include "session/path.h"
 
 namespace fjell::editor {
 
@@ -85,9 +85,9 @@ private:
 
 // A frame of the series whole: to be looked at again.
 struct MeasuredFrame {
-    flight::FrameEntry entry;
+    session::FrameEntry entry;
     FrameTimes times;
-    flight::Pose pose;
+    session::Pose pose;
     std::uint64_t number = 0; // of Measures::recorded(), this one counted
 };
 
@@ -112,7 +112,7 @@ struct LevelHistogram {
 class Measures {
 public:
     [[nodiscard]] const Ring& ring(Series series) const { return rings_[static_cast<std::size_t>(series)]; }
-    [[nodiscard]] const flight::FrameEntry& last() const { return last_; }
+    [[nodiscard]] const session::FrameEntry& last() const { return last_; }
     [[nodiscard]] const LevelHistogram& levels() const { return shown_; }
     [[nodiscard]] const Peaks& peaks() const { return peaks_; }
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
@@ -120,8 +120,8 @@ public:
     // Once a frame: what its update gave, and when it is over what it cost and the pose it was drawn from. One that was
     // built from nothing, the one after it, and one whose terrain was not drawn anew (drawn: false) are none of the
     // series'; the last are of the peaks, as their update was one.
-    void observe(const flight::FrameEntry& entry);
-    void record(const FrameTimes& times, const flight::Pose& pose, bool drawn);
+    void observe(const session::FrameEntry& entry);
+    void record(const FrameTimes& times, const session::Pose& pose, bool drawn);
     // While they are held the series stand still, to be looked at; peaks go on.
     void hold(bool on) { held_ = on; }
     [[nodiscard]] bool held() const { return held_; }
@@ -138,10 +138,10 @@ public:
     void clear();
 
 private:
-    void raise_peaks(const flight::FrameEntry& entry);
+    void raise_peaks(const session::FrameEntry& entry);
 
     std::array<Ring, series_count> rings_{};
-    flight::FrameEntry last_;
+    session::FrameEntry last_;
     LevelHistogram shown_, counting_;
     Peaks peaks_;
     std::size_t range_ = 0, index_ = 0; // where counting goes on: in MeshView::tiles, and in that range

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "flight/options.h"
+#include "session/options.h"
 
 namespace fjell::editor {
 

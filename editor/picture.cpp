@@ -23,7 +23,7 @@ void TerrainPicture::redraw() {
 
 void TerrainPicture::judge(const State& state, const Engine& engine, const PictureFrame& frame) {
     moving_ = engine.is_open() && shown_ != nullptr && std::memcmp(&drawn_view_, &state.eye.view, sizeof(View)) != 0;
-    const flight::FrameEntry& e = frame.entry;
+    const session::FrameEntry& e = frame.entry;
     const StreamReport& r = e.stream;
     mesh_changed_ = e.rebuilt || e.activations != 0 || e.deactivations != 0 || e.morphing != 0 || e.upload_bytes != 0 ||
                     (e.streamed && (!r.maps_converged || r.mips_uploaded != 0));
@@ -108,7 +108,7 @@ PictureRows TerrainPicture::next_band(std::uint32_t height) const {
 }
 
 // A half picture costs by its triangles, most of which are smaller than its pixels.
-PictureRows TerrainPicture::next_first_band(const View& view, const flight::FrameEntry& entry, std::uint32_t height) {
+PictureRows TerrainPicture::next_first_band(const View& view, const session::FrameEntry& entry, std::uint32_t height) {
     if (first_row_ == 0)
         first_bands_ = std::min(entry.triangles_drawn / band_triangles + 1, static_cast<std::uint32_t>(most_bands));
     else if (std::memcmp(&first_view_, &view, sizeof view) != 0)

@@ -29,7 +29,7 @@ private:
 
 // What a picture is drawn by, of this frame.
 struct PictureFrame {
-    const flight::FrameEntry& entry;
+    const session::FrameEntry& entry;
     bool asked = false;  // for: who asks for a picture gets it whole
     bool opened = false; // by a thread; the first pack, of the command line, is shown at once
     bool compared_changed = false;
@@ -52,7 +52,7 @@ public:
 private:
     gl::Target& fit(const Interface& interface, bool half);
     [[nodiscard]] PictureRows next_band(std::uint32_t height) const;
-    PictureRows next_first_band(const View& view, const flight::FrameEntry& entry, std::uint32_t height);
+    PictureRows next_first_band(const View& view, const session::FrameEntry& entry, std::uint32_t height);
 
     std::unique_ptr<gl::Target> whole_, half_; // the terrain's picture, and that of a moving camera
     const gl::Target* shown_ = nullptr;

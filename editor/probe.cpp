@@ -5,8 +5,8 @@
 
 #include "editor/measures.h"
 #include "fjell/query.h"
-#include "flight/session.h"
 #include "pack/terrain_data.h"
+#include "session/session.h"
 
 namespace fjell::editor {
 
@@ -17,7 +17,7 @@ std::int32_t nearest_sample(double metres, double spacing_m, std::int32_t count)
 }
 
 // What is under the pointer; its mesh is looked for.
-std::optional<ProbedGround> ground_under(const flight::Session& session, const View& view, double x, double y) {
+std::optional<ProbedGround> ground_under(const session::Session& session, const View& view, double x, double y) {
     const Terrain& terrain = session.terrain();
     const TerrainData& data = data_of(terrain);
     const GroundHit hit = cast_ray(terrain, view.eye_m, direction_at(view, x, y), view.far_m);
@@ -73,7 +73,7 @@ std::optional<double> height_over(const DrawnMesh& drawn, std::size_t first, dou
 }
 
 // Goes on with the search where it stands, some triangles further.
-void look_for_mesh(Probe& probe, const flight::Session& session, const View& refining) {
+void look_for_mesh(Probe& probe, const session::Session& session, const View& refining) {
     const DrawnMesh drawn{session.mesh(), session.method->mesh(), session.terrain()};
     ProbedGround& g = *probe.ground;
     const PackHeader& header = session.terrain().header();
@@ -130,7 +130,8 @@ std::optional<std::array<double, 2>> place_in(const View& view, const Vec3& posi
     return std::array{(right - view.left) / (view.right - view.left), (view.top - up) / (view.top - view.bottom)};
 }
 
-void update_probe(Probe& probe, const flight::Session& session, const View& drawn, const View& refining, bool changed) {
+void update_probe(Probe& probe, const session::Session& session, const View& drawn, const View& refining,
+                  bool changed) {
     std::optional<ProbedGround> ground;
     if (probe.on && probe.pointer) ground = ground_under(session, drawn, (*probe.pointer)[0], (*probe.pointer)[1]);
     if (!ground) {
@@ -150,7 +151,7 @@ void update_probe(Probe& probe, const flight::Session& session, const View& draw
     if (probe.looking) look_for_mesh(probe, session, refining);
 }
 
-void measure_profile(Probe& probe, const flight::Session& session) {
+void measure_profile(Probe& probe, const session::Session& session) {
     if (probe.marks < 2) return;
     HeightProfile& p = probe.profile;
     const Vec3 &from = probe.mark_m[0], &to = probe.mark_m[1];
@@ -167,8 +168,8 @@ void measure_profile(Probe& probe, const flight::Session& session) {
     probe.mark_m[1].y = static_cast<double>(p.height_m.back());
 }
 
-void set_mark(Probe& probe, const flight::Session& session, double x_m, double z_m) {
-    const flight::Ground ground = flight::ground_of(session.terrain());
+void set_mark(Probe& probe, const session::Session& session, double x_m, double z_m) {
+    const session::Ground ground = session::ground_of(session.terrain());
     const double x = std::clamp(x_m, 0.0, ground.extent_x_m), z = std::clamp(z_m, 0.0, ground.extent_z_m);
     if (probe.marks == probe.mark_m.size()) probe.marks = 0;
     probe.mark_m[probe.marks++] = {x, ground_height(session.terrain(), x, z).height_m, z};

@@ -14,7 +14,7 @@
 #include "fjell/sample_index.h"
 #include "fjell/view.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 struct Session;
 }
 
@@ -67,10 +67,10 @@ struct Probe {
 
 inline constexpr std::size_t triangles_a_call = 10'000;
 // After a frame's update. refining: the view that the mesh is for. changed: the mesh, since the call before.
-void update_probe(Probe& probe, const flight::Session& session, const View& drawn, const View& refining, bool changed);
+void update_probe(Probe& probe, const session::Session& session, const View& drawn, const View& refining, bool changed);
 // The next mark, or the first one again when there are two.
-void set_mark(Probe& probe, const flight::Session& session, double x_m, double z_m);
+void set_mark(Probe& probe, const session::Session& session, double x_m, double z_m);
 // Anew, where pages have come or gone.
-void measure_profile(Probe& probe, const flight::Session& session);
+void measure_profile(Probe& probe, const session::Session& session);
 
 } // namespace fjell::editor

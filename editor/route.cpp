@@ -17,18 +17,18 @@ namespace fjell::editor {
 
 namespace {
 
-using flight::CameraPath;
-using flight::ControlPoint;
-using flight::Pose;
 using io::Failure;
+using session::CameraPath;
+using session::ControlPoint;
+using session::Pose;
 
 constexpr double turned_rad = 0.07;          // 4 degrees: a point at least so often while recording
 constexpr std::size_t points_of_flight = 65; // of a path that is not made of points
 constexpr std::size_t most_path_steps = 100, most_path_bytes = std::size_t{64} << 20;
 
 ControlPoint point_of(const Pose& p) {
-    return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
-                               p.direction.z, p.up.x, p.up.y, p.up.z});
+    return session::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+                                p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
 Pose pose_of(const ControlPoint& p) {
@@ -59,10 +59,10 @@ std::size_t frames_for(double seconds) {
 // The spline's own where it is in metres; otherwise some of its flight. With where they lie in its time.
 void take_points(const CameraPath& path, const std::vector<Pose>& poses, std::vector<ControlPoint>& points,
                  std::vector<double>& shares) {
-    const auto* spline = std::get_if<flight::SplinePath>(&path.kind);
-    if (spline != nullptr && path.units == flight::Units::metres && spline->spline.knots().size() <= most_points) {
-        for (const double knot : spline->spline.knots()) points.push_back(flight::unit_point(spline->spline.at(knot)));
-        shares = flight::shares(*spline);
+    const auto* spline = std::get_if<session::SplinePath>(&path.kind);
+    if (spline != nullptr && path.units == session::Units::metres && spline->spline.knots().size() <= most_points) {
+        for (const double knot : spline->spline.knots()) points.push_back(session::unit_point(spline->spline.at(knot)));
+        shares = session::shares(*spline);
         return;
     }
     const std::size_t count = std::min(points_of_flight, poses.size()), last = poses.size() - 1;
@@ -77,11 +77,11 @@ void take_points(const CameraPath& path, const std::vector<Pose>& poses, std::ve
 
 } // namespace
 
-void Route::open(const std::string& path, const flight::Ground& ground) {
+void Route::open(const std::string& path, const session::Ground& ground) {
     Content next;
-    CameraPath read = flight::read_path(path);
-    next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(flight::default_frames) / poses_a_second;
-    next.poses = flight::resample(read, ground, frames_for(next.seconds));
+    CameraPath read = session::read_path(path);
+    next.seconds = read.seconds > 0 ? read.seconds : static_cast<double>(session::default_frames) / poses_a_second;
+    next.poses = session::resample(read, ground, frames_for(next.seconds));
     take_points(read, next.poses, next.points, next.shares);
     next.path = path;
     next.as_read = std::move(read);
@@ -98,12 +98,12 @@ void Route::save(const std::string& path) {
     if (to.empty()) throw Failure(2, "the camera path has no file yet; say where to save it");
     if (now_.points.size() < 2) throw Failure(2, "a camera path needs at least 2 points; add some first");
     CameraPath written;
-    if (now_.as_read && now_.as_read->units != flight::Units::recorded)
+    if (now_.as_read && now_.as_read->units != session::Units::recorded)
         written = *now_.as_read;
     else
         written = path_of(now_, now_.seconds);
     written.seconds = now_.seconds;
-    const std::string text = flight::path_text(written);
+    const std::string text = session::path_text(written);
     io::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
@@ -141,15 +141,15 @@ void Route::seek(double share) {
     share_ = std::clamp(share, 0.0, 1.0);
 }
 
-void Route::set_seconds(double seconds, const flight::Ground& ground) {
-    if (!(seconds == 0 || (seconds >= 1 && seconds <= flight::max_path_seconds)))
+void Route::set_seconds(double seconds, const session::Ground& ground) {
+    if (!(seconds == 0 || (seconds >= 1 && seconds <= session::max_path_seconds)))
         throw Failure(2, fmt::format("a path lasts 1 to {} seconds, or 0 for a duration chosen from the terrain's size",
-                                     flight::max_path_seconds));
+                                     session::max_path_seconds));
     Content next = now_;
     next.seconds = seconds;
     if (!next.as_read) return edit(std::move(next), ground);
     next.as_read->seconds = seconds; // the same flight, only slower or faster
-    next.poses = flight::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : flight::default_frames);
+    next.poses = session::resample(*next.as_read, ground, seconds > 0 ? frames_for(seconds) : session::default_frames);
     next.unsaved = true;
     take_over(std::move(next));
 }
@@ -175,7 +175,7 @@ Pose Route::pose_at(double share) const {
     return {between(a.position_m, b.position_m), direction, normalised(up - direction * dot(up, direction))};
 }
 
-void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
+void Route::record(bool on, const Pose& pose, const session::Ground& ground) {
     if (on == recording_) return;
     recording_ = on;
     if (on) {
@@ -193,7 +193,7 @@ void Route::record(bool on, const Pose& pose, const flight::Ground& ground) {
     if (!next.points.empty() && next.points.back() != last && next.points.size() < most_points)
         next.points.push_back(last);
     if (next.points.size() < 2) throw Failure(2, "nothing was recorded, because the camera did not move");
-    next.seconds = std::clamp(recorded_s_, 1.0, flight::max_path_seconds);
+    next.seconds = std::clamp(recorded_s_, 1.0, session::max_path_seconds);
     next.selected = {};
     edit(std::move(next), ground);
     recorded_points_.clear();
@@ -215,12 +215,12 @@ CameraPath Route::path_of(const Content& content, double seconds) {
     CameraPath path;
     path.name = "camera path";
     path.seconds = seconds;
-    std::vector<double> knots = flight::chord_knots(content.points, path.name);
-    path.kind = flight::SplinePath{flight::CubicSpline<9>(std::move(knots), content.points)};
+    std::vector<double> knots = session::chord_knots(content.points, path.name);
+    path.kind = session::SplinePath{session::CubicSpline<9>(std::move(knots), content.points)};
     return path;
 }
 
-void Route::complete(Content& next, const flight::Ground& ground) {
+void Route::complete(Content& next, const session::Ground& ground) {
     if (std::ranges::adjacent_find(next.points, same_place) != next.points.end())
         throw Failure(2, "an adjacent point has the same pose already; move the camera first");
     next.poses.clear();
@@ -231,13 +231,13 @@ void Route::complete(Content& next, const flight::Ground& ground) {
     const double cruising_m_s = ground.longer_m() / 60;
     const double seconds = next.seconds > 0
                                ? next.seconds
-                               : std::clamp(length_m(next.points) / cruising_m_s, 2.0, flight::max_path_seconds);
+                               : std::clamp(length_m(next.points) / cruising_m_s, 2.0, session::max_path_seconds);
     const CameraPath path = path_of(next, seconds);
-    next.poses = flight::resample(path, ground, frames_for(seconds));
-    next.shares = flight::shares(std::get<flight::SplinePath>(path.kind));
+    next.poses = session::resample(path, ground, frames_for(seconds));
+    next.shares = session::shares(std::get<session::SplinePath>(path.kind));
 }
 
-void Route::edit(Content next, const flight::Ground& ground) {
+void Route::edit(Content next, const session::Ground& ground) {
     complete(next, ground);
     take_over(std::move(next));
     if (empty()) playing_ = false;
@@ -286,7 +286,7 @@ void Route::require(std::size_t point) const {
         throw Failure(2, fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
 }
 
-void Route::add(const Pose& pose, const flight::Ground& ground) {
+void Route::add(const Pose& pose, const session::Ground& ground) {
     if (now_.points.size() >= most_points)
         throw Failure(2, fmt::format("a camera path has at most {} points; remove some first", most_points));
     Content next = now_;
@@ -296,7 +296,7 @@ void Route::add(const Pose& pose, const flight::Ground& ground) {
     edit(std::move(next), ground);
 }
 
-void Route::insert(double share, const flight::Ground& ground) {
+void Route::insert(double share, const session::Ground& ground) {
     if (empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
     const auto later = std::upper_bound(now_.shares.begin(), now_.shares.end(), share);
     const auto at = static_cast<std::size_t>(later - now_.shares.begin());
@@ -311,7 +311,7 @@ void Route::insert(double share, const flight::Ground& ground) {
     edit(std::move(next), ground);
 }
 
-void Route::replace(std::size_t point, const Pose& pose, const flight::Ground& ground) {
+void Route::replace(std::size_t point, const Pose& pose, const session::Ground& ground) {
     require(point);
     Content next = now_;
     next.points[point] = point_of(pose);
@@ -319,7 +319,7 @@ void Route::replace(std::size_t point, const Pose& pose, const flight::Ground& g
     edit(std::move(next), ground);
 }
 
-void Route::remove(std::size_t point, const flight::Ground& ground) {
+void Route::remove(std::size_t point, const session::Ground& ground) {
     require(point);
     Content next = now_;
     next.points.erase(next.points.begin() + static_cast<std::ptrdiff_t>(point));
@@ -328,7 +328,7 @@ void Route::remove(std::size_t point, const flight::Ground& ground) {
     edit(std::move(next), ground);
 }
 
-void Route::move(std::size_t point, std::size_t to, const flight::Ground& ground) {
+void Route::move(std::size_t point, std::size_t to, const session::Ground& ground) {
     require(point);
     require(to);
     Content next = now_;
@@ -339,7 +339,7 @@ void Route::move(std::size_t point, std::size_t to, const flight::Ground& ground
     edit(std::move(next), ground);
 }
 
-void Route::place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground,
+void Route::place(std::size_t point, double x_m, double z_m, bool dragging, const session::Ground& ground,
                   std::optional<double> y_m) {
     require(point);
     if (ignored_ == point) {

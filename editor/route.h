@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "flight/path.h"
+#include "session/path.h"
 
 namespace fjell::editor {
 
@@ -35,14 +35,14 @@ public:
     [[nodiscard]] FlightName flight_name() const;
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
-    [[nodiscard]] const std::vector<flight::ControlPoint>& points() const { return now_.points; }
+    [[nodiscard]] const std::vector<session::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
-    [[nodiscard]] const std::vector<flight::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
-    [[nodiscard]] double share() const { return share_; }                               // where it is being played
+    [[nodiscard]] const std::vector<session::Pose>& poses() const { return now_.poses; } // resampled, 60 a second
+    [[nodiscard]] double share() const { return share_; }                                // where it is being played
     [[nodiscard]] bool playing() const { return playing_; }
     [[nodiscard]] bool recording() const { return recording_; }
     [[nodiscard]] std::size_t recorded() const { return recorded_points_.size(); } // points, while recording
-    [[nodiscard]] const std::vector<flight::ControlPoint>& recorded_points() const { return recorded_points_; }
+    [[nodiscard]] const std::vector<session::ControlPoint>& recorded_points() const { return recorded_points_; }
     [[nodiscard]] bool loops() const { return loops_; }
     [[nodiscard]] double seconds() const { return static_cast<double>(now_.poses.size()) / poses_a_second; }
     // That it shall take; 0: as long as its way at a sixtieth of the terrain's longer extent a second.
@@ -54,7 +54,7 @@ public:
     // Not points yet: an orbit, say, as it was read.
     [[nodiscard]] bool as_read() const { return now_.as_read.has_value(); }
 
-    void open(const std::string& path, const flight::Ground& ground);
+    void open(const std::string& path, const session::Ground& ground);
     void save(const std::string& path); // empty: where it came from
     void clear();
     // Throw Failure (2) when there is nothing to take back, or to repeat.
@@ -71,39 +71,39 @@ public:
     void play(bool on);
     void seek(double share);
     void loop(bool on) { loops_ = on; }
-    void set_seconds(double seconds, const flight::Ground& ground); // 0 or 1 to flight::max_path_seconds
+    void set_seconds(double seconds, const session::Ground& ground); // 0 or 1 to session::max_path_seconds
     // Moves on and says where the camera is; none: not playing. At the end it stops, or begins again.
-    std::optional<flight::Pose> advance(double seconds);
+    std::optional<session::Pose> advance(double seconds);
     // Where share() is; the path must not be empty. Between two poses, in between.
-    [[nodiscard]] flight::Pose pose() const { return pose_at(share_); }
-    [[nodiscard]] flight::Pose pose_at(double share) const;
+    [[nodiscard]] session::Pose pose() const { return pose_at(share_); }
+    [[nodiscard]] session::Pose pose_at(double share) const;
 
     // On: the path that there was stays until off, when what was noted takes its place. Throws Failure (2), and there
     // is no new path, when it has fewer than two points.
-    void record(bool on, const flight::Pose& pose, const flight::Ground& ground);
+    void record(bool on, const session::Pose& pose, const session::Ground& ground);
     // While recording: notes a point when the camera has moved or turned enough. False: there is no more room.
-    bool follow(const flight::Pose& pose, double seconds);
+    bool follow(const session::Pose& pose, double seconds);
 
     // After the selected point, or last; it is selected then.
-    void add(const flight::Pose& pose, const flight::Ground& ground);
+    void add(const session::Pose& pose, const session::Ground& ground);
     // Where the path is at that share of its time; it is selected then.
-    void insert(double share, const flight::Ground& ground);
-    void replace(std::size_t point, const flight::Pose& pose, const flight::Ground& ground);
-    void remove(std::size_t point, const flight::Ground& ground);
-    void move(std::size_t point, std::size_t to, const flight::Ground& ground); // so that it becomes the to-th
+    void insert(double share, const session::Ground& ground);
+    void replace(std::size_t point, const session::Pose& pose, const session::Ground& ground);
+    void remove(std::size_t point, const session::Ground& ground);
+    void move(std::size_t point, std::size_t to, const session::Ground& ground); // so that it becomes the to-th
     // Over that place: at that height, if it is above the ground, or else as high above it as it was. dragging: more of
     // the same follows, and all of it is one step.
-    void place(std::size_t point, double x_m, double z_m, bool dragging, const flight::Ground& ground,
+    void place(std::size_t point, double x_m, double z_m, bool dragging, const session::Ground& ground,
                std::optional<double> y_m = {});
-    flight::Pose select(std::size_t point);
+    session::Pose select(std::size_t point);
 
 private:
     struct Content {
         std::string path;
-        std::vector<flight::ControlPoint> points;
+        std::vector<session::ControlPoint> points;
         std::vector<double> shares; // of the points
-        std::vector<flight::Pose> poses;
-        std::optional<flight::CameraPath> as_read;
+        std::vector<session::Pose> poses;
+        std::optional<session::CameraPath> as_read;
         std::optional<std::size_t> selected;
         double seconds = 0;
         bool unsaved = false;
@@ -112,9 +112,9 @@ private:
         Content content;
         std::uint64_t stamp = 0;
     };
-    [[nodiscard]] static flight::CameraPath path_of(const Content& content, double seconds);
-    static void complete(Content& next, const flight::Ground& ground); // makes the poses, and all that follows
-    void edit(Content next, const flight::Ground& ground);             // makes the poses and takes it over
+    [[nodiscard]] static session::CameraPath path_of(const Content& content, double seconds);
+    static void complete(Content& next, const session::Ground& ground); // makes the poses, and all that follows
+    void edit(Content next, const session::Ground& ground);             // makes the poses and takes it over
     void take_over(Content next);
     void exchange(std::vector<Step>& from, std::vector<Step>& to, const char* none);
     void require(std::size_t point) const;
@@ -125,7 +125,7 @@ private:
     double share_ = 0;
     bool playing_ = false, loops_ = true;
     bool recording_ = false; // what follows: of it
-    std::vector<flight::ControlPoint> recorded_points_;
+    std::vector<session::ControlPoint> recorded_points_;
     double step_m_ = 0, recorded_s_ = 0;
 };
 

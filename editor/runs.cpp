@@ -10,13 +10,13 @@ namespace fjell::editor {
 
 namespace {
 
-double mean_of(std::span<const flight::FrameEntry> frames, double (*value)(const flight::FrameEntry&)) {
+double mean_of(std::span<const session::FrameEntry> frames, double (*value)(const session::FrameEntry&)) {
     double sum = 0;
-    for (const flight::FrameEntry& f : frames) sum += value(f);
+    for (const session::FrameEntry& f : frames) sum += value(f);
     return frames.empty() ? 0 : sum / static_cast<double>(frames.size());
 }
 
-double rank_of(std::span<const flight::FrameEntry> frames, double share, double (*value)(const flight::FrameEntry&)) {
+double rank_of(std::span<const session::FrameEntry> frames, double share, double (*value)(const session::FrameEntry&)) {
     std::vector<double> values(frames.size());
     std::ranges::transform(frames, values.begin(), value);
     const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
@@ -25,20 +25,20 @@ double rank_of(std::span<const flight::FrameEntry> frames, double share, double 
     return *at;
 }
 
-double update_of(const flight::FrameEntry& f) {
+double update_of(const session::FrameEntry& f) {
     return f.update_us;
 }
 
-FlownPlace place_of(std::span<const flight::FrameEntry> frames, std::span<const flight::Pose> poses,
+FlownPlace place_of(std::span<const session::FrameEntry> frames, std::span<const session::Pose> poses,
                     std::size_t first) {
     const auto dearest = static_cast<std::size_t>(
-        std::distance(frames.begin(), std::ranges::max_element(frames, {}, &flight::FrameEntry::update_us)));
+        std::distance(frames.begin(), std::ranges::max_element(frames, {}, &session::FrameEntry::update_us)));
     FlownPlace place;
     place.pose = poses[dearest];
     place.frame = static_cast<std::uint32_t>(first + dearest);
     place.update_us = static_cast<float>(frames[dearest].update_us);
     place.vertices = frames[dearest].vertices;
-    for (const flight::FrameEntry& f : frames) {
+    for (const session::FrameEntry& f : frames) {
         place.error_px = std::max(place.error_px, static_cast<float>(f.error_bound_px));
         place.exhausted |= f.exhausted;
     }
@@ -67,7 +67,7 @@ std::size_t FlownRun::place_at(double share) const {
     return static_cast<std::size_t>(std::lround(at));
 }
 
-FlownRun make_run(std::span<const flight::FrameEntry> frames, std::span<const flight::Pose> poses) {
+FlownRun make_run(std::span<const session::FrameEntry> frames, std::span<const session::Pose> poses) {
     FlownRun run;
     if (frames.size() < 2) return run;
     run.error_px = frames.front().error_px_requested;
@@ -77,9 +77,9 @@ FlownRun make_run(std::span<const flight::FrameEntry> frames, std::span<const fl
     run.p50_us = rank_of(frames, 0.5, update_of);
     run.p99_us = rank_of(frames, 0.99, update_of);
     run.max_us = rank_of(frames, 1, update_of);
-    run.error_p99_px = rank_of(frames, 0.99, [](const flight::FrameEntry& f) { return f.error_bound_px; });
-    run.vertices = mean_of(frames, [](const flight::FrameEntry& f) { return static_cast<double>(f.vertices); });
-    run.converged = mean_of(frames, [](const flight::FrameEntry& f) { return f.converged ? 1.0 : 0.0; });
+    run.error_p99_px = rank_of(frames, 0.99, [](const session::FrameEntry& f) { return f.error_bound_px; });
+    run.vertices = mean_of(frames, [](const session::FrameEntry& f) { return static_cast<double>(f.vertices); });
+    run.converged = mean_of(frames, [](const session::FrameEntry& f) { return f.converged ? 1.0 : 0.0; });
     const std::size_t count = std::min(frames.size(), most_places);
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t first = i * frames.size() / count, end = (i + 1) * frames.size() / count;

@@ -15,15 +15,15 @@
 #include <vector>
 
 #include "editor/command.h"
-#include "flight/log.h"
-#include "flight/path.h"
+#include "session/log.h"
+#include "session/path.h"
 
 namespace fjell::editor {
 
 inline constexpr std::size_t most_places = 512, most_runs = 8, worst_places = 10;
 
 struct FlownPlace {
-    flight::Pose pose;       // of the dearest frame
+    session::Pose pose;      // of the dearest frame
     std::uint32_t frame = 0; // that one
     float update_us = 0;     // of it
     float error_px = 0;      // the largest effective threshold of the stretch; 1e6 and more: unbounded
@@ -50,7 +50,7 @@ struct FlownRun {
 };
 
 // frames and poses: of the same flight, as many of one as of the other.
-[[nodiscard]] FlownRun make_run(std::span<const flight::FrameEntry> frames, std::span<const flight::Pose> poses);
+[[nodiscard]] FlownRun make_run(std::span<const session::FrameEntry> frames, std::span<const session::Pose> poses);
 
 struct ChosenPlace {
     std::size_t run = 0, place = 0;

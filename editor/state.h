@@ -28,9 +28,9 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/view.h"
-#include "flight/camera.h"
-#include "flight/log.h"
-#include "flight/options.h"
+#include "session/camera.h"
+#include "session/log.h"
+#include "session/options.h"
 
 namespace fjell::editor {
 
@@ -53,18 +53,18 @@ struct Scene {
 [[nodiscard]] double contour_interval_m(const Scene& scene);
 
 struct Eye {
-    flight::FreeCamera free;
+    session::FreeCamera free;
     Navigation navigation = Navigation::fly;
     Vec3 orbit_centre_m; // on the ground
     double orbit_radius_m = 1;
-    double ground_m = 0;                 // under the camera
-    double speed_shown_until_s = 0;      // in the picture's corner
-    std::optional<flight::Pose> on_path; // of the path that is played, until the user moves the camera
-    View view;                           // of the last frame, as drawn
-    bool frozen = false;                 // refined for another view than is drawn:
-    std::optional<View> refining;        // that one
+    double ground_m = 0;                  // under the camera
+    double speed_shown_until_s = 0;       // in the picture's corner
+    std::optional<session::Pose> on_path; // of the path that is played, until the user moves the camera
+    View view;                            // of the last frame, as drawn
+    bool frozen = false;                  // refined for another view than is drawn:
+    std::optional<View> refining;         // that one
 
-    [[nodiscard]] flight::Pose pose() const { return on_path ? *on_path : free.pose(); }
+    [[nodiscard]] session::Pose pose() const { return on_path ? *on_path : free.pose(); }
 };
 
 enum class Severity : std::uint8_t { note, warning, error };
@@ -82,7 +82,7 @@ struct Messages {
 
 // Keys of which the profile and the one it is compared with have different values.
 struct Difference {
-    const flight::ProfileKey* key = nullptr;
+    const session::ProfileKey* key = nullptr;
     double theirs_value = 0;
     std::string mine, theirs;
 };
@@ -116,7 +116,7 @@ struct Interface {
     bool panel_keys = false;      // the keyboard is the panels', not the camera's
     bool half_resolution = false; // of the picture while the camera moves
     Dialog dialog = Dialog::none;
-    flight::PictureMode mode = flight::PictureMode::shaded;
+    session::PictureMode mode = session::PictureMode::shaded;
     std::array<bool, overlays> overlay = first_overlays;
     std::vector<std::string> recent;                                                   // packs, the latest first
     std::uint32_t width_px = 0, height_px = 0;                                         // of the window

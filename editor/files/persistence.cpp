@@ -54,9 +54,9 @@ void save_look(State& state) {
 std::vector<Difference> differences_of(const Document& document) {
     std::vector<Difference> all;
     if (document.compared() == nullptr) return all;
-    const flight::Profile &mine = document.profile(), &theirs = *document.compared();
-    for (const flight::ProfileKey* key : flight::differing_keys(mine, theirs))
-        all.push_back({key, key->get(theirs), flight::value_text(*key, mine), flight::value_text(*key, theirs)});
+    const session::Profile &mine = document.profile(), &theirs = *document.compared();
+    for (const session::ProfileKey* key : session::differing_keys(mine, theirs))
+        all.push_back({key, key->get(theirs), session::value_text(*key, mine), session::value_text(*key, theirs)});
     return all;
 }
 

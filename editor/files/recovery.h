@@ -18,12 +18,12 @@ namespace fjell::editor {
 
 // What an earlier run left.
 struct Unsaved {
-    flight::Profile profile;
+    session::Profile profile;
     bool profile_changed = false;
-    std::string path;                         // of the profile's file; empty: it had none
-    std::string pack;                         // that was open; empty: none
-    std::vector<flight::ControlPoint> points; // of the camera's path, when that was not saved
-    double path_seconds = 0;                  // that it shall take; 0: as suits the terrain
+    std::string path;                          // of the profile's file; empty: it had none
+    std::string pack;                          // that was open; empty: none
+    std::vector<session::ControlPoint> points; // of the camera's path, when that was not saved
+    double path_seconds = 0;                   // that it shall take; 0: as suits the terrain
 };
 
 class Recovery {

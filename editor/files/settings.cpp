@@ -132,7 +132,7 @@ void read_look(KeyReader& keys, Look& look) {
         look.height_px = static_cast<std::uint32_t>(height);
     });
     keys.key("mode", [&](const json& name) {
-        look.mode = static_cast<flight::PictureMode>(index_of(name, flight::picture_mode_names));
+        look.mode = static_cast<session::PictureMode>(index_of(name, session::picture_mode_names));
     });
     keys.key("overlays", [&](const json& names) {
         std::array<bool, overlays> shown{};
@@ -155,7 +155,7 @@ json look_json(const Look& look) {
     for (const Panel panel : a.latest) latest.push_back(panel_names[static_cast<std::size_t>(panel)]);
     json all = {{"scale", look.scale},
                 {"window_px", {look.width_px, look.height_px}},
-                {"mode", flight::picture_mode_names[static_cast<std::size_t>(look.mode)]},
+                {"mode", session::picture_mode_names[static_cast<std::size_t>(look.mode)]},
                 {"overlays", shown},
                 {"half_resolution", look.half_resolution},
                 {"panels", a.panels},
@@ -247,9 +247,9 @@ Bookmark bookmark_of(const json& j) {
     Bookmark b;
     b.name = j.at("name").get<std::string>();
     b.pack = j.at("pack").get<std::string>();
-    flight::ControlPoint p{};
+    session::ControlPoint p{};
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = j.at("pose").at(i).get<double>();
-    p = flight::unit_point(p);
+    p = session::unit_point(p);
     b.pose = {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}};
     return b;
 }

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "editor/names.h"
-#include "flight/options.h"
-#include "flight/path.h"
+#include "session/options.h"
+#include "session/path.h"
 
 namespace fjell::editor {
 
@@ -78,7 +78,7 @@ struct Look {
     double scale = 0;                          // of the interface; 0: the desktop's
     std::uint32_t width_px = 0, height_px = 0; // of the window; 0: the default's
     Arrangement arrangement;
-    flight::PictureMode mode = flight::PictureMode::shaded;
+    session::PictureMode mode = session::PictureMode::shaded;
     std::array<bool, overlays> overlay = first_overlays;
     bool half_resolution = true; // while the camera moves, where software draws
     friend bool operator==(const Look&, const Look&) = default;
@@ -104,7 +104,7 @@ inline constexpr std::size_t most_bookmarks = 64;
 
 struct Bookmark {
     std::string name, pack; // the pack's absolute path: a bookmark is of one terrain
-    flight::Pose pose;
+    session::Pose pose;
 };
 
 struct Bookmarks {

@@ -16,21 +16,21 @@ namespace {
 
 using io::Failure;
 
-double least_above_m(const flight::Ground& ground) {
+double least_above_m(const session::Ground& ground) {
     return 0.5 * ground.cell_m; // ten times the near plane's distance
 }
 
 // The surface of triangles that the mesh approaches, as fine as it is there: the camera must not sink into that one.
-flight::Ground live_ground(HandlerContext context) {
-    const flight::Session& session = open_engine(context).session();
+session::Ground live_ground(HandlerContext context) {
+    const session::Session& session = open_engine(context).session();
     const Terrain& terrain = session.terrain();
-    flight::Ground ground = flight::ground_of(terrain);
+    session::Ground ground = session::ground_of(terrain);
     ground.start = session.start;
     ground.height_m = [&terrain](double x_m, double z_m) { return ground_height(terrain, x_m, z_m).height_m; };
     return ground;
 }
 // Views end at 1e8 m (fjell/view.h), and ten extents of a large terrain do not.
-void stay_in_reach(flight::FreeCamera& camera) {
+void stay_in_reach(session::FreeCamera& camera) {
     constexpr double reach_m = 9e7;
     for (double* const c : {&camera.position_m.x, &camera.position_m.y, &camera.position_m.z})
         *c = std::clamp(*c, -reach_m, reach_m);
@@ -39,24 +39,24 @@ void stay_in_reach(flight::FreeCamera& camera) {
 View drawn_view(HandlerContext context) {
     State& state = context.state;
     stay_in_reach(state.eye.free);
-    flight::Profile profile = state.document.profile();
+    session::Profile profile = state.document.profile();
     profile.width_px = std::max(state.interface.view_width_px, 1u);
     profile.height_px = std::max(state.interface.view_height_px, 1u);
-    return flight::view_of(state.eye.pose(), context.engine.session().terrain(), profile);
+    return session::view_of(state.eye.pose(), context.engine.session().terrain(), profile);
 }
 
-void keep_above(flight::FreeCamera& camera, const flight::Ground& ground) {
+void keep_above(session::FreeCamera& camera, const session::Ground& ground) {
     const Vec3& at = camera.position_m;
     camera.position_m.y = std::max(at.y, ground.height_m(at.x, at.z) + least_above_m(ground));
 }
 
-void look_at(flight::FreeCamera& camera, const Vec3& place) {
+void look_at(session::FreeCamera& camera, const Vec3& place) {
     const Vec3 way = normalised(place - camera.position_m);
-    if (length(way) > 0.5) camera = flight::free_camera({camera.position_m, way, {}}, camera.speed_m_s);
+    if (length(way) > 0.5) camera = session::free_camera({camera.position_m, way, {}}, camera.speed_m_s);
 }
 
 bool moves(const MoveCamera& c) {
-    const flight::Steering& s = c.steering;
+    const session::Steering& s = c.steering;
     return s.forward != 0 || s.right != 0 || s.up != 0 || s.turn_right != 0 || s.turn_up != 0 || c.right_rad != 0 ||
            c.up_rad != 0 || c.pan_right != 0 || c.pan_back != 0;
 }
@@ -64,12 +64,12 @@ bool moves(const MoveCamera& c) {
 void orbit(const MoveCamera& c, HandlerContext context) {
     Eye& eye = context.state.eye;
     if (!moves(c) && c.speed_steps == 0) return;
-    const flight::Ground ground = live_ground(context);
+    const session::Ground ground = live_ground(context);
     const double least_m = 2 * least_above_m(ground), most_m = 10 * ground.longer_m();
     eye.orbit_radius_m = std::clamp(eye.orbit_radius_m * std::pow(0.85, c.speed_steps), least_m, most_m);
-    flight::FreeCamera& camera = eye.free;
-    flight::look(camera, c.right_rad + c.steering.turn_right * 0.9 * c.seconds,
-                 c.up_rad + (c.steering.turn_up - c.steering.up) * 0.9 * c.seconds);
+    session::FreeCamera& camera = eye.free;
+    session::look(camera, c.right_rad + c.steering.turn_right * 0.9 * c.seconds,
+                  c.up_rad + (c.steering.turn_up - c.steering.up) * 0.9 * c.seconds);
     // Keys pan half the distance a second.
     const double right = (c.pan_right + 0.5 * c.steering.right * c.seconds) * eye.orbit_radius_m;
     const double back = (c.pan_back - 0.5 * c.steering.forward * c.seconds) * eye.orbit_radius_m;
@@ -86,7 +86,7 @@ void orbit(const MoveCamera& c, HandlerContext context) {
 
 // How far behind the middle of the terrain's tiles their corners, at the lowest and the highest height, fill most of
 // the picture.
-double away_to_see_all_m(HandlerContext context, const flight::Area& area, const flight::Pose& pose, double aspect) {
+double away_to_see_all_m(HandlerContext context, const session::Area& area, const session::Pose& pose, double aspect) {
     const Scene& s = context.state.scene;
     const double up = 0.94 * std::tan(context.state.document.profile().fov_deg * std::numbers::pi / 360),
                  right = up * aspect;
@@ -129,8 +129,8 @@ void take_from_path(State& state) {
 void begin_orbit(HandlerContext context) {
     Eye& eye = context.state.eye;
     const Terrain& terrain = context.engine.session().terrain();
-    const flight::Ground ground = live_ground(context);
-    const flight::Pose pose = eye.free.pose();
+    const session::Ground ground = live_ground(context);
+    const session::Pose pose = eye.free.pose();
     const GroundHit hit = cast_ray(terrain, pose.position_m, pose.direction, 20 * ground.longer_m());
     if (hit.hit) {
         eye.orbit_centre_m = hit.position_m;
@@ -152,12 +152,12 @@ void start_at_scene(HandlerContext context) {
     state.chosen.reset();
     state.graphs = {};
     state.probe.marks = 0; // of another terrain
-    const flight::Ground ground = live_ground(context);
+    const session::Ground ground = live_ground(context);
     // From the south, over the terrain's near third, looking at its middle; of a sparse one, whose middle may be empty,
     // the same over the ground nearest to it.
-    const flight::Area area = ground.start_area();
+    const session::Area area = ground.start_area();
     const double longer = area.longer_m(), x_m = area.x_m + area.width_m / 2, z_m = area.z_m + 0.85 * area.depth_m;
-    flight::FreeCamera camera;
+    session::FreeCamera camera;
     camera.position_m = {x_m, ground.height_m(x_m, z_m) + 0.12 * longer, z_m};
     camera.heading = 0;
     camera.pitch = -0.35;
@@ -173,7 +173,7 @@ void move_camera(HandlerContext context, double seconds) {
     Eye& eye = state.eye;
     if (const auto pose = state.route.advance(seconds)) {
         eye.on_path = *pose;
-        eye.free = flight::free_camera(*pose, eye.free.speed_m_s);
+        eye.free = session::free_camera(*pose, eye.free.speed_m_s);
     }
     if (!state.route.follow(eye.pose(), seconds)) {
         post_message(state, Severity::warning,
@@ -196,27 +196,27 @@ void handle(const MoveCamera& c, HandlerContext context) {
     }
     if (c.speed_steps != 0) handle(SetSpeed{eye.free.speed_m_s * std::pow(1.25, c.speed_steps)}, context);
     if (!moves(c)) return;
-    flight::look(eye.free, c.right_rad, c.up_rad);
-    const flight::Ground ground = live_ground(context);
-    flight::steer(eye.free, c.steering, c.seconds, ground, least_above_m(ground));
+    session::look(eye.free, c.right_rad, c.up_rad);
+    const session::Ground ground = live_ground(context);
+    session::steer(eye.free, c.steering, c.seconds, ground, least_above_m(ground));
 }
 
 void handle(const PlaceCamera& c, HandlerContext context) {
-    flight::FreeCamera& free = context.state.eye.free;
+    session::FreeCamera& free = context.state.eye.free;
     const double reach_m = 1e7;
     if (!(std::abs(c.position_m.x) <= reach_m && std::abs(c.position_m.y) <= reach_m &&
           std::abs(c.position_m.z) <= reach_m))
         throw Failure(2, "the camera's position must be within 10,000 km of the terrain's first sample");
-    const flight::Ground ground = live_ground(context);
+    const session::Ground ground = live_ground(context);
     free.position_m = c.position_m;
     free.heading = 0;
     free.pitch = 0;
-    flight::look(free, c.heading_rad, c.pitch_rad);
+    session::look(free, c.heading_rad, c.pitch_rad);
     settle(context);
 }
 
 void handle(const JumpTo& c, HandlerContext context) {
-    const flight::Ground ground = live_ground(context);
+    const session::Ground ground = live_ground(context);
     Vec3& at = context.state.eye.free.position_m;
     const double above_m = at.y - ground.height_m(at.x, at.z);
     at.x = std::clamp(c.x_m, 0.0, ground.extent_x_m);
@@ -228,8 +228,8 @@ void handle(const JumpTo& c, HandlerContext context) {
 void handle(const ViewAll&, HandlerContext context) {
     const Interface& i = context.state.interface;
     const double aspect = i.view_height_px > 0 ? static_cast<double>(i.view_width_px) / i.view_height_px : 1.6;
-    const flight::Area area = flight::area_of_tiles(open_engine(context).session().terrain());
-    flight::FreeCamera& free = context.state.eye.free;
+    const session::Area area = session::area_of_tiles(open_engine(context).session().terrain());
+    session::FreeCamera& free = context.state.eye.free;
     const Vec3 centre{area.x_m + area.width_m / 2, context.state.scene.min_m, area.z_m + area.depth_m / 2};
     free.heading = 0;
     free.pitch = -0.65;
@@ -266,7 +266,7 @@ void handle(const FreezeRefinement& c, HandlerContext context) {
 // --- The camera path: opened, saved, recorded, played and edited.
 
 // For paths, whose flight must not depend on what has been streamed in.
-flight::Ground path_ground(HandlerContext context) {
+session::Ground path_ground(HandlerContext context) {
     return open_engine(context).session().ground();
 }
 
@@ -275,7 +275,7 @@ void follow_path(State& state) {
     if (state.eye.navigation != Navigation::path) return;
     if (state.route.empty()) return take_from_path(state);
     state.eye.on_path = state.route.pose();
-    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
+    state.eye.free = session::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
 }
 
 // What is being recorded becomes the path: then it can be saved, asked about and restored.
@@ -325,16 +325,16 @@ void handle(const SeekPath& c, HandlerContext context) {
     if (state.route.empty()) throw Failure(2, "there is no camera path yet; open one, record one or add points");
     state.route.seek(c.share);
     state.eye.on_path = state.route.pose();
-    state.eye.free = flight::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
+    state.eye.free = session::free_camera(*state.eye.on_path, state.eye.free.speed_m_s);
     state.eye.navigation = Navigation::path;
 }
 
 void handle(const SelectPoint& c, HandlerContext context) {
     State& state = context.state;
-    const flight::Pose pose = state.route.select(c.point);
+    const session::Pose pose = state.route.select(c.point);
     if (!c.looks) return;
     take_from_path(state);
-    state.eye.free = flight::free_camera(pose, state.eye.free.speed_m_s);
+    state.eye.free = session::free_camera(pose, state.eye.free.speed_m_s);
     state.eye.on_path = pose; // with its roll, until a hand moves the camera
     if (state.eye.navigation == Navigation::orbit && context.engine.is_open()) begin_orbit(context);
 }

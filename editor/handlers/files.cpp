@@ -272,7 +272,7 @@ void try_opening(const std::string& pack, HandlerContext context) {
 std::string written_path(const Unsaved& unsaved, const std::string& folder) {
     if (unsaved.points.empty()) return {};
     nlohmann::json points = nlohmann::json::array();
-    for (const flight::ControlPoint& p : unsaved.points)
+    for (const session::ControlPoint& p : unsaved.points)
         points.push_back(
             {{"position", {p[0], p[1], p[2]}}, {"direction", {p[3], p[4], p[5]}}, {"up", {p[6], p[7], p[8]}}});
     nlohmann::json path = {{"comment", "Recovered."}, {"units", "metres"}, {"points", points}};

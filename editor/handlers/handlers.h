@@ -97,7 +97,7 @@ void handle(const SeekPath& c, HandlerContext context);
 void handle(const SelectPoint& c, HandlerContext context);
 void handle(const ClearPath& c, HandlerContext context);
 // For paths, whose flight must not depend on what has been streamed in.
-[[nodiscard]] flight::Ground path_ground(HandlerContext context);
+[[nodiscard]] session::Ground path_ground(HandlerContext context);
 // The path has changed under a camera that follows it: it sees what is there now.
 void follow_path(State& state);
 // One step of undo, or of redo, of the path.
@@ -133,6 +133,6 @@ void handle(const GoToBookmark& c, HandlerContext context);
 void handle(const RemoveBookmark& c, HandlerContext context);
 void handle(const ComparePictures& c, HandlerContext context);
 // Looks from there, with its roll, until a hand moves the camera.
-void look_from(const flight::Pose& pose, HandlerContext context);
+void look_from(const session::Pose& pose, HandlerContext context);
 
 } // namespace fjell::editor

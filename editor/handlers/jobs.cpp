@@ -11,8 +11,8 @@
 #include "editor/jobs/threshold_search.h"
 #include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
-#include "flight/profile_keys.h"
-#include "flight/snapshots.h"
+#include "session/profile_keys.h"
+#include "session/snapshots.h"
 
 namespace fjell::editor {
 
@@ -32,12 +32,12 @@ MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
 ExportPlan export_plan(HandlerContext context, const std::string& path, bool converged, double error_px) {
     const State& state = context.state;
-    const flight::Session& session = open_engine(context).session();
+    const session::Session& session = open_engine(context).session();
     const std::optional<View>& view = session.method->view();
     if (!view) throw io::Failure(2, "no frame has been drawn yet; try again");
     ExportPlan plan{session.file,           path, {}, state.scene.streamed, state.document.profile(), *view, error_px,
                     context.engine.layers()};
-    if (!converged && error_px == 0) plan.frame = flight::take_frame(session);
+    if (!converged && error_px == 0) plan.frame = session::take_frame(session);
     return plan;
 }
 
@@ -46,7 +46,7 @@ void apply_tuned(HandlerContext context) {
     state.tuned = state.job;
     const JobView& job = state.job;
     if (!job.tuned.apply || job.best_px == 0) return;
-    apply(SetKey{flight::find_profile_key("refine.max_error_px"), job.best_px, false}, context);
+    apply(SetKey{session::find_profile_key("refine.max_error_px"), job.best_px, false}, context);
 }
 
 } // namespace
@@ -121,11 +121,11 @@ void keep(State& state) {
 
 } // namespace
 
-void look_from(const flight::Pose& pose, HandlerContext context) {
+void look_from(const session::Pose& pose, HandlerContext context) {
     State& state = context.state;
     (void)open_engine(context);
     take_from_path(state);
-    state.eye.free = flight::free_camera(pose, state.eye.free.speed_m_s);
+    state.eye.free = session::free_camera(pose, state.eye.free.speed_m_s);
     state.eye.on_path = pose;
     if (state.eye.navigation == Navigation::orbit) begin_orbit(context);
 }

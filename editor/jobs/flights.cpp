@@ -20,10 +20,10 @@
 #include "fjell/gl/context.h"
 #include "fjell/gl/target.h"
 #include "fjell/io/failure.h"
-#include "flight/log.h"
-#include "flight/pictures.h"
-#include "flight/session.h"
 #include "io/file.h"
+#include "session/log.h"
+#include "session/pictures.h"
+#include "session/session.h"
 
 namespace fjell::editor {
 
@@ -40,8 +40,8 @@ Vec3 mix(Vec3 a, Vec3 b, double share) {
     return a * (1 - share) + b * share;
 }
 
-flight::Pose between(const flight::Pose& a, const flight::Pose& b, double share) {
-    flight::Pose pose{mix(a.position_m, b.position_m, share), mix(a.direction, b.direction, share), {}};
+session::Pose between(const session::Pose& a, const session::Pose& b, double share) {
+    session::Pose pose{mix(a.position_m, b.position_m, share), mix(a.direction, b.direction, share), {}};
     const double long_m = length(pose.direction);
     if (!(long_m > 1e-6)) return share < 0.5 ? a : b; // turned right about: no direction lies between
     pose.direction = pose.direction * (1 / long_m);
@@ -54,9 +54,9 @@ flight::Pose between(const flight::Pose& a, const flight::Pose& b, double share)
 
 } // namespace
 
-std::vector<flight::Pose> in_frames(const std::vector<flight::Pose>& route, std::size_t frames) {
+std::vector<session::Pose> in_frames(const std::vector<session::Pose>& route, std::size_t frames) {
     if (route.empty() || frames == 0 || frames == route.size()) return route;
-    std::vector<flight::Pose> poses;
+    std::vector<session::Pose> poses;
     poses.reserve(frames);
     const auto last = static_cast<double>(route.size() - 1);
     for (std::size_t i = 0; i < frames; ++i) {
@@ -72,50 +72,50 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
                               // terrain
     MeasuredFlightPlan plan;
     JobControl& control;
-    std::vector<flight::Pose> poses;
-    flight::Session session;
+    std::vector<session::Pose> poses;
+    session::Session session;
     std::unique_ptr<gl::Headless> context;
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
     double now_s = 0; // never runs backwards, from flight to flight
 
     void open();
-    void make_graphics(const flight::FlightOptions& options);
-    FlownTimes update(const View& view, flight::FrameEntry& entry); // the dearest update with its upload
+    void make_graphics(const session::FlightOptions& options);
+    FlownTimes update(const View& view, session::FrameEntry& entry); // the dearest update with its upload
     double draw(const View& view);
 };
 
 void MeasuredFlight::Impl::open() {
     control.progress("open", 0, 1);
-    const flight::FlightOptions options = options_of(plan.pack, plan.profile);
-    flight::open_session(options, session);
+    const session::FlightOptions options = options_of(plan.pack, plan.profile);
+    session::open_session(options, session);
     control.check();
-    const std::size_t frames = plan.frames != 0 ? plan.frames : flight::default_frames;
-    poses = plan.route.empty() ? flight::resample(flight::path_of(options), session.ground(), frames)
+    const std::size_t frames = plan.frames != 0 ? plan.frames : session::default_frames;
+    poses = plan.route.empty() ? session::resample(session::path_of(options), session.ground(), frames)
                                : in_frames(plan.route, plan.frames);
     if (plan.draws) make_graphics(options);
 }
 
-void MeasuredFlight::Impl::make_graphics(const flight::FlightOptions& options) {
+void MeasuredFlight::Impl::make_graphics(const session::FlightOptions& options) {
     std::string error;
     context = gl::Headless::create({}, error);
-    flight::require_graphics(context != nullptr, error);
+    session::require_graphics(context != nullptr, error);
     target = gl::Target::create({plan.profile.width_px, plan.profile.height_px, 1}, error);
-    flight::require_graphics(target != nullptr, error);
-    renderer = flight::make_renderer(options, session, error);
-    flight::require_graphics(renderer != nullptr, error);
+    session::require_graphics(target != nullptr, error);
+    renderer = session::make_renderer(options, session, error);
+    session::require_graphics(renderer != nullptr, error);
 }
 
-FlownTimes MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& entry) {
+FlownTimes MeasuredFlight::Impl::update(const View& view, session::FrameEntry& entry) {
     FlownTimes dearest;
     double since_us = thread_us();
-    entry = flight::update_until_there(session, view, plan.profile, now_s, [&](const flight::FrameEntry& poll) {
+    entry = session::update_until_there(session, view, plan.profile, now_s, [&](const session::FrameEntry& poll) {
         control.check();
         FlownTimes times{std::min(poll.update_us + poll.stream_us, thread_us() - since_us), 0, 0};
         if (renderer) {
             const auto start = Clock::now();
-            const std::string error = flight::upload_mesh(*renderer, session, poll);
-            flight::require_graphics(error.empty(), error);
+            const std::string error = session::upload_mesh(*renderer, session, poll);
+            session::require_graphics(error.empty(), error);
             times.upload_us = microseconds(Clock::now() - start);
         }
         if (times.all_us() > dearest.all_us()) dearest = times;
@@ -127,8 +127,8 @@ FlownTimes MeasuredFlight::Impl::update(const View& view, flight::FrameEntry& en
 double MeasuredFlight::Impl::draw(const View& view) {
     const auto start = Clock::now();
     const std::string error = renderer->draw_uploaded(
-        session.mesh(), view, flight::draw_options(flight::PictureMode::shaded, plan.profile, 0), *target);
-    flight::require_graphics(error.empty(), error);
+        session.mesh(), view, session::draw_options(session::PictureMode::shaded, plan.profile, 0), *target);
+    session::require_graphics(error.empty(), error);
     glFinish();
     return microseconds(Clock::now() - start);
 }
@@ -144,12 +144,12 @@ std::size_t MeasuredFlight::frames() const {
     return impl_->poses.size();
 }
 
-const std::vector<flight::Pose>& MeasuredFlight::poses() const {
+const std::vector<session::Pose>& MeasuredFlight::poses() const {
     return impl_->poses;
 }
 
 bool MeasuredFlight::incremental() const {
-    return flight::facts_of(impl_->session.method->kind).keeps_mesh;
+    return session::facts_of(impl_->session.method->kind).keeps_mesh;
 }
 
 double MeasuredFlight::error_px() const {
@@ -162,8 +162,8 @@ void MeasuredFlight::fly(double error_px, const Each& each) {
     s.session.begun = s.session.streamed != nullptr; // streamed, there is nothing to build from
     for (std::size_t i = 0; i < s.poses.size(); ++i) {
         s.control.check();
-        const View view = flight::view_of(s.poses[i], s.session.terrain(), s.plan.profile);
-        flight::FrameEntry entry;
+        const View view = session::view_of(s.poses[i], s.session.terrain(), s.plan.profile);
+        session::FrameEntry entry;
         FlownTimes times = s.update(view, entry);
         if (s.renderer) times.draw_us = s.draw(view);
         s.now_s += 1.0 / 60;
@@ -196,7 +196,7 @@ private:
 };
 
 // Shares of the update are those that the method has timed itself; the recursive one has none, and refines.
-CostParts parts_of(const flight::FrameEntry& entry, const FlownTimes& times) {
+CostParts parts_of(const session::FrameEntry& entry, const FlownTimes& times) {
     const double timed_us = entry.prepare_us + entry.refine_us + entry.output_us;
     const double stream_us = std::min(entry.streamed ? entry.stream_us : 0, times.update_us);
     const double update_us = times.update_us - stream_us;
@@ -212,7 +212,7 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
     flown.times_us.reserve(flight.frames());
     flown.parts_us.reserve(flight.frames());
     double vertices = 0, reached = 0;
-    flight.fly(error_px, [&](const flight::FrameEntry& entry, const FlownTimes& times, std::size_t frame) {
+    flight.fly(error_px, [&](const session::FrameEntry& entry, const FlownTimes& times, std::size_t frame) {
         each(frame);
         if (frame == 0) return; // built from nothing, once
         flown.times_us.push_back(times.all_us());
@@ -261,15 +261,15 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
     const double budget_us = plan.profile.cut.max_time_us;
     const std::string profile = plan.profile_name;
     MeasuredFlight flight(std::move(plan), control);
-    flight::FlightLog log;
+    session::FlightLog log;
     log.frames.reserve(flight.frames());
     const double error_px = flight.error_px();
-    flight.fly(error_px, [&](const flight::FrameEntry& entry, const FlownTimes&, std::size_t frame) {
+    flight.fly(error_px, [&](const session::FrameEntry& entry, const FlownTimes&, std::size_t frame) {
         log.frames.push_back(entry);
         control.progress("fly", frame + 1, flight.frames());
     });
-    write(file, flight::csv(log));
-    const flight::Summary s = flight::summarise(log, flight.incremental());
+    write(file, session::csv(log));
+    const session::Summary s = session::summarise(log, flight.incremental());
     auto run = std::make_shared<FlownRun>(make_run(log.frames, flight.poses()));
     run->name = file_name(path);
     run->profile = profile;

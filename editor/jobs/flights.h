@@ -18,20 +18,20 @@
 
 #include "editor/jobs/jobs.h"
 #include "fjell/io/pack_file.h"
-#include "flight/log.h"
-#include "flight/path.h"
-#include "flight/profile.h"
+#include "session/log.h"
+#include "session/path.h"
+#include "session/profile.h"
 
 namespace fjell::editor {
 
 struct MeasuredFlightPlan {
     std::shared_ptr<const io::PackFile> pack; // of the terrain that is shown
-    flight::Profile profile;
-    std::vector<flight::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
-    std::size_t frames = 0;          // 0: as many as the route has
-    bool draws = false;              // with upload, drawing and the GPU's work
-    std::string profile_name{};      // for people
-    std::string flight_name{};       // for people: what the route is called (Route::flight_name)
+    session::Profile profile;
+    std::vector<session::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
+    std::size_t frames = 0;           // 0: as many as the route has
+    bool draws = false;               // with upload, drawing and the GPU's work
+    std::string profile_name{};       // for people
+    std::string flight_name{};        // for people: what the route is called (Route::flight_name)
 };
 
 // What a frame took, microseconds; upload and drawing only where the plan draws.
@@ -41,7 +41,7 @@ struct FlownTimes {
 };
 
 // The route in so many frames, from its first pose to its last; directions in between are orthonormal.
-[[nodiscard]] std::vector<flight::Pose> in_frames(const std::vector<flight::Pose>& route, std::size_t frames);
+[[nodiscard]] std::vector<session::Pose> in_frames(const std::vector<session::Pose>& route, std::size_t frames);
 
 class MeasuredFlight {
 public:
@@ -51,12 +51,12 @@ public:
     MeasuredFlight& operator=(const MeasuredFlight&) = delete;
 
     [[nodiscard]] std::size_t frames() const;
-    [[nodiscard]] const std::vector<flight::Pose>& poses() const;
+    [[nodiscard]] const std::vector<session::Pose>& poses() const;
     [[nodiscard]] bool incremental() const;
     [[nodiscard]] double error_px() const; // the profile's
     // From the first pose to the last, the first frame built from nothing. each: after every frame, with what it took
     // and its number.
-    using Each = std::function<void(const flight::FrameEntry& entry, const FlownTimes& times, std::size_t frame)>;
+    using Each = std::function<void(const session::FrameEntry& entry, const FlownTimes& times, std::size_t frame)>;
     void fly(double error_px, const Each& each);
 
 private:

@@ -46,9 +46,9 @@ void run(const Jobs::Body& body, JobControl& control) {
 
 } // namespace
 
-flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
-                                 std::shared_ptr<const flight::GroundLayers> layers) {
-    flight::FlightOptions options;
+session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const session::Profile& profile,
+                                  std::shared_ptr<const session::GroundLayers> layers) {
+    session::FlightOptions options;
     options.pack = file->path();
     options.file = std::move(file);
     options.profile = profile;

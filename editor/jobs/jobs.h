@@ -23,10 +23,10 @@
 #include "editor/command.h"
 #include "editor/runs.h"
 #include "fjell/io/pack_file.h"
-#include "flight/layers_file.h"
-#include "flight/options.h"
-#include "flight/path.h"
-#include "flight/profile.h"
+#include "session/layers_file.h"
+#include "session/options.h"
+#include "session/path.h"
+#include "session/profile.h"
 
 namespace fjell::editor {
 
@@ -50,8 +50,9 @@ struct TunePoint {
 };
 
 // Of a session of a job's own over the file that is shown.
-[[nodiscard]] flight::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const flight::Profile& profile,
-                                               std::shared_ptr<const flight::GroundLayers> layers = {});
+[[nodiscard]] session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file,
+                                                const session::Profile& profile,
+                                                std::shared_ptr<const session::GroundLayers> layers = {});
 
 struct ExportPreview {
     double error_px = 0;

@@ -153,7 +153,7 @@ Painter::Painter(const OverviewSource& source, const std::function<bool()>& stop
 // Layers that cannot be laid are said by the renderer, which needs the same.
 void Painter::choose_layers() {
     if (!source_.layers || !source_.settings.on) return;
-    const flight::GroundLayers& layers = *source_.layers;
+    const session::GroundLayers& layers = *source_.layers;
     try {
         std::vector<std::string> names;
         if (header_.layer_bytes != 0) {

@@ -18,14 +18,14 @@
 
 #include "fjell/gl/layers.h"
 #include "fjell/io/pack_file.h"
-#include "flight/layers_file.h"
+#include "session/layers_file.h"
 
 namespace fjell::editor {
 
 // What is painted.
 struct OverviewSource {
     std::shared_ptr<const io::PackFile> pack;
-    std::shared_ptr<const flight::GroundLayers> layers; // null: none
+    std::shared_ptr<const session::GroundLayers> layers; // null: none
     gl::LayerSettings settings;
 };
 

@@ -22,10 +22,10 @@
 #include "fjell/gl/target.h"
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
-#include "flight/pictures.h"
-#include "flight/session.h"
-#include "flight/snapshots.h"
 #include "io/file.h"
+#include "session/pictures.h"
+#include "session/session.h"
+#include "session/snapshots.h"
 
 namespace fjell::editor {
 
@@ -154,8 +154,8 @@ gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& contr
 }
 
 gltf::SnapshotResult write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
-    return flight::write_snapshot(*plan.pack, snapshot, plan.path, snapshot_options(plan, control),
-                                  {plan.layers, plan.profile.layers});
+    return session::write_snapshot(*plan.pack, snapshot, plan.path, snapshot_options(plan, control),
+                                   {plan.layers, plan.profile.layers});
 }
 
 gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
@@ -164,26 +164,27 @@ gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
 
 // A session that is as the frame's; of a streamed one with as much as the view wants and the page slots hold.
 gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) {
-    flight::FlightOptions options = options_of(plan.pack, plan.profile);
-    options.streaming = plan.streamed ? flight::Streaming::on : flight::Streaming::off;
+    session::FlightOptions options = options_of(plan.pack, plan.profile);
+    options.streaming = plan.streamed ? session::Streaming::on : session::Streaming::off;
     options.profile.stream.fade_s = options.profile.stream.lookahead_s = 0; // time stands still
     const bool own = plan.error_px > 0;
     if (own) {
         options.profile.refine.max_error_px = plan.error_px;
         options.profile.refine.corner_safe = false;
     }
-    flight::Session session;
-    flight::open_session(options, session);
+    session::Session session;
+    session::open_session(options, session);
     control.check();
     if (!own || session.streamed)
-        (void)flight::update_until_there(session, plan.view, options.profile, 0, [&](const flight::FrameEntry& entry) {
-            const std::uint64_t wanted = entry.stream.pages_wanted, left = entry.stream.pages_left;
-            control.progress("stream", wanted > left ? wanted - left : 0, wanted);
-        });
+        (void)session::update_until_there(
+            session, plan.view, options.profile, 0, [&](const session::FrameEntry& entry) {
+                const std::uint64_t wanted = entry.stream.pages_wanted, left = entry.stream.pages_left;
+                control.progress("stream", wanted > left ? wanted - left : 0, wanted);
+            });
     control.progress("refine", 0, 1);
     gltf::Snapshot snapshot;
     if (!own)
-        snapshot = flight::take_converged(session);
+        snapshot = session::take_converged(session);
     else if (gltf::SnapshotResult taken = gltf::take_refined(session.terrain(), plan.view, plan.error_px, snapshot);
              !taken.ok())
         return taken;
@@ -212,9 +213,9 @@ void run(const ExportPlan& plan, JobControl& control) {
 
 Jobs::Body export_job(ExportPlan plan) {
     if (plan.error_px != 0 &&
-        !(plan.error_px >= flight::least_threshold_px && plan.error_px <= flight::most_threshold_px))
+        !(plan.error_px >= session::least_threshold_px && plan.error_px <= session::most_threshold_px))
         throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px,
-                                         flight::least_threshold_px, flight::most_threshold_px));
+                                         session::least_threshold_px, session::most_threshold_px));
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }
@@ -227,28 +228,28 @@ namespace {
 void draw_picture_of(const PicturePlan& plan, JobControl& control) {
     control.progress("open", 0, 1);
     // In the order of destruction, last first: GL objects need their context, and all the terrain.
-    const flight::FlightOptions options = options_of(plan.pack, plan.profile, plan.layers);
-    flight::Session session;
-    flight::open_session(options, session);
+    const session::FlightOptions options = options_of(plan.pack, plan.profile, plan.layers);
+    session::Session session;
+    session::open_session(options, session);
     std::string error;
     const auto context = gl::Headless::create({}, error);
-    flight::require_graphics(context != nullptr, error);
-    const auto target = flight::make_target(plan.profile.width_px, plan.profile.height_px, plan.profile, error);
-    flight::require_graphics(target != nullptr, error);
-    const auto renderer = flight::make_renderer(options, session, error);
-    flight::require_graphics(renderer != nullptr, error);
-    const View view = flight::view_of(plan.pose, session.terrain(), plan.profile);
-    (void)flight::update_until_there(session, view, plan.profile, 0, [&](const flight::FrameEntry& poll) {
+    session::require_graphics(context != nullptr, error);
+    const auto target = session::make_target(plan.profile.width_px, plan.profile.height_px, plan.profile, error);
+    session::require_graphics(target != nullptr, error);
+    const auto renderer = session::make_renderer(options, session, error);
+    session::require_graphics(renderer != nullptr, error);
+    const View view = session::view_of(plan.pose, session.terrain(), plan.profile);
+    (void)session::update_until_there(session, view, plan.profile, 0, [&](const session::FrameEntry& poll) {
         control.check();
-        error = flight::upload_mesh(*renderer, session, poll);
-        flight::require_graphics(error.empty(), error);
+        error = session::upload_mesh(*renderer, session, poll);
+        session::require_graphics(error.empty(), error);
     });
-    error = renderer->draw_uploaded(session.mesh(), view, flight::draw_options(plan.mode, plan.profile, 0), *target);
-    flight::require_graphics(error.empty(), error);
+    error = renderer->draw_uploaded(session.mesh(), view, session::draw_options(plan.mode, plan.profile, 0), *target);
+    session::require_graphics(error.empty(), error);
     gl::Image image;
     target->read_colour(image);
     error = gl::write_png(image, plan.path);
-    flight::require_graphics(error.empty(), error);
+    session::require_graphics(error.empty(), error);
     control.publish([&](JobView& shown) {
         shown.output = plan.path;
         shown.result = fmt::format("{}: {} x {} pixels", plan.path, plan.profile.width_px, plan.profile.height_px);

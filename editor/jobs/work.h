@@ -35,21 +35,21 @@ struct ExportPlan {
     std::string path;                         // empty: counts and size alone
     gltf::Snapshot frame;  // what is written as it stands; empty: what follows is refined for the view
     bool streamed = false; // the frame's terrain is: then so is this one's
-    flight::Profile profile;
+    session::Profile profile;
     View view;
     double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on
-    std::shared_ptr<const flight::GroundLayers> layers = {}; // drawn over its colours, as the profile says
+    std::shared_ptr<const session::GroundLayers> layers = {}; // drawn over its colours, as the profile says
 };
 [[nodiscard]] Jobs::Body export_job(ExportPlan plan);
 
 // --- pictures
 struct PicturePlan {
     std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
-    std::shared_ptr<const flight::GroundLayers> layers;
+    std::shared_ptr<const session::GroundLayers> layers;
     std::string path;
-    flight::Profile profile; // with the picture's size
-    flight::PictureMode mode = flight::PictureMode::shaded;
-    flight::Pose pose;
+    session::Profile profile; // with the picture's size
+    session::PictureMode mode = session::PictureMode::shaded;
+    session::Pose pose;
 };
 [[nodiscard]] Jobs::Body picture_job(PicturePlan plan);
 

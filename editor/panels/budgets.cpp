@@ -49,15 +49,16 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
         ui::end_tip();
     }
     if (!exhausted) return;
-    const flight::ProfileKey* const key = flight::find_profile_key(line.key);
+    const session::ProfileKey* const key = session::find_profile_key(line.key);
     if (key == nullptr) return;
     const double now = key->get(state.document.profile()), more = std::min(2 * now, key->most);
     ImGui::PushID(line.key);
     if (now > 0 && more > now) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::control("budget.double", line.key,
-                    key->rebuild == flight::Rebuild::nothing ? "Twice as much, from the next frame on."
-                                                             : "Twice as much. Memory is reallocated; the view stays.");
+                    key->rebuild == session::Rebuild::nothing
+                        ? "Twice as much, from the next frame on."
+                        : "Twice as much. Memory is reallocated; the view stays.");
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
@@ -65,37 +66,37 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
 }
 
 void draw_method(const State& state, Commands& commands) {
-    const flight::FrameEntry& e = state.measures.last();
+    const session::FrameEntry& e = state.measures.last();
     const Peaks& p = state.measures.peaks();
-    const flight::Profile& profile = state.document.profile();
-    const bool kept = flight::facts_of(profile).keeps_mesh;
+    const session::Profile& profile = state.document.profile();
+    const bool kept = session::facts_of(profile).keeps_mesh;
     ui::heading("Refinement:  used | peak | limit");
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
     draw_line({"Vertices", "budget.vertices", "Slots of the vertex buffer. At the limit, the threshold rises.",
                static_cast<double>(e.vertex_slots.used), vertices_peak, static_cast<double>(e.vertex_slots.capacity),
-               flight::exhausted_vertices},
+               session::exhausted_vertices},
               state, commands);
     if (!kept) {
         draw_line({"Indices", "budget.indices", "Slots of the index buffer. At the limit, the threshold rises.",
                    static_cast<double>(e.index_slots.used), static_cast<double>(p.indices),
-                   static_cast<double>(e.index_slots.capacity), flight::exhausted_indices},
+                   static_cast<double>(e.index_slots.capacity), session::exhausted_indices},
                   state, commands);
         return;
     }
     draw_line({"Triangles", "budget.triangles",
                "Slots of the index buffer, in whole segments. At the limit, the threshold rises.",
                static_cast<double>(e.triangle_slots.used), static_cast<double>(e.triangle_slots.peak),
-               static_cast<double>(e.triangle_slots.capacity), flight::exhausted_triangles},
+               static_cast<double>(e.triangle_slots.capacity), session::exhausted_triangles},
               state, commands);
     const bool limited = e.item_limit != unlimited_work;
     draw_line({"Work items", "budget.max_work",
                "Vertices that an update examines or changes. At the limit, the mesh lags behind the camera.",
                static_cast<double>(e.items), static_cast<double>(p.items),
-               limited ? static_cast<double>(e.item_limit) : 0, flight::exhausted_items},
+               limited ? static_cast<double>(e.item_limit) : 0, session::exhausted_items},
               state, commands);
     draw_line({"Time, ms", "budget.max_time_us",
                "Time that an update may take. At the limit, the mesh lags behind the camera.", e.update_us, p.update_us,
-               profile.cut.max_time_us, flight::exhausted_time, Unit::microseconds},
+               profile.cut.max_time_us, session::exhausted_time, Unit::microseconds},
               state, commands);
 }
 
@@ -103,34 +104,34 @@ void draw_stream(const State& state, Commands& commands) {
     if (!state.scene.streamed) return;
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
-    const flight::Profile& profile = state.document.profile();
+    const session::Profile& profile = state.document.profile();
     ui::heading("Streaming:  used | peak | limit");
     draw_line({"Page slots", "stream.page_slots",
                "Pages in memory. At the limit, distant terrain is coarser than requested.",
                static_cast<double>(r.page_slots.used), static_cast<double>(std::max(r.page_slots.peak, p.page_slots)),
-               static_cast<double>(r.page_slots.capacity), flight::exhausted_page_slots},
+               static_cast<double>(r.page_slots.capacity), session::exhausted_page_slots},
               state, commands);
     draw_line({"Requests", "stream.page_requests",
                "Pages and mips in flight (stream.map_requests for mips). At the limit, further requests wait.",
                static_cast<double>(r.in_flight), static_cast<double>(p.requested),
                static_cast<double>(profile.stream_budget.page_requests + profile.stream_budget.map_requests),
-               flight::exhausted_stream_requests},
+               session::exhausted_stream_requests},
               state, commands);
     draw_line({"Pages per frame", "stream.pages",
                "Accepted pages, 10 to 20 us each. At the limit, pages wait for the next frame.",
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
-               static_cast<double>(profile.stream.pages), flight::exhausted_stream_pages},
+               static_cast<double>(profile.stream.pages), session::exhausted_stream_pages},
               state, commands);
     draw_line({"Map memory", "stream.map_mb",
                "Maps on the GPU. At the limit, distant maps are blurrier than requested.",
                static_cast<double>(r.map_bytes_used), static_cast<double>(p.map_bytes),
-               static_cast<double>(r.map_bytes_capacity), flight::exhausted_map_bytes, Unit::bytes},
+               static_cast<double>(r.map_bytes_capacity), session::exhausted_map_bytes, Unit::bytes},
               state, commands);
     draw_line({"Upload per frame", "stream.map_kb", "Maps uploaded to the GPU; one mip may exceed it.",
                static_cast<double>(r.map_upload_bytes), static_cast<double>(p.map_upload_bytes),
-               static_cast<double>(profile.stream.map_bytes), flight::exhausted_stream_upload, Unit::bytes},
+               static_cast<double>(profile.stream.map_bytes), session::exhausted_stream_upload, Unit::bytes},
               state, commands);
-    const bool tests = (state.measures.last().exhausted & flight::exhausted_stream_tests) != 0;
+    const bool tests = (state.measures.last().exhausted & session::exhausted_stream_tests) != 0;
     ui::row("Pages tested", tests ? "limit reached" : "within the limit");
     ui::tip("Pages that an update of the stream tests (stream.tests). Raise it when the limit is reached.");
 }
@@ -143,8 +144,8 @@ void memory_row(const char* label, double bytes, const char* about, double& sum)
 
 void draw_memory(const State& state) {
     const Scene& s = state.scene;
-    const flight::FrameEntry& e = state.measures.last();
-    const flight::MethodFacts& slot = flight::facts_of(state.document.profile());
+    const session::FrameEntry& e = state.measures.last();
+    const session::MethodFacts& slot = session::facts_of(state.document.profile());
     double host = 0, gpu = 0;
     ui::heading("Memory");
     memory_row("Terrain", static_cast<double>(s.terrain_bytes), "Page slots, page table and corners.", host);
@@ -201,7 +202,7 @@ void draw_not_streamed(const State& state, Commands& commands) {
     char label[64];
     std::snprintf(label, sizeof label, "Stream with %s page slots", count_text(slots).text);
     if (ImGui::Button(label))
-        commands.push(SetKey{flight::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
+        commands.push(SetKey{session::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
     ui::control("streaming", "begin", "Half of its pages. The pack is reopened and the view stays; Undo reverts it.");
 }
 
@@ -321,9 +322,9 @@ void draw_levels(const State& state, PanelState&, Commands& commands) {
     for (std::uint32_t i = 0; i < levels.levels; ++i)
         level_bar(levels, i, tile_log2, std::min(state.scene.spacing_m[0], state.scene.spacing_m[1]));
     ui::row("Total", "%s", count_text(static_cast<double>(all)).text);
-    bool shown = state.interface.mode == flight::PictureMode::levels;
+    bool shown = state.interface.mode == session::PictureMode::levels;
     if (ImGui::Checkbox("Colour the picture by level", &shown))
-        commands.push(SetPictureMode{shown ? flight::PictureMode::levels : flight::PictureMode::shaded});
+        commands.push(SetPictureMode{shown ? session::PictureMode::levels : session::PictureMode::shaded});
     ui::control("levels", "colour", "Every triangle in its level's colour, as here. Costs almost nothing.");
 }
 

@@ -70,7 +70,7 @@ void draw_flight(const State& state, PanelState& own, Commands& commands) {
 }
 
 void draw_point(const Route& route, std::size_t i, Commands& commands) {
-    const flight::ControlPoint& p = route.points()[i];
+    const session::ControlPoint& p = route.points()[i];
     char text[112];
     std::snprintf(text, sizeof text, "%zu: %.80s", i, place_text(p[0], p[1], p[2]).text);
     ImGui::PushID(static_cast<int>(i));
@@ -295,7 +295,7 @@ void labelled(const char* label) {
 }
 
 void draw_place(const State& state, Commands& commands) {
-    const flight::FreeCamera& c = state.eye.free;
+    const session::FreeCamera& c = state.eye.free;
     PlaceCamera place{c.position_m, c.heading, c.pitch};
     double heading = std::fmod(c.heading / degree + 360, 360), pitch = c.pitch / degree;
     double above = c.position_m.y - state.eye.ground_m;

@@ -27,7 +27,7 @@ void save(const State& state, Commands& commands) {
 }
 
 void change_threshold(const State& state, double factor, Commands& commands) {
-    static const flight::ProfileKey* const key = flight::find_profile_key("refine.max_error_px");
+    static const session::ProfileKey* const key = session::find_profile_key("refine.max_error_px");
     const double value = key->get(state.document.profile()) * factor;
     commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
 }
@@ -174,9 +174,9 @@ void draw_window_items(const State& state, Commands& commands) {
 }
 
 void draw_view_menu(const State& state, Commands& commands) {
-    const int next = (static_cast<int>(state.interface.mode) + 1) % flight::picture_modes;
-    for (int i = 0; i < flight::picture_modes; ++i) {
-        const auto mode = static_cast<flight::PictureMode>(i);
+    const int next = (static_cast<int>(state.interface.mode) + 1) % session::picture_modes;
+    for (int i = 0; i < session::picture_modes; ++i) {
+        const auto mode = static_cast<session::PictureMode>(i);
         if (ImGui::MenuItem(label_of(mode), i == next ? "M" : "", state.interface.mode == mode))
             commands.push(SetPictureMode{mode});
     }
@@ -227,7 +227,7 @@ void draw_profile_name(const State& state, Commands& commands) {
 // A control that went away while it was held, with its panel, has been let go. The sun is held in the picture, where no
 // control is active: until the button is up that drag goes on, and ends itself.
 void release_held(const State& state, Commands& commands) {
-    const flight::ProfileKey* const held = state.document.held();
+    const session::ProfileKey* const held = state.document.held();
     const bool by_mouse = ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseReleased(ImGuiMouseButton_Left);
     if (held != nullptr && !by_mouse && !ImGui::IsAnyItemActive())
         commands.push(SetKey{held, held->get(state.document.profile()), false});

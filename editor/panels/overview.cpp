@@ -75,7 +75,7 @@ void draw_route(ImDrawList& list, const Frame& frame, const Route& route) {
         list.AddCircleFilled(at, 0.22F * em, path_colour, 8);
     }
     if (route.selected()) {
-        const flight::ControlPoint& p = points[*route.selected()];
+        const session::ControlPoint& p = points[*route.selected()];
         list.AddCircle(frame.at(p[0], p[2]), 0.35F * em, IM_COL32_WHITE, 0, 1.5F);
     }
     if (poses.empty()) return;
@@ -119,7 +119,7 @@ bool drag_point_on(MapHand& hand, const Frame& frame, const Route& route, Comman
         point = point_on(frame, route);
         far = false;
         if (!point) return false;
-        const flight::ControlPoint& p = route.points()[*point];
+        const session::ControlPoint& p = route.points()[*point];
         const ImVec2 at = frame.at(p[0], p[2]);
         from = mouse;
         apart = {at.x - mouse.x, at.y - mouse.y};
@@ -188,7 +188,7 @@ void draw_overview(const State& state, PanelState& own, Commands& commands) {
     const std::optional<std::size_t> under =
         ImGui::IsItemHovered() ? point_on(frame, state.route) : std::optional<std::size_t>();
     if (under) {
-        const flight::ControlPoint& p = state.route.points()[*under];
+        const session::ControlPoint& p = state.route.points()[*under];
         list.AddCircle(frame.at(p[0], p[2]), 0.45F * ImGui::GetFontSize(), path_colour, 0, 2);
         ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     }

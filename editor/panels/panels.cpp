@@ -404,27 +404,27 @@ struct Part {
 
 // Green: as asked for. Amber: it lags, or pages are missing. Red: a budget does not suffice.
 Part threshold_part(const State& state) {
-    const flight::FrameEntry& e = state.measures.last();
+    const session::FrameEntry& e = state.measures.last();
     Part part{"", ui::good, 1, "threshold",
               "The threshold that the mesh keeps now, and why it is not the requested one."};
-    constexpr std::uint32_t lasting = flight::exhausted_vertices | flight::exhausted_indices |
-                                      flight::exhausted_triangles | flight::exhausted_page_slots;
+    constexpr std::uint32_t lasting = session::exhausted_vertices | session::exhausted_indices |
+                                      session::exhausted_triangles | session::exhausted_page_slots;
     const char* why = "";
     if ((e.exhausted & lasting) != 0) {
         part.colour = ui::bad;
-        why = (e.exhausted & flight::exhausted_vertices) != 0    ? "vertices exhausted"
-              : (e.exhausted & flight::exhausted_triangles) != 0 ? "triangles exhausted"
-              : (e.exhausted & flight::exhausted_indices) != 0   ? "indices exhausted"
-                                                                 : "page slots exhausted";
+        why = (e.exhausted & session::exhausted_vertices) != 0    ? "vertices exhausted"
+              : (e.exhausted & session::exhausted_triangles) != 0 ? "triangles exhausted"
+              : (e.exhausted & session::exhausted_indices) != 0   ? "indices exhausted"
+                                                                  : "page slots exhausted";
     } else if (e.streamed && !e.stream.converged) {
         part.colour = ui::warning_colour;
         why = "pages missing";
     } else if (!e.converged) {
         part.colour = ui::warning_colour;
-        why = (e.exhausted & flight::exhausted_items) != 0  ? "lags: work items exhausted"
-              : (e.exhausted & flight::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.morphing > 0                              ? "morphing"
-                                                            : "lags";
+        why = (e.exhausted & session::exhausted_items) != 0  ? "lags: work items exhausted"
+              : (e.exhausted & session::exhausted_time) != 0 ? "lags: time exhausted"
+              : e.morphing > 0                               ? "morphing"
+                                                             : "lags";
     }
     if (e.error_bound_px >= 1e6)
         std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);

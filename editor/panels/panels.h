@@ -79,9 +79,9 @@ struct PictureHand {
     ImVec2 apart;                     // from the pointer to it, when it was taken
     double height_m = 0;              // that it keeps while it is moved level
     bool moved = false;
-    const flight::ProfileKey* key = nullptr; // of the sun
-    double value = 0;                        // of the key, when it was taken
-    bool sun = false;                        // taken, but whether along or across is not clear yet
+    const session::ProfileKey* key = nullptr; // of the sun
+    double value = 0;                         // of the key, when it was taken
+    bool sun = false;                         // taken, but whether along or across is not clear yet
 };
 // A point of the path that is held on the overview.
 struct MapHand {
@@ -119,7 +119,7 @@ struct RenderForm {
 };
 // The field that is being typed into, and whether what is there so far is no value: it turns red.
 struct TypingField {
-    const flight::ProfileKey* key = nullptr;
+    const session::ProfileKey* key = nullptr;
     bool wrong = false;
 };
 
@@ -211,7 +211,7 @@ void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> l
                          Commands& commands);
 
 // As panel and menu call them.
-[[nodiscard]] const char* label_of(flight::PictureMode mode);
+[[nodiscard]] const char* label_of(session::PictureMode mode);
 [[nodiscard]] const char* label_of(Overlay overlay);
 
 // The open one; it has its window, its place and its way to be closed already.

@@ -8,7 +8,7 @@
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 #include "fjell/gl/palette.h"
-#include "flight/profile.h"
+#include "session/profile.h"
 
 namespace fjell::editor {
 
@@ -27,7 +27,7 @@ constexpr Choice modes[] = {
     {"Residency", "Coloured by the finest geometry in memory, whether it is drawn or not."},
     {"Distance", "White at the near plane, black beyond the terrain; logarithmic."},
 };
-static_assert(std::size(modes) == flight::picture_modes, "a mode was added: say what it shows");
+static_assert(std::size(modes) == session::picture_modes, "a mode was added: say what it shows");
 constexpr Choice overlay_choices[] = {
     {"Wireframe", "Edges of all triangles."},
     {"Tile borders", "Borders of tiles, on the ground and in the overview."},
@@ -104,9 +104,9 @@ void error_legend(double promised_px) {
 void draw_legend(const State& state) {
     const int tile_log2 = static_cast<int>(std::bit_width(state.scene.tile_cells)) - 1;
     switch (state.interface.mode) {
-    case flight::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
-    case flight::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
-    case flight::PictureMode::mips: mip_legend(static_cast<int>(state.scene.mips)); break;
+    case session::PictureMode::levels: step_legend(state.scene, tile_log2, true); break;
+    case session::PictureMode::residency: step_legend(state.scene, tile_log2, false); break;
+    case session::PictureMode::mips: mip_legend(static_cast<int>(state.scene.mips)); break;
     default: break;
     }
 }
@@ -168,7 +168,7 @@ void draw_scale(const State& state, Commands& commands) {
 
 } // namespace
 
-const char* label_of(flight::PictureMode mode) {
+const char* label_of(session::PictureMode mode) {
     return modes[static_cast<std::size_t>(mode)].label;
 }
 
@@ -178,11 +178,11 @@ const char* label_of(Overlay overlay) {
 
 void draw_picture(const State& state, PanelState& own, Commands& commands) {
     ui::heading("Picture mode (M: next)");
-    for (int i = 0; i < flight::picture_modes; ++i) {
-        const auto mode = static_cast<flight::PictureMode>(i);
+    for (int i = 0; i < session::picture_modes; ++i) {
+        const auto mode = static_cast<session::PictureMode>(i);
         second_column(i);
         if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
-        ui::control("mode", flight::picture_mode_names[i], modes[i].about);
+        ui::control("mode", session::picture_mode_names[i], modes[i].about);
     }
     ui::note(modes[static_cast<int>(state.interface.mode)].about);
     const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
@@ -223,7 +223,7 @@ void draw_choice(const State& state, PanelState& own, Commands& commands) {
     double px = c.error_px;
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
     if (ImGui::InputDouble("px", &px, 0, 0, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) {
-        own.compared_px = std::clamp(px, flight::least_threshold_px, flight::most_threshold_px);
+        own.compared_px = std::clamp(px, session::least_threshold_px, session::most_threshold_px);
         commands.push(ComparePictures{CompareWith::threshold, own.compared_px});
     }
     ui::control("compare-picture", "error_px", "The other threshold, in pixels. Enter applies it.");
@@ -246,7 +246,7 @@ void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
 
 void name_sides(const State& state, const ui::Rect& view, float x) {
     const ComparedPicture& c = state.compared;
-    const flight::Profile* const other = state.document.compared();
+    const session::Profile* const other = state.document.compared();
     const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.max_error_px : c.error_px;
     char mine[64], theirs[64];
     std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.max_error_px,

@@ -11,7 +11,7 @@
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
 #include "editor/panels/ui.h"
-#include "flight/log.h"
+#include "session/log.h"
 
 namespace fjell::editor {
 

@@ -5,6 +5,7 @@
 #include "editor/number_text.h"
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
+#include "session/methods/method.h"
 
 namespace fjell::editor {
 
@@ -105,7 +106,7 @@ void draw_parts(const State& state) {
 // What the clicked frame reported, and the way to where it was drawn from.
 void draw_report(const State& state, Commands& commands) {
     const MeasuredFrame& f = *state.chosen;
-    const flight::FrameEntry& e = f.entry;
+    const session::FrameEntry& e = f.entry;
     ui::heading("This frame");
     const std::uint64_t ago = state.measures.recorded() - f.number;
     ui::row("Before the newest", "%s frames", count_text(static_cast<double>(ago)).text);
@@ -120,7 +121,7 @@ void draw_report(const State& state, Commands& commands) {
     const Vec3& p = f.pose.position_m;
     ui::row("Camera", "%s", place_text(p.x, p.y, p.z).text);
     if (ImGui::Button("Go to its camera")) {
-        const flight::FreeCamera camera = flight::free_camera(f.pose, state.eye.free.speed_m_s);
+        const session::FreeCamera camera = session::free_camera(f.pose, state.eye.free.speed_m_s);
         commands.push(PlayPath{false});
         commands.push(PlaceCamera{camera.position_m, camera.heading, camera.pitch});
     }
@@ -200,7 +201,7 @@ void draw_time(const State& state, PanelState&, Commands& commands) {
         draw_measured_graph(g, lines, state, commands);
     };
     const double budget_us = state.document.profile().cut.max_time_us;
-    const bool limited = flight::facts_of(state.document.profile()).keeps_mesh && budget_us > 0;
+    const bool limited = session::facts_of(state.document.profile()).keeps_mesh && budget_us > 0;
     draw_hold(state, commands);
     draw_parts(state);
     if (state.chosen) draw_report(state, commands);

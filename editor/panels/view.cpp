@@ -8,7 +8,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "flight/profile_keys.h"
+#include "session/profile_keys.h"
 
 namespace fjell::editor {
 
@@ -20,7 +20,7 @@ constexpr std::size_t most_looked_at = 2000; // points, in every frame and not o
 
 // Where a point of the path is in the window; none: behind the eye.
 std::optional<ImVec2> seen_at(const State& state, const ui::Rect& view, std::size_t point) {
-    const flight::ControlPoint& p = state.route.points()[point];
+    const session::ControlPoint& p = state.route.points()[point];
     const auto place = place_in(state.eye.view, {p[0], p[1], p[2]});
     if (!place) return {};
     return ImVec2{view.x + static_cast<float>((*place)[0]) * view.width,
@@ -58,7 +58,7 @@ void take_point(PictureHand& taken, const State& state, const ui::Rect& view, st
 void drag_point(PictureHand& taken, const State& state, const ui::Rect& view, bool ends, Commands& commands) {
     const auto& points = state.route.points();
     if (*taken.point >= points.size()) return;
-    const flight::ControlPoint& p = points[*taken.point];
+    const session::ControlPoint& p = points[*taken.point];
     const Vec3 at{p[0], p[1], p[2]}, eye = state.eye.view.eye_m;
     const ImVec2 mouse{ImGui::GetIO().MousePos.x + taken.apart.x, ImGui::GetIO().MousePos.y + taken.apart.y};
     const Vec3 way = normalised(direction_at(state.eye.view, static_cast<double>((mouse.x - view.x) / view.width),
@@ -119,17 +119,17 @@ void mark_points_in(const State& state, const ui::Rect& view) {
 // Across: around; along: up and down. By the clock there is only the hour.
 void drag_sun(PictureHand& taken, const State& state, bool ends, Commands& commands) {
     const ImVec2 moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
-    const flight::Profile& profile = state.document.profile();
+    const session::Profile& profile = state.document.profile();
     const bool by_time = profile.light.sun == gl::SunBy::time;
     if (taken.key == nullptr) {
         if (std::max(std::abs(moved.x), std::abs(moved.y)) < drag_begins_px) return;
         const bool across = std::abs(moved.x) >= std::abs(moved.y);
-        taken.key = flight::find_profile_key(by_time  ? "light.hour_utc"
-                                             : across ? "light.azimuth_deg"
-                                                      : "light.elevation_deg");
+        taken.key = session::find_profile_key(by_time  ? "light.hour_utc"
+                                              : across ? "light.azimuth_deg"
+                                                       : "light.elevation_deg");
         taken.value = taken.key->get(profile);
     }
-    const bool up = taken.key == flight::find_profile_key("light.elevation_deg");
+    const bool up = taken.key == session::find_profile_key("light.elevation_deg");
     double value = taken.value + sun_deg_a_pixel * static_cast<double>(up ? -moved.y : moved.x) * (by_time ? 0.1 : 1);
     const double turn = by_time ? 24 : 360;
     value = up ? std::clamp(value, taken.key->least, taken.key->most) : value - turn * std::floor(value / turn);
@@ -423,9 +423,9 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed(key::home)) commands.push(ViewAll{});
     if (pressed('G')) commands.push(SetOverlay{Overlay::wireframe, !state.shows(Overlay::wireframe)});
     if (pressed('M')) {
-        const int count = flight::picture_modes, step = ImGui::GetIO().KeyShift ? count - 1 : 1;
+        const int count = session::picture_modes, step = ImGui::GetIO().KeyShift ? count - 1 : 1;
         commands.push(
-            SetPictureMode{static_cast<flight::PictureMode>((static_cast<int>(state.interface.mode) + step) % count)});
+            SetPictureMode{static_cast<session::PictureMode>((static_cast<int>(state.interface.mode) + step) % count)});
     }
 }
 

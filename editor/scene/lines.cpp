@@ -18,7 +18,7 @@ namespace {
 constexpr gl::Rgba8 path_rgba{255, 120, 200, 210}, selected_rgba{255, 255, 255, 255}, recorded_rgba{240, 105, 95, 230};
 constexpr double point_px = 10, selected_px = 14, apart_px = 16;
 
-Vec3 place_of(const flight::ControlPoint& p) {
+Vec3 place_of(const session::ControlPoint& p) {
     return {p[0], p[1], p[2]};
 }
 
@@ -110,7 +110,7 @@ SceneLines::SceneLines() {
     balls_.reserve(most_balls);
 }
 
-void SceneLines::build(const State& state, const flight::Session& session) {
+void SceneLines::build(const State& state, const session::Session& session) {
     lines_.clear();
     balls_.clear();
     if (state.eye.refining) {
@@ -129,7 +129,7 @@ void SceneLines::build(const State& state, const flight::Session& session) {
 }
 
 // Crossed out: the four borders between corners, and both diagonals.
-void SceneLines::add_culled(const flight::Session& session) {
+void SceneLines::add_culled(const session::Session& session) {
     const Terrain& terrain = session.terrain();
     drawn_.assign(terrain.tile_count(), false);
     for (const TileRange& range : session.mesh().tiles)
@@ -146,7 +146,7 @@ void SceneLines::add_culled(const flight::Session& session) {
 }
 
 // The sphere of a tile's centre bounds all vertices inside the tile.
-void SceneLines::add_tile_spheres(const flight::Session& session, const View& view) {
+void SceneLines::add_tile_spheres(const session::Session& session, const View& view) {
     const Terrain& terrain = session.terrain();
     const std::int32_t half = data_of(terrain).tree.side() / 2;
     near_.clear();
@@ -171,7 +171,7 @@ void SceneLines::add_tile_spheres(const flight::Session& session, const View& vi
 }
 
 // The spheres over one another under the picture's middle: a vertex, its parent, and so on up to its tile's centre.
-void SceneLines::add_chain(const flight::Session& session, const View& view) {
+void SceneLines::add_chain(const session::Session& session, const View& view) {
     const Terrain& terrain = session.terrain();
     const GroundHit hit = cast_ray(terrain, view.eye_m, view.forward, view.far_m);
     if (!hit.hit) return;

@@ -13,7 +13,7 @@
 #include "editor/state.h"
 #include "fjell/gl/lines.h"
 #include "fjell/view.h"
-#include "flight/session.h"
+#include "session/session.h"
 
 namespace fjell::editor {
 
@@ -30,15 +30,15 @@ public:
     static constexpr std::uint32_t most_lines = 8192, most_balls = 128;
 
     SceneLines();
-    void build(const State& state, const flight::Session& session);
+    void build(const State& state, const session::Session& session);
     [[nodiscard]] std::span<const gl::Line> lines() const { return lines_; }
     [[nodiscard]] std::span<const gl::Ball> balls() const { return balls_; }
     [[nodiscard]] bool empty() const { return lines_.empty() && balls_.empty(); }
 
 private:
-    void add_culled(const flight::Session& session);
-    void add_tile_spheres(const flight::Session& session, const View& view);
-    void add_chain(const flight::Session& session, const View& view);
+    void add_culled(const session::Session& session);
+    void add_tile_spheres(const session::Session& session, const View& view);
+    void add_chain(const session::Session& session, const View& view);
 
     std::vector<gl::Line> lines_;
     std::vector<gl::Ball> balls_;

@@ -12,10 +12,10 @@
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
 #include "fjell/measure.h"
-#include "flight/pictures.h"
-#include "flight/snapshots.h"
+#include "session/pictures.h"
+#include "session/snapshots.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 namespace {
 
@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 void write_export(const std::string& path, const FlightOptions& options, const Session& session) {
     const gltf::Snapshot snapshot = options.export_converged ? take_converged(session) : take_frame(session);
-    const gltf::SnapshotResult result = flight::write_snapshot(
+    const gltf::SnapshotResult result = session::write_snapshot(
         *session.file, snapshot, path, {.texel_m = options.export_texel_m}, {options.layers, options.profile.layers});
     if (!result.ok()) throw Failure(result.exit_code, result.message);
 }
@@ -157,4 +157,4 @@ void fly_headless(const FlightOptions& options, Session& session, std::span<cons
     }
 }
 
-} // namespace fjell::flight
+} // namespace fjell::session

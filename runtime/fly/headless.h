@@ -5,11 +5,11 @@
 #include <span>
 #include <string>
 
-#include "flight/log.h"
-#include "flight/session.h"
 #include "fly/options.h"
+#include "session/log.h"
+#include "session/session.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 // Pictures and snapshots of a streamed pack that lack what their views want.
 struct Shortfall {
@@ -23,4 +23,4 @@ struct Shortfall {
 void fly_headless(const FlightOptions& options, Session& session, std::span<const Pose> poses, FlightLog& log,
                   Verification& verification, Shortfall& shortfall);
 
-} // namespace fjell::flight
+} // namespace fjell::session

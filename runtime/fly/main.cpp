@@ -9,16 +9,16 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
-#include "flight/session.h"
 #include "fly/headless.h"
 #include "fly/options.h"
 #include "fly/outputs.h"
 #include "fly/window.h"
+#include "session/session.h"
 
 namespace {
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 using io::Failure;
 
 // What could not be read is an error of the input, or of the disk, once the flight is over.

@@ -12,14 +12,14 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
-#include "flight/methods/method.h"
-#include "flight/path.h"
-#include "flight/pictures.h"
-#include "flight/profile_keys.h"
 #include "io/command_line.h"
 #include "io/file.h"
+#include "session/methods/method.h"
+#include "session/path.h"
+#include "session/pictures.h"
+#include "session/profile_keys.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 namespace {
 
@@ -372,4 +372,4 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     return true;
 }
 
-} // namespace fjell::flight
+} // namespace fjell::session

@@ -12,7 +12,7 @@
 
 #include "fjell/io/failure.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 namespace {
 
@@ -148,7 +148,7 @@ std::string stream_rows(const Summary& summary) {
 
 std::string table(const FlightOptions& o, const Summary& s, const Verification& v) {
     std::string text;
-    const auto row = [&](const char* name, const std::string& value) { text += flight::row(name, value); };
+    const auto row = [&](const char* name, const std::string& value) { text += session::row(name, value); };
     row("frames", fmt::format("{}, {} of them converged; threshold {:g} px", s.frames, s.converged,
                               o.profile.refine.max_error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
@@ -219,4 +219,4 @@ void Outputs::finish(const FlightOptions& options, const Session& session, const
     if (options.csv != "-" && options.json != "-") fmt::print("{}", table(options, summary, verification));
 }
 
-} // namespace fjell::flight
+} // namespace fjell::session

@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
-#include "flight/session.h"
 #include "fly/options.h"
 #include "io/file.h"
+#include "session/session.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 class Outputs {
 public:
@@ -31,4 +31,4 @@ private:
     std::string made_folder_;
 };
 
-} // namespace fjell::flight
+} // namespace fjell::session

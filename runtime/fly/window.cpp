@@ -13,11 +13,11 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/measure.h"
-#include "flight/camera.h"
-#include "flight/pictures.h"
 #include "gl/window.h"
+#include "session/camera.h"
+#include "session/pictures.h"
 
-namespace fjell::flight {
+namespace fjell::session {
 
 namespace {
 
@@ -213,8 +213,8 @@ private:
         shown_seconds_ += seconds;
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
-        const bool wanting = (entry.exhausted & (flight::exhausted_vertices | flight::exhausted_indices |
-                                                 flight::exhausted_triangles)) != 0;
+        const bool wanting = (entry.exhausted & (session::exhausted_vertices | session::exhausted_indices |
+                                                 session::exhausted_triangles)) != 0;
         const bool missing = entry.missing_px > entry.error_px_requested;
         const std::string text = fmt::format(
             "Fjell - update {:.0f} us - {} vertices - {} triangles drawn - {:.0f} fps - {}{}{}", entry.update_us,
@@ -256,4 +256,4 @@ void fly_in_window(const FlightOptions& options, Session& session, std::span<con
     flight.run(log, verification);
 }
 
-} // namespace fjell::flight
+} // namespace fjell::session

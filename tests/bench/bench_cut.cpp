@@ -15,7 +15,7 @@
 
 #include "bench/cut_scenes.h"
 #include "fjell/recursive.h"
-#include "flight/worker_pool.h"
+#include "session/worker_pool.h"
 
 namespace {
 
@@ -209,7 +209,7 @@ void from_nothing(benchmark::State& state, double error_px) {
     std::vector<View> views = flight_views(t, 3, 200); // a place every 24 cells
     for (std::size_t i = 0; i * 8 < views.size(); ++i) views[i] = views[i * 8];
     views.resize((views.size() + 7) / 8);
-    flight::WorkerPool pool(2);
+    session::WorkerPool pool(2);
     std::vector<double> ns[2], lean_ns, lean_culled_ns; // of one worker and of two
     io::AlignedMemory memory[2];
     LiveCut cuts[2];

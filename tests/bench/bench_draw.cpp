@@ -27,10 +27,10 @@
 #include "fjell/gl/target.h"
 #include "fjell/io/load.h"
 #include "fjell/io/materials.h"
-#include "flight/layers_file.h"
 #include "gl/lighting.h"
 #include "io/file.h"
 #include "pack/terrain_data.h"
+#include "session/layers_file.h"
 
 namespace {
 
@@ -70,7 +70,7 @@ const std::pair<io::Materials, std::vector<gl::LayerRule>>& ground_layers() {
         static const std::vector<std::byte> file = io::materials_file(baker::encode_materials(texels).materials);
         io::Materials materials = io::open_materials(file, "materials");
         const std::string rules = FJELL_SOURCE_DIR "/content/materials/rules/alpine.json";
-        std::vector<gl::LayerRule> parsed = flight::parse_layer_rules(io::read_text(rules), rules, materials);
+        std::vector<gl::LayerRule> parsed = session::parse_layer_rules(io::read_text(rules), rules, materials);
         return std::pair(std::move(materials), std::move(parsed));
     }();
     return layers;
@@ -108,7 +108,7 @@ void draw(benchmark::State& state, const Picture& picture) {
     CutReport report;
     const double extent = pack.terrain.x_m(data_of(pack.terrain).tree.columns() - 1);
     Vec3 eye{0.5 * extent, above_m, 0.5 * extent};
-    const auto view = [&] {
+    const auto view = [&, width = width, height = height] {
         return make_view(eye, {0.8, -0.2, -0.6}, {0, 1, 0}, 0.7853981633974483, width, height, 3, 3 * extent);
     };
     View now = view();

@@ -15,13 +15,13 @@
 #include "content/hosts/times/times.h"
 #include "fjell/gl/context.h"
 #include "fjell/io/failure.h"
-#include "flight/pictures.h"
-#include "flight/session.h"
+#include "session/pictures.h"
+#include "session/session.h"
 
 namespace {
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 
 constexpr std::uint32_t width_px = 640, height_px = 360;
 

@@ -12,8 +12,8 @@
 #include "baker/materials/recipe.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/materials.h"
-#include "flight/layers_file.h"
 #include "input.h"
+#include "session/layers_file.h"
 
 namespace {
 
@@ -43,7 +43,7 @@ void parse_rules(const std::string& text) {
     materials.records.resize(2);
     std::memcpy(materials.records[0].name, "rock", 5);
     std::memcpy(materials.records[1].name, "grass", 6);
-    const std::vector<gl::LayerRule> rules = flight::parse_layer_rules(text, "fuzz", materials);
+    const std::vector<gl::LayerRule> rules = session::parse_layer_rules(text, "fuzz", materials);
     must(!rules.empty() && rules.size() <= gl::max_layer_rules, "there are rules");
     for (const gl::LayerRule& rule : rules) {
         must(rule.material < 2, "a rule's material is one of them");

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "fjell/io/failure.h"
-#include "flight/path.h"
 #include "input.h"
+#include "session/path.h"
 
 using namespace fjell;
 using fuzz::must;
@@ -19,15 +19,15 @@ bool near(double a, double b) {
 extern "C" int fuzz_path(const std::uint8_t* data, std::size_t size) {
     try {
         const std::string_view text{reinterpret_cast<const char*>(data), size};
-        const flight::CameraPath path = flight::parse_path(text, "fuzz");
-        flight::Ground ground;
+        const session::CameraPath path = session::parse_path(text, "fuzz");
+        session::Ground ground;
         ground.extent_x_m = 3000;
         ground.extent_z_m = 2000;
         ground.cell_m = 10;
         for (const std::size_t frames : {std::size_t{1}, std::size_t{17}}) {
             const auto poses = resample(path, ground, frames);
             must(poses.size() == frames, "as many frames as asked for");
-            for (const flight::Pose& p : poses) {
+            for (const session::Pose& p : poses) {
                 must(std::abs(p.position_m.x) <= 1e8 && std::abs(p.position_m.y) <= 1e8 &&
                          std::abs(p.position_m.z) <= 1e8,
                      "a camera is somewhere");

@@ -4,11 +4,11 @@
 #include <string_view>
 
 #include "fjell/io/failure.h"
-#include "flight/profile_keys.h"
 #include "input.h"
+#include "session/profile_keys.h"
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 using fuzz::must;
 
 extern "C" int fuzz_profile(const std::uint8_t* data, std::size_t size) {

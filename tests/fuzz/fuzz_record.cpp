@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "fjell/io/failure.h"
-#include "flight/record.h"
 #include "input.h"
+#include "session/record.h"
 #include "support/cut_scene.h"
 
 namespace {
@@ -31,15 +31,15 @@ const io::LoadedPack& paged_pack() {
     return pack;
 }
 
-void repeat(const flight::Recording& recording) {
+void repeat(const session::Recording& recording) {
     const bool paged = recording.page_slots != 0;
     const io::LoadedPack& pack = paged ? paged_pack() : whole_pack();
     PagedTerrain some(paged_pack().pack, {std::min(recording.page_slots, 64u)});
     Cut cut(paged ? some.terrain : pack.terrain, ample_cut(pack.terrain, 3));
     std::size_t left = 12; // frames; more only take longer
-    for (const flight::RecordedFrame& f : recording.frames) {
+    for (const session::RecordedFrame& f : recording.frames) {
         if (left-- == 0) break;
-        if (paged) (void)flight::replay_pages(pack.pack, some.terrain, cut.cut, f);
+        if (paged) (void)session::replay_pages(pack.pack, some.terrain, cut.cut, f);
         CutReport report;
         const Status done = (f.rebuild ? rebuild_cut : update_cut)(cut.cut, f.views, f.settings, report);
         if (!done.ok()) continue;
@@ -52,7 +52,7 @@ void repeat(const flight::Recording& recording) {
 
 extern "C" int fuzz_record(const std::uint8_t* data, std::size_t size) {
     try {
-        repeat(flight::parse_recording({reinterpret_cast<const char*>(data), size}, "fuzz"));
+        repeat(session::parse_recording({reinterpret_cast<const char*>(data), size}, "fuzz"));
     } catch (const io::Failure&) { // said what is wrong
     }
     return 0;

@@ -22,10 +22,10 @@
 #include "baker/bake/checkpoint.h"
 #include "baker/materials/encode.h"
 #include "baker/pack/write_set.h"
-#include "flight/record.h"
 #include "input.h"
 #include "io/file.h"
 #include "io/set_file.h"
+#include "session/record.h"
 #include "support/terrain_fixture.h"
 
 namespace {
@@ -205,7 +205,7 @@ io::LoadedPack make_sparse(Random& random) {
 }
 
 // Coarse pages mostly, so that finer ones find theirs: fuzz_record's terrain has 2 tiles of 6 pages.
-void script_pages(Random& random, flight::RecordedFrame& frame) {
+void script_pages(Random& random, session::RecordedFrame& frame) {
     for (int n = 0; n < 12; ++n)
         frame.pages.push_back({static_cast<std::uint32_t>(pick(random, 0, 1)),
                                static_cast<std::uint32_t>(std::min(pick(random, 0, 5), pick(random, 0, 5))),
@@ -218,11 +218,11 @@ void make_recordings(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     Random random(32);
     for (int seed = 0; seed < 6; ++seed) {
-        flight::Recording recording;
+        session::Recording recording;
         recording.budget.vertices = 4000;
         recording.page_slots = seed < 3 ? 0 : seed == 3 ? 5 : 12;
         for (int frame = 0; frame < 6; ++frame) {
-            flight::RecordedFrame f;
+            session::RecordedFrame f;
             f.rebuild = frame == 0 && seed % 2 == 0;
             for (int n = 0; n <= seed % 3; ++n) {
                 const Vec3 eye{uniform(random, -100, 2000), uniform(random, 0, 900), uniform(random, -100, 2000)};

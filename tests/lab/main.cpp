@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "flight/path.h"
 #include "lab/measure.h"
 #include "lab/report.h"
+#include "session/path.h"
 #include "support/times.h"
 
 namespace {
@@ -104,7 +104,7 @@ int run(const Options& options) {
     for (const std::string& file : recipe_files(options.recipes)) {
         (void)lab::read_recipe(file, real_folder, !options.quick); // its other form
         recipes.push_back(lab::read_recipe(file, real_folder, options.quick));
-        (void)flight::read_path(FJELL_SOURCE_DIR "/" + recipes.back().site.path);
+        (void)session::read_path(FJELL_SOURCE_DIR "/" + recipes.back().site.path);
         (void)lab::read_published(options.recipes + "/published/thesis.json", recipes.back().published);
     }
     std::vector<lab::Store> stores;

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "flight/path.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "session/path.h"
 
 namespace fjell::lab {
 
@@ -37,8 +37,8 @@ double height_at(const baker::Dem& dem, double x_m, double z_m) {
            (dem.at(column, row + 1) * (1 - u) + dem.at(column + 1, row + 1) * u) * v;
 }
 
-flight::Ground ground_of(const baker::Dem& dem) {
-    flight::Ground ground;
+session::Ground ground_of(const baker::Dem& dem) {
+    session::Ground ground;
     ground.extent_x_m = dem.spacing_m[0] * (dem.columns - 1);
     ground.extent_z_m = dem.spacing_m[1] * (dem.rows - 1);
     ground.cell_m = std::min(dem.spacing_m[0], dem.spacing_m[1]);
@@ -46,14 +46,14 @@ flight::Ground ground_of(const baker::Dem& dem) {
     return ground;
 }
 
-View view_from(const flight::Ground& ground, Vec3 eye, Vec3 forward, Vec3 up) {
+View view_from(const session::Ground& ground, Vec3 eye, Vec3 forward, Vec3 up) {
     const double far_m = 2 * (ground.extent_x_m + ground.extent_z_m);
     return make_view(eye, forward, up, fov_y_rad, width_px, height_px, std::min(10.0, ground.cell_m / 6), far_m);
 }
 
 // Over the middle, 400 m above ground as a camera follows it, over a hundred cells and not every bump. No longer than
 // two fifths of the terrain: fewer frames then.
-std::vector<View> straight(const flight::Ground& ground, double cells, int frames) {
+std::vector<View> straight(const session::Ground& ground, double cells, int frames) {
     const Vec3 direction{0.8, 0, -0.6};
     const double step_m = cells * ground.cell_m, most_m = 0.4 * std::min(ground.extent_x_m, ground.extent_z_m);
     const int count = std::clamp(static_cast<int>(most_m / step_m), 1, frames);
@@ -209,11 +209,11 @@ Bout& World::bout(const Case& c, int tile_cells) {
 }
 
 std::vector<View> World::views(const Case& c, int frames) {
-    const flight::Ground ground = ground_of(dem());
+    const session::Ground ground = ground_of(dem());
     if (c.cells_a_frame > 0) return straight(ground, c.cells_a_frame, frames);
-    const flight::CameraPath path = flight::read_path(source_root_ + "/" + site_.path);
+    const session::CameraPath path = session::read_path(source_root_ + "/" + site_.path);
     std::vector<View> views;
-    for (const flight::Pose& pose : flight::resample(path, ground, static_cast<std::size_t>(frames)))
+    for (const session::Pose& pose : session::resample(path, ground, static_cast<std::size_t>(frames)))
         views.push_back(view_from(ground, pose.position_m, pose.direction, pose.up));
     return views;
 }

@@ -10,8 +10,8 @@
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
-#include "flight/file_ground.h"
-#include "flight/path.h"
+#include "session/file_ground.h"
+#include "session/path.h"
 #include "support/set_scene.h"
 #include "support/stream_scene.h"
 
@@ -139,12 +139,12 @@ TEST_CASE(
     "a flight over a sparse set starts over ground nearest to its empty middle, and all of it is where tiles are") {
     const HugeSet set;
     const io::PackFile file(set.folder.path.string());
-    flight::FileGround ground(file);
+    session::FileGround ground(file);
     const io::LoadedPack loaded = io::load_pack(set.path, io::LoadTerrain::yes);
     const auto whole = [&](double x, double z) { return !ground_height(loaded.terrain, x, z).hole; };
-    const flight::Area area = flight::start_area(loaded.terrain, whole),
-                       streamed = flight::start_area(loaded.terrain,
-                                                     [&](double x, double z) { return ground.has_ground(x, z); });
+    const session::Area area = session::start_area(loaded.terrain, whole),
+                        streamed = session::start_area(loaded.terrain,
+                                                       [&](double x, double z) { return ground.has_ground(x, z); });
     const At near = HugeSet::places[1]; // to (512, 512)
     const double a_tile = tile_cells * spacing_m;
     CHECK(area.x_m == near.x * a_tile);
@@ -156,19 +156,19 @@ TEST_CASE(
     CHECK(streamed.z_m == area.z_m);
     CHECK(streamed.width_m >= area.width_m * (1 - 1.0 / 32));
 
-    flight::Ground here = flight::ground_of(loaded.terrain);
+    session::Ground here = session::ground_of(loaded.terrain);
     here.start = area;
-    const flight::CameraPath path{"orbit", flight::Units::terrain, flight::Orbit{.over_start = true}};
-    for (const flight::Pose& pose : flight::resample(path, here, 8)) {
+    const session::CameraPath path{"orbit", session::Units::terrain, session::Orbit{.over_start = true}};
+    for (const session::Pose& pose : session::resample(path, here, 8)) {
         CHECK(std::abs(pose.position_m.x - (near.x + 1) * a_tile) < a_tile);
         CHECK(std::abs(pose.position_m.z - (near.y + 0.5) * a_tile) < a_tile);
         CHECK(pose.position_m.y < loaded.terrain.header().max_m + a_tile);
     }
-    const flight::Area all = flight::area_of_tiles(loaded.terrain);
+    const session::Area all = session::area_of_tiles(loaded.terrain);
     CHECK(all.x_m == 0);
     CHECK(all.width_m == (HugeSet::places[2].x + 2) * a_tile);
     CHECK(all.depth_m == (HugeSet::places[2].y + 1) * a_tile);
-    const flight::Ground full = flight::ground_of(loaded.terrain);
+    const session::Ground full = session::ground_of(loaded.terrain);
     CHECK(full.start_area().longer_m() == full.longer_m());
 }
 

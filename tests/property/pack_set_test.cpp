@@ -7,8 +7,8 @@
 
 #include "fjell/measure.h"
 #include "fjell/query.h"
-#include "flight/file_ground.h"
 #include "gltf/geometry.h"
+#include "session/file_ground.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"
 #include "support/set_scene.h"
@@ -334,7 +334,7 @@ TEST_CASE("what flies over missing tiles has ground under it, and what is export
 
     for (const double x : {17.5, 24.0, 31.9}) CHECK(data_of(terrain).ground_m(x, 24) >= 1000);
     const io::PackFile file(folder / "set");
-    flight::FileGround read(file);
+    session::FileGround read(file);
     for (const double x : {17.5, 24.0, 31.9}) CHECK(read.ground_m(x, 24) == Approx(data_of(terrain).ground_m(x, 24)));
 
     // Triangles along the border of the tile to the west of the missing one.

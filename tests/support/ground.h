@@ -3,13 +3,13 @@
 
 #include <cmath>
 
-#include "flight/path.h"
+#include "session/path.h"
 
 namespace fjell::test {
 
 // 9 x 7 km at height 0.
-[[nodiscard]] inline flight::Ground plain() {
-    flight::Ground ground;
+[[nodiscard]] inline session::Ground plain() {
+    session::Ground ground;
     ground.extent_x_m = 9000;
     ground.extent_z_m = 7000;
     ground.cell_m = 30;
@@ -17,8 +17,8 @@ namespace fjell::test {
 }
 
 // Three ridges across; the extents differ, as do the metres of a cell along them.
-[[nodiscard]] inline flight::Ground ridges() {
-    flight::Ground ground;
+[[nodiscard]] inline session::Ground ridges() {
+    session::Ground ground;
     ground.extent_x_m = 40000;
     ground.extent_z_m = 20000;
     ground.cell_m = 50;

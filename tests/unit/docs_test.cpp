@@ -15,8 +15,8 @@
 #include "fjell/cut.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
-#include "flight/profile_keys.h"
 #include "pack/record.h"
+#include "session/profile_keys.h"
 #include "support/program.h"
 #include "tree/order.h"
 
@@ -218,7 +218,7 @@ bool quotes(const Block& block) {
 const std::vector<std::string> built{
     "content/hosts/c_loop/",  "content/hosts/first/", "content/hosts/game/",   "content/hosts/ground/",
     "content/hosts/physics/", "content/hosts/ogre/",  "content/hosts/server/", "content/hosts/vulkan/",
-    "runtime/flight/",        "runtime/include/",     "tests/door/",           "tests/unit/"};
+    "runtime/session/",       "runtime/include/",     "tests/door/",           "tests/unit/"};
 
 } // namespace
 
@@ -355,7 +355,7 @@ TEST_CASE("every name of the code that the documents use exists in it") {
     for (const Page& page : pages())
         for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view|light|layers)\\.[a-z_]+)`")) {
             INFO(page.name << ": " << key);
-            CHECK(flight::find_profile_key(key) != nullptr);
+            CHECK(session::find_profile_key(key) != nullptr);
         }
 }
 

@@ -97,7 +97,7 @@ TEST_CASE("an orbit begins without moving the camera, around the ground in the p
         CameraPlace place(seed);
         place.fly_somewhere();
         Eye& eye = place.state.eye;
-        const flight::Pose pose = eye.free.pose();
+        const session::Pose pose = eye.free.pose();
         const GroundHit hit = cast_ray(place.terrain(), pose.position_m, pose.direction, 1e9);
         place.act(SetNavigation{Navigation::orbit});
         INFO("seed " << seed << (hit.hit ? "" : ", sky"));
@@ -163,12 +163,12 @@ TEST_CASE("a jump keeps the view and the height above the ground") {
         CameraPlace place(seed);
         place.fly_somewhere();
         for (int i = 0; i < 50; ++i) {
-            const flight::FreeCamera before = place.state.eye.free;
+            const session::FreeCamera before = place.state.eye.free;
             const double above = place.above();
             const JumpTo to{uniform(place.random, 0, place.state.scene.width_m()),
                             uniform(place.random, 0, place.state.scene.depth_m())};
             place.act(to);
-            const flight::FreeCamera& now = place.state.eye.free;
+            const session::FreeCamera& now = place.state.eye.free;
             CHECK(now.position_m.x == to.x_m);
             CHECK(now.position_m.z == to.z_m);
             CHECK(place.above() == Approx(above).margin(1e-6));
@@ -234,7 +234,7 @@ TEST_CASE("what cannot be done says so and changes nothing") {
         return times;
     };
     const std::size_t said = told();
-    const flight::FreeCamera before = place.state.eye.free;
+    const session::FreeCamera before = place.state.eye.free;
     for (const Command& command :
          std::initializer_list<Command>{PlayPath{true}, SeekPath{0.5}, SetNavigation{Navigation::path}, RemovePoint{0},
                                         RestorePath{}, SavePath{}, PlaceCamera{{1e9, 0, 0}, 0, 0}})

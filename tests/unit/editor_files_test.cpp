@@ -51,7 +51,7 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     Settings settings;
     settings.recent = {"/a/b.fjell", "/c \"d\".fjell"};
     settings.folder = "/a";
-    settings.look = {1.5, 1700, 900, {}, flight::PictureMode::levels, {true, false, false, true}, false};
+    settings.look = {1.5, 1700, 900, {}, session::PictureMode::levels, {true, false, false, true}, false};
     settings.look.arrangement.turn_to(Panel::budgets);
     settings.look.arrangement.folded[1] = true;
     settings.look.arrangement.width_px[0] = 411;
@@ -89,7 +89,7 @@ TEST_CASE("a key of the settings that means nothing costs that key alone, and an
     Settings settings = read_settings(folder / "config", problem);
     CHECK(problem.find("scale cannot be understood") != std::string::npos);
     CHECK(settings.recent.size() == 1);
-    CHECK(settings.look.mode == flight::PictureMode::levels);
+    CHECK(settings.look.mode == session::PictureMode::levels);
     spit(file, R"({"recent": ["/a.fjell"], "folder": "/b", "scale": 2})"); // as the first editors wrote it
     settings = read_settings(folder / "config", problem);
     CHECK(problem.empty());

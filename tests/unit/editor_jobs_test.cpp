@@ -15,7 +15,7 @@
 #include "editor/jobs/jobs.h"
 #include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
-#include "flight/session.h"
+#include "session/session.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -58,11 +58,11 @@ struct JobPlace {
     [[nodiscard]] MeasuredFlightPlan streamed(std::size_t frames) const {
         MeasuredFlightPlan p = plan(frames);
         p.profile.page_slots = slots();
-        flight::FlightOptions options;
+        session::FlightOptions options;
         options.file = p.pack;
         options.profile = p.profile;
-        flight::Session session;
-        flight::open_session(options, session);
+        session::Session session;
+        session::open_session(options, session);
         REQUIRE(session.streamed != nullptr); // more pages than slots
         return p;
     }
@@ -71,15 +71,15 @@ struct JobPlace {
         return io::load_pack(folder / "t.fjell", io::LoadTerrain::yes).terrain.page_count() - 1;
     }
     [[nodiscard]] ExportPlan snapshot(const std::string& path, bool streamed = false) const {
-        flight::FlightOptions options;
+        session::FlightOptions options;
         options.pack = folder / "t.fjell";
-        options.streaming = flight::Streaming::off;
-        flight::Session session;
-        flight::open_session(options, session);
+        options.streaming = session::Streaming::off;
+        session::Session session;
+        session::open_session(options, session);
         ExportPlan p{pack(), path, {}, streamed, options.profile, {}, 2};
         if (streamed) p.profile.page_slots = slots();
-        p.view = flight::view_of(flight::resample(flight::path_of(options), session.ground(), 5)[2], session.terrain(),
-                                 p.profile);
+        p.view = session::view_of(session::resample(session::path_of(options), session.ground(), 5)[2],
+                                  session.terrain(), p.profile);
         return p;
     }
     TemporaryFolder folder;
@@ -357,17 +357,17 @@ TEST_CASE("a bake that is cancelled midway and keeps its folder is gone on with 
 }
 
 TEST_CASE("a route in other frames begins and ends where it did and holds the camera upright") {
-    std::vector<flight::Pose> route;
+    std::vector<session::Pose> route;
     for (int i = 0; i <= 10; ++i) {
         const double a = 0.2 * i;
         route.push_back({{10.0 * i, 5, 0}, {std::cos(a), 0, std::sin(a)}, {0, 1, 0}});
     }
-    const std::vector<flight::Pose> more = in_frames(route, 41);
+    const std::vector<session::Pose> more = in_frames(route, 41);
     REQUIRE(more.size() == 41);
     CHECK(more.front().position_m.x == 0);
     CHECK(more.back().position_m.x == 100);
     CHECK(more[2].position_m.x == Approx(5));
-    for (const flight::Pose& p : more) {
+    for (const session::Pose& p : more) {
         CHECK(length(p.direction) == Approx(1));
         CHECK(length(p.up) == Approx(1));
         CHECK(std::abs(dot(p.direction, p.up)) < 1e-12);

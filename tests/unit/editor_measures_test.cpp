@@ -119,7 +119,7 @@ TEST_CASE("a scale reaches to what is usual: one value in a hundred, and one of 
 
 TEST_CASE("a frame is recorded once, and one that was built from nothing counts as none of the others") {
     Measures measures;
-    flight::FrameEntry entry;
+    session::FrameEntry entry;
     const FrameTimes times{16000, 500, 3000, 11000, 400};
     const auto record = [&](double camera_m, bool drawn) {
         measures.observe(entry);

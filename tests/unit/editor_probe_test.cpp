@@ -9,8 +9,8 @@
 #include "editor/measures.h"
 #include "editor/probe.h"
 #include "fjell/query.h"
-#include "flight/camera.h"
-#include "flight/session.h"
+#include "session/camera.h"
+#include "session/session.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -22,31 +22,31 @@ namespace {
 
 // A session over random ground, its mesh as a random camera above it wants it.
 struct ProbedTerrain {
-    ProbedTerrain(Random& random, flight::Method method) {
+    ProbedTerrain(Random& random, session::Method method) {
         (void)baker::bake(random_dem(random, pick(random, 70, 190), pick(random, 70, 190), Shape::fractal),
                           small_bake(5), folder / "t.fjell");
-        flight::FlightOptions options;
+        session::FlightOptions options;
         options.pack = folder / "t.fjell";
         options.profile.method = method;
         options.profile.refine.max_error_px = 3;
         options.profile.width_px = 640;
         options.profile.height_px = 360;
-        flight::open_session(options, session);
-        const flight::Ground ground = session.ground();
+        session::open_session(options, session);
+        const session::Ground ground = session.ground();
         const double x = uniform(random, 0, ground.extent_x_m), z = uniform(random, 0, ground.extent_z_m);
-        flight::FreeCamera camera;
+        session::FreeCamera camera;
         camera.position_m = {x, ground.height_m(x, z) + uniform(random, 0.02, 0.4) * ground.longer_m(), z};
-        flight::look(camera, uniform(random, -3, 3), uniform(random, -1.2, -0.1));
-        view = flight::view_of(camera.pose(), session.terrain(), options.profile);
-        for (int i = 0; i < 3; ++i) (void)flight::update_frame(session, view, options.profile, i * 0.1);
+        session::look(camera, uniform(random, -3, 3), uniform(random, -1.2, -0.1));
+        view = session::view_of(camera.pose(), session.terrain(), options.profile);
+        for (int i = 0; i < 3; ++i) (void)session::update_frame(session, view, options.profile, i * 0.1);
     }
     TemporaryFolder folder;
-    flight::Session session;
+    session::Session session;
     View view;
 };
 
 // Levels of all triangles that hold the place, on their edges too.
-std::vector<int> levels_over(const flight::Session& session, const Vec3& place) {
+std::vector<int> levels_over(const session::Session& session, const Vec3& place) {
     const MeshView mesh = session.mesh();
     const PackHeader& h = session.terrain().header();
     const double column = place.x / h.spacing_m[0], row = place.z / h.spacing_m[1];
@@ -71,7 +71,7 @@ std::vector<int> levels_over(const flight::Session& session, const Vec3& place) 
 }
 
 void check_place(ProbedTerrain& terrain, Probe& probe, double x, double y) {
-    const flight::Session& session = terrain.session;
+    const session::Session& session = terrain.session;
     CAPTURE(x, y);
     probe.pointer = std::array{x, y};
     update_probe(probe, session, terrain.view, terrain.view, false);
@@ -109,7 +109,7 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
     for (unsigned seed = 0; seed < rounds<unsigned>(6, 60); ++seed) {
         INFO("seed " << seed);
         Random random(seed);
-        ProbedTerrain terrain(random, seed % 3 == 2 ? flight::Method::recursive : flight::Method::incremental);
+        ProbedTerrain terrain(random, seed % 3 == 2 ? session::Method::recursive : session::Method::incremental);
         Probe probe;
         update_probe(probe, terrain.session, terrain.view, terrain.view, true);
         CHECK_FALSE(probe.ground); // it is off, and costs nothing
@@ -132,8 +132,8 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
 
 TEST_CASE("two marks give the heights on the way from one to the other, and a third begins again") {
     Random random(3);
-    const ProbedTerrain terrain(random, flight::Method::incremental);
-    const flight::Ground ground = flight::ground_of(terrain.session.terrain());
+    const ProbedTerrain terrain(random, session::Method::incremental);
+    const session::Ground ground = session::ground_of(terrain.session.terrain());
     Probe probe;
     const double ax = 0.1 * ground.extent_x_m, az = 0.8 * ground.extent_z_m, bz = 0.2 * ground.extent_z_m;
     set_mark(probe, terrain.session, ax, az);

@@ -21,8 +21,8 @@
 using namespace fjell;
 using namespace fjell::editor;
 using namespace fjell::test;
-using flight::ControlPoint;
-using flight::Pose;
+using session::ControlPoint;
+using session::Pose;
 
 namespace {
 
@@ -254,7 +254,7 @@ TEST_CASE("a point that is put at a height keeps it over hills, and stays above 
 TEST_CASE("of the steps of profile and path the later one is undone first and done again last") {
     Document document;
     Route route;
-    const flight::ProfileKey& key = *flight::find_profile_key("refine.max_error_px");
+    const session::ProfileKey& key = *session::find_profile_key("refine.max_error_px");
     document.set(key, 3, false);
     route.add(level_pose(1, 1), plain());
     CHECK(route.undo_stamp() > document.undo_stamp());

@@ -16,8 +16,8 @@
 using namespace fjell;
 using namespace fjell::editor;
 using namespace fjell::test;
-using flight::ControlPoint;
-using flight::Pose;
+using session::ControlPoint;
+using session::Pose;
 
 namespace {
 
@@ -40,8 +40,8 @@ Pose gentle_pose(Random& random, int i) {
 }
 
 ControlPoint point_of(const Pose& p) {
-    return flight::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
-                               p.direction.z, p.up.x, p.up.y, p.up.z});
+    return session::unit_point({p.position_m.x, p.position_m.y, p.position_m.z, p.direction.x, p.direction.y,
+                                p.direction.z, p.up.x, p.up.y, p.up.z});
 }
 
 std::vector<ControlPoint> lay(Random& random, Route& route, int count) {
@@ -54,9 +54,9 @@ std::vector<ControlPoint> lay(Random& random, Route& route, int count) {
     return points;
 }
 
-std::vector<ControlPoint> points_in(const flight::CameraPath& path) {
+std::vector<ControlPoint> points_in(const session::CameraPath& path) {
     std::vector<ControlPoint> points;
-    const auto& spline = std::get<flight::SplinePath>(path.kind).spline;
+    const auto& spline = std::get<session::SplinePath>(path.kind).spline;
     for (const double knot : spline.knots()) points.push_back(spline.at(knot));
     return points;
 }
@@ -69,17 +69,17 @@ TEST_CASE("a path's text reads back to the last bit") {
         INFO("seed " << seed);
         std::vector<ControlPoint> points;
         for (int i = pick(random, 2, 30); i > 0; --i) points.push_back(point_of(random_pose(random)));
-        flight::CameraPath path;
+        session::CameraPath path;
         path.name = "laid";
         path.seconds = pick(random, 0, 1) == 1 ? uniform(random, 0.001, 3600) : 0;
-        std::vector<double> knots = flight::chord_knots(points, path.name);
-        path.kind = flight::SplinePath{flight::CubicSpline<9>(knots, points)};
-        const std::string text = flight::path_text(path);
-        const flight::CameraPath back = flight::parse_path(text, "back");
+        std::vector<double> knots = session::chord_knots(points, path.name);
+        path.kind = session::SplinePath{session::CubicSpline<9>(knots, points)};
+        const std::string text = session::path_text(path);
+        const session::CameraPath back = session::parse_path(text, "back");
         CHECK(points_in(back) == points);
         CHECK(back.seconds == path.seconds);
-        CHECK(back.units == flight::Units::metres);
-        CHECK(flight::path_text(back) == text);
+        CHECK(back.units == session::Units::metres);
+        CHECK(session::path_text(back) == text);
     }
 }
 
@@ -89,18 +89,18 @@ TEST_CASE("orbits and lines keep their text too, and recorded frames have none")
           R"({"orbit": {"centre": [100, 200], "radius": 1000, "height": 400}})",
           R"({"units": "terrain", "seconds": 12, "straight": {"from": [0, 0.1, 0.5], "to": [1, 0.1, 0.5],
               "cells_per_frame": 1.5, "pitch_deg": -10}})"}) {
-        const flight::CameraPath path = flight::parse_path(text, "p");
-        const std::string written = flight::path_text(path);
-        const flight::CameraPath back = flight::parse_path(written, "back");
-        CHECK(flight::path_text(back) == written);
+        const session::CameraPath path = session::parse_path(text, "p");
+        const std::string written = session::path_text(path);
+        const session::CameraPath back = session::parse_path(written, "back");
+        CHECK(session::path_text(back) == written);
         CHECK(back.units == path.units);
         CHECK(back.seconds == path.seconds);
-        const auto a = flight::resample(path, plain(), 50), b = flight::resample(back, plain(), 50);
+        const auto a = session::resample(path, plain(), 50), b = session::resample(back, plain(), 50);
         for (std::size_t i = 0; i < a.size(); ++i) CHECK(length(a[i].position_m - b[i].position_m) == 0);
     }
-    const flight::CameraPath recorded =
-        flight::parse_path("F 0 1 0 0 0 1 0 0 0 1 0.1 0.2 0.3 1\nF 0 1 0 0 0 1 0 0 0 1 0.2 0.2 0.3 1\n", "r");
-    CHECK_THROWS_AS(flight::path_text(recorded), io::Failure);
+    const session::CameraPath recorded =
+        session::parse_path("F 0 1 0 0 0 1 0 0 0 1 0.1 0.2 0.3 1\nF 0 1 0 0 0 1 0 0 0 1 0.2 0.2 0.3 1\n", "r");
+    CHECK_THROWS_AS(session::path_text(recorded), io::Failure);
 }
 
 TEST_CASE("a path that is laid, saved and opened is the same path") {
@@ -308,9 +308,9 @@ TEST_CASE("an orbit is played and saved as it is until it is edited") {
     route.open(folder / "o.json", plain());
     CHECK(route.as_read());
     CHECK(route.points().size() > 10);
-    CHECK(route.poses().size() == flight::default_frames);
+    CHECK(route.poses().size() == session::default_frames);
     route.save(folder / "same.json");
-    CHECK(std::holds_alternative<flight::Orbit>(flight::read_path(folder / "same.json").kind));
+    CHECK(std::holds_alternative<session::Orbit>(session::read_path(folder / "same.json").kind));
     const Pose on_it = route.poses()[100];
     route.replace(3, route.poses()[45], plain());
     CHECK_FALSE(route.as_read());
@@ -319,7 +319,7 @@ TEST_CASE("an orbit is played and saved as it is until it is edited") {
     for (const Pose& pose : route.poses()) nearest = std::min(nearest, length(pose.position_m - on_it.position_m));
     CHECK(nearest < 0.01 * plain().longer_m()); // still round there
     route.save("");
-    CHECK(std::holds_alternative<flight::SplinePath>(flight::read_path(folder / "same.json").kind));
+    CHECK(std::holds_alternative<session::SplinePath>(session::read_path(folder / "same.json").kind));
 }
 
 namespace {

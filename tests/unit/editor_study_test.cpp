@@ -22,15 +22,15 @@ using namespace fjell::test;
 namespace {
 
 struct Flown {
-    std::vector<flight::FrameEntry> frames;
-    std::vector<flight::Pose> poses;
+    std::vector<session::FrameEntry> frames;
+    std::vector<session::Pose> poses;
 };
 
 // Frame i is at x = i. All cost 100 us at 1 px; the first, built from nothing, 1 s.
 Flown flown(std::size_t count) {
     Flown f;
     for (std::size_t i = 0; i < count; ++i) {
-        flight::FrameEntry e;
+        session::FrameEntry e;
         e.update_us = i == 0 ? 1e6 : 100;
         e.error_px_requested = e.error_bound_px = 1;
         f.frames.push_back(e);
@@ -39,14 +39,14 @@ Flown flown(std::size_t count) {
     return f;
 }
 
-flight::Ground slope() {
-    flight::Ground ground;
+session::Ground slope() {
+    session::Ground ground;
     ground.extent_x_m = ground.extent_z_m = 1000;
     ground.height_m = [](double x, double) { return 0.5 * x; };
     return ground;
 }
 
-Vec3 position(const flight::ControlPoint& p) {
+Vec3 position(const session::ControlPoint& p) {
     return {p[0], p[1], p[2]};
 }
 
@@ -63,7 +63,7 @@ TEST_CASE("a run's places hold the dearest frame, the largest error and every bu
     Flown f = flown(2001); // four frames to a place, or three
     f.frames[1500].update_us = 900;
     f.frames[1498].error_bound_px = 7;
-    f.frames[1499].exhausted = flight::exhausted_items;
+    f.frames[1499].exhausted = session::exhausted_items;
     f.frames[300].update_us = 500;
     f.frames[330].update_us = 499; // near the last: the same hill
     f.frames[800].error_bound_px = 3;
@@ -78,7 +78,7 @@ TEST_CASE("a run's places hold the dearest frame, the largest error and every bu
     CHECK(dearest.frame == 1500);
     CHECK(dearest.pose.position_m.x == 1500);
     CHECK(dearest.error_px == 7);
-    CHECK(dearest.exhausted == flight::exhausted_items);
+    CHECK(dearest.exhausted == session::exhausted_items);
     CHECK(run.places[run.worst[0][1]].frame == 300);
     CHECK(run.places[run.worst[0][2]].update_us == 100); // not the one at 330
     REQUIRE(run.worst[1].size() == 2);                   // no others are beyond the threshold
@@ -114,7 +114,7 @@ TEST_CASE("the oldest run goes when there are too many, and a chosen place with 
 
 TEST_CASE("a point that is dragged keeps its height above the ground, and the whole drag is one step") {
     Route route = two_points();
-    const std::vector<flight::ControlPoint> before = route.points();
+    const std::vector<session::ControlPoint> before = route.points();
     for (const double x : {200.0, 300.0, 600.0}) route.place(0, x, 250, true, slope());
     route.place(0, 640, 260, false, slope());
     CHECK(position(route.points()[0]).x == 640);

@@ -53,7 +53,7 @@ struct Editor {
 };
 
 void change(Document& document, double error_px) {
-    document.set(*flight::find_profile_key("refine.max_error_px"), error_px, false);
+    document.set(*session::find_profile_key("refine.max_error_px"), error_px, false);
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {
@@ -116,7 +116,7 @@ TEST_CASE("a path that was not saved is found with the time that it takes, also 
     const std::string where = folder / "state/fjell";
     const Document document;
     Route route;
-    flight::Ground ground;
+    session::Ground ground;
     ground.extent_x_m = ground.extent_z_m = 9000;
     ground.cell_m = 30;
     for (int i = 0; i < 4; ++i) route.add({{1000.0 * i, 500, 3000}, {0, 0, -1}, {0, 1, 0}}, ground);
@@ -135,11 +135,11 @@ TEST_CASE("a path that was not saved is found with the time that it takes, also 
 
 TEST_CASE("an unsaved path survives a crash as a file to be opened") {
     const Home home;
-    std::vector<flight::ControlPoint> points;
+    std::vector<session::ControlPoint> points;
     {
         Editor editor;
         start_persistence(editor.state, true);
-        flight::Ground ground;
+        session::Ground ground;
         ground.extent_x_m = ground.extent_z_m = 9000;
         ground.cell_m = 30;
         Route& route = editor.state.route;
@@ -152,8 +152,8 @@ TEST_CASE("an unsaved path survives a crash as a file to be opened") {
     start_persistence(next.state, true);
     REQUIRE(next.state.files.recovery.found());
     next.run("recover restore");
-    const flight::CameraPath path = flight::read_path(home.folder / "state/fjell/recovered-path.json");
-    const flight::CubicSpline<9>& spline = std::get<flight::SplinePath>(path.kind).spline;
+    const session::CameraPath path = session::read_path(home.folder / "state/fjell/recovered-path.json");
+    const session::CubicSpline<9>& spline = std::get<session::SplinePath>(path.kind).spline;
     REQUIRE(spline.knots().size() == points.size());
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(spline.at(spline.knots()[i]) == points[i]);
     CHECK(path.seconds == 8);
@@ -275,7 +275,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     CHECK(editor.state.document.unsaved());
     editor.run("save-profile " + folder / "p.toml");
     CHECK(editor.state.quit);
-    CHECK(flight::read_profile(folder / "p.toml").refine.max_error_px == 3);
+    CHECK(session::read_profile(folder / "p.toml").refine.max_error_px == 3);
 
     Editor other;
     other.set(3);
@@ -287,7 +287,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     other.run("quit");
     other.run("go-on discard");
     CHECK(other.state.quit);
-    CHECK(flight::read_profile(folder / "q.toml").refine.max_error_px == 3);
+    CHECK(session::read_profile(folder / "q.toml").refine.max_error_px == 3);
 
     Editor hasty;
     hasty.set(3);
@@ -307,7 +307,7 @@ TEST_CASE("opening another profile with changes asks first, and remembers which 
         CHECK(editor.error_px() == 3);
         CHECK(editor.state.interface.dialog == Dialog::unsaved);
         editor.run("go-on save");
-        CHECK(flight::read_profile(folder / "mine.toml").refine.max_error_px == 3);
+        CHECK(session::read_profile(folder / "mine.toml").refine.max_error_px == 3);
         CHECK(editor.error_px() == 5);
         CHECK(editor.state.document.path() == folder / "theirs.toml");
         editor.set(4);
@@ -464,12 +464,12 @@ TEST_CASE("how the window looks is kept once it has come to rest, but not what t
         frame(editor, 8);
         finish_persistence(editor.state, true); // at once
     }
-    CHECK(kept().mode == flight::PictureMode::wire);
+    CHECK(kept().mode == session::PictureMode::wire);
     CHECK(kept().width_px == 700);
     Editor next;
     start_persistence(next.state, true);
     CHECK(next.state.interface.arrangement.shown(left_groups | right_groups) == Panel::levels);
-    CHECK(next.state.interface.mode == flight::PictureMode::wire);
+    CHECK(next.state.interface.mode == session::PictureMode::wire);
     Editor script;
     start_persistence(script.state, false); // a script's pictures are those of everybody
     CHECK(script.state.interface.arrangement == Arrangement{});

@@ -1,8 +1,8 @@
 // Heights for camera paths from a pack that stays in its file.
 #include <catch2/catch.hpp>
 
-#include "flight/file_ground.h"
 #include "pack/terrain_data.h"
+#include "session/file_ground.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -21,7 +21,7 @@ TEST_CASE("the ground of a pack in its file is that of the pack loaded whole, to
         (void)baker::bake(dem, options, folder / "pack.fjell");
         const auto whole = io::load_pack(folder / "pack.fjell", io::LoadTerrain::yes);
         const io::PackFile file(folder / "pack.fjell");
-        flight::FileGround ground(file);
+        session::FileGround ground(file);
         const double width = whole.terrain.x_m(dem.columns - 1), depth = whole.terrain.z_m(dem.rows - 1);
         std::size_t wrong = 0;
         for (int n = 0; n < 2000; ++n) {
@@ -51,7 +51,7 @@ TEST_CASE("where pages are damaged, the ground is a coarser sample's") {
         }
     spit(folder / "bad.fjell", bytes);
     const io::PackFile file(folder / "bad.fjell");
-    flight::FileGround ground(file);
+    session::FileGround ground(file);
     for (int n = 0; n < 3000; ++n) {
         const double x = uniform(random, 0, 1) * t.x_m(299), z = uniform(random, 0, 1) * t.z_m(199);
         const double height = ground.ground_m(x, z);

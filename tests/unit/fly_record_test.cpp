@@ -8,13 +8,13 @@
 #include <sstream>
 
 #include "fjell/io/failure.h"
-#include "flight/record.h"
 #include "pack/terrain_data.h"
+#include "session/record.h"
 #include "support/rounds.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 using namespace fjell::test;
 
 namespace {

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "fjell/io/failure.h"
-#include "flight/profile_keys.h"
-#include "flight/session.h"
 #include "pack/terrain_data.h"
+#include "session/profile_keys.h"
+#include "session/session.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 using namespace fjell::test;
 
 namespace {

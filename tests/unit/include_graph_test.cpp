@@ -24,11 +24,11 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/io", {"runtime/include"}},
     {"runtime/gl", {"runtime/include", "runtime/io"}},
     {"runtime/gltf", {"runtime/include", "runtime/io"}},
-    {"runtime/flight", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf"}},
-    {"runtime/fly", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight"}},
+    {"runtime/session", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf"}},
+    {"runtime/fly", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session"}},
     {"baker", {"runtime/include", "runtime/src", "runtime/io"}},
     {"editor",
-     {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/flight", "baker"}},
+     {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
 };
 
 std::string room_of(const std::string& path) {

@@ -8,8 +8,8 @@
 
 #include "fjell/gl/layers.h"
 #include "fjell/io/failure.h"
-#include "flight/layers_file.h"
 #include "io/file.h"
+#include "session/layers_file.h"
 
 using namespace fjell;
 
@@ -28,7 +28,8 @@ const io::Materials content =
     of_names({"dry_grass", "forest_floor", "grass", "gravel", "ice", "rock", "sand", "scree", "snow", "soil"});
 
 void refuses_rules(const std::string& text, const std::string& message) {
-    CHECK_THROWS_WITH((void)flight::parse_layer_rules(text, "r.json", content), Catch::StartsWith("r.json:" + message));
+    CHECK_THROWS_WITH((void)session::parse_layer_rules(text, "r.json", content),
+                      Catch::StartsWith("r.json:" + message));
 }
 
 std::vector<double> shares_of(const std::vector<gl::LayerRule>& rules, double height_m, double slope_deg,
@@ -43,7 +44,7 @@ std::vector<double> shares_of(const std::vector<gl::LayerRule>& rules, double he
 TEST_CASE("the rules of content are read, and each place has layers that add up to all of it") {
     for (const char* const name : {"alpine", "canyon", "nordic"}) {
         const std::string file = std::string(FJELL_SOURCE_DIR "/content/materials/rules/") + name + ".json";
-        const std::vector<gl::LayerRule> rules = flight::parse_layer_rules(io::read_text(file), file, content);
+        const std::vector<gl::LayerRule> rules = session::parse_layer_rules(io::read_text(file), file, content);
         CHECK(gl::validate(rules, content.records.size()).empty());
         for (double height_m = -500; height_m < 4500; height_m += 97)
             for (double slope_deg = 0; slope_deg <= 90; slope_deg += 7)

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "flight/path.h"
+#include "session/path.h"
 #include "support/ground.h"
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 using fjell::test::ridges;
 
 namespace {

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
-#include "flight/log.h"
-#include "flight/profile.h"
 #include "io/file.h"
+#include "session/log.h"
+#include "session/profile.h"
 
 using namespace fjell;
-using namespace fjell::flight;
+using namespace fjell::session;
 
 namespace {
 

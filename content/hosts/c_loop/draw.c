@@ -133,7 +133,8 @@ static void set_row(float* row, FjellVec3 scene) {
 static void set_view(const Renderer* renderer, FjellTerrain terrain, const FjellView* view, FjellSampleIndex origin) {
     const FjellPackHeader* const header = fjell_terrain_header(terrain);
     const double dx = header->spacing_m[0], dz = header->spacing_m[1];
-    const double eye_x = view->eye_m.x - origin.column * dx, eye_z = view->eye_m.z - origin.row * dz; /* doubles until here */
+    const double eye_x = view->eye_m.x - origin.column * dx,
+                 eye_z = view->eye_m.z - origin.row * dz; /* doubles until here */
     const FjellVec3 f = view->forward, u = view->up;
     const FjellVec3 r = {f.y * u.z - f.z * u.y, f.z * u.x - f.x * u.z, f.x * u.y - f.y * u.x}; /* to the right */
     float rows[9];

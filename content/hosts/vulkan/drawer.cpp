@@ -281,7 +281,7 @@ void Drawer::write_block(const fjell::CutMesh& cut, const fjell::View& view, con
 
 std::uint32_t Drawer::place_of(std::uint32_t tile) const {
     const fjell::SampleIndex place = terrain_.tile_place(tile);
-    return std::uint32_t(place.y) * terrain_.header().tiles_x + std::uint32_t(place.x);
+    return std::uint32_t(place.row) * terrain_.header().tiles_x + std::uint32_t(place.column);
 }
 
 // A range of a tile is a draw, and firstInstance says where the tile lies. Those that no view sees are not among them.

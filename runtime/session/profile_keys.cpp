@@ -1,0 +1,767 @@
+#include "session/profile_keys.h"
+
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "session/methods/method.h"
+
+namespace fjell::session {
+
+namespace {
+
+using Light = gl::LightSettings;
+using Layers = gl::LayerSettings;
+
+// Where a value lies in a profile: a field, or a field of a part. shift: it is given in units of 1 << shift bytes.
+template <auto Part, auto Field = nullptr, int shift = 0>
+struct At {
+    template <typename P>
+    static auto& in(P& profile) {
+        if constexpr (std::is_null_pointer_v<decltype(Field)>)
+            return profile.*Part;
+        else
+            return profile.*Part.*Field;
+    }
+    static double get(const Profile& profile) {
+        if constexpr (shift != 0)
+            return static_cast<double>(in(profile) >> shift);
+        else
+            return static_cast<double>(in(profile));
+    }
+    static void set(Profile& profile, double value) {
+        using T = std::remove_reference_t<decltype(in(profile))>;
+        if constexpr (shift != 0)
+            in(profile) = static_cast<T>(static_cast<std::uint64_t>(value) << shift);
+        else
+            in(profile) = static_cast<T>(value);
+    }
+};
+
+// One key for both methods' vertex buffers: only one of them is made.
+struct Vertices {
+    static double get(const Profile& p) { return facts_of(p).vertices(p); }
+    static void set(Profile& p, double value) {
+        p.budget.vertices = p.cut_budget.vertices = static_cast<std::uint32_t>(value);
+    }
+};
+
+struct Items {
+    static double get(const Profile& p) { return p.cut.max_work == unlimited_work ? 0 : p.cut.max_work; }
+    static void set(Profile& p, double value) {
+        p.cut.max_work = value == 0 ? unlimited_work : static_cast<std::uint32_t>(value);
+    }
+};
+
+// In the order of the enumerations.
+constexpr const char* methods[] = {"incremental", "recursive"};
+constexpr const char* morphs[] = {"none", "error", "time"};
+constexpr const char* metrics[] = {"isotropic", "depth"};
+constexpr const char* topologies[] = {"list", "strip"};
+constexpr const char* suns[] = {"direction", "time"};
+constexpr const char* airs[] = {"simple", "physical"};
+constexpr const char* exposures[] = {"automatic", "fixed"};
+constexpr const char* curves[] = {"none", "filmic"};
+static_assert(static_cast<int>(Method::recursive) == 1 && static_cast<int>(Morph::error) == 1 &&
+                  static_cast<int>(Morph::time) == 2 && static_cast<int>(Metric::depth) == 1 &&
+                  static_cast<int>(Topology::strip) == 1 && static_cast<int>(gl::SunBy::time) == 1 &&
+                  static_cast<int>(gl::Air::physical) == 1 && static_cast<int>(gl::Exposure::fixed) == 1 &&
+                  static_cast<int>(gl::ToneCurve::filmic) == 1,
+              "choices are named in the order of their values: change the names above too");
+
+constexpr ProfileTable tables[] = {
+    {"refine", "Refinement"},
+    {"budget", "Budgets"},
+    {"stream", "Streaming",
+     "Streaming (--stream on, or auto with a pack of more pages than page_slots): pages of geometry and mips of maps "
+     "are read when the views want them."},
+    {"view", "View"},
+    {"light", "Light and air"},
+    {"layers", "Detail layers"},
+};
+
+constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
+
+constexpr ProfileKey keys[] = {
+    {.table = "refine",
+     .name = "method",
+     .label = "Method",
+     .kind = choice,
+     .choices = methods,
+     .about = "How the mesh is updated. \"incremental\": kept from frame to frame, refined all around the eye; costs "
+              "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
+              "\"recursive\": rebuilt from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
+              "in view are selected, about a quarter.",
+     .rebuild = Rebuild::method,
+     .get = At<&Profile::method>::get,
+     .set = At<&Profile::method>::set},
+    {.table = "refine",
+     .name = "max_error_px",
+     .old_name = "error_px",
+     .label = "Threshold",
+     .unit = "px",
+     .least = least_threshold_px,
+     .most = most_threshold_px,
+     .logarithmic = true,
+     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 times the "
+              "vertices and the time.",
+     .get = At<&Profile::refine, &RefineSettings::max_error_px>::get,
+     .set = At<&Profile::refine, &RefineSettings::max_error_px>::set},
+    {.table = "refine",
+     .name = "corner_safe",
+     .label = "Hold in corners",
+     .kind = flag,
+     .about =
+         "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides it by "
+         "1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the vertices.",
+     .get = At<&Profile::refine, &RefineSettings::corner_safe>::get,
+     .set = At<&Profile::refine, &RefineSettings::corner_safe>::set},
+    {.table = "refine",
+     .name = "hysteresis",
+     .label = "Hysteresis",
+     .most = max_hysteresis,
+     .zero = "none",
+     .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + hysteresis). No unit, 0 "
+              "to 10. "
+              "0.3 takes a tenth more vertices and makes a third fewer changes. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
+     .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
+    {.table = "refine",
+     .name = "offscreen_factor",
+     .label = "Off-screen",
+     .least = 1,
+     .most = max_offscreen_factor,
+     .logarithmic = true,
+     .about =
+         "What no view sees, nor soon will, is refined to max_error_px times this. No unit, 1 to 100. 1 refines all "
+         "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
+         "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
+         "(Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
+     .set = At<&Profile::cut, &CutSettings::offscreen_factor>::set},
+    {.table = "refine",
+     .name = "morph",
+     .label = "Morph",
+     .kind = choice,
+     .most = 2,
+     .choices = morphs,
+     .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the distance; takes a "
+              "seventh more vertices. \"time\": they morph over morph_s seconds; the threshold holds only where "
+              "nothing is morphing any more. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::morph>::get,
+     .set = At<&Profile::cut, &CutSettings::morph>::set},
+    {.table = "refine",
+     .name = "morph_s",
+     .label = "Morph time",
+     .unit = "s",
+     .least = min_morph_s,
+     .most = max_morph_s,
+     .logarithmic = true,
+     .about = "Time that a vertex activated late takes to morph. Seconds, 0.01 to 10. Costs a write and an upload of "
+              "28 bytes for each such vertex. (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::morph_s>::get,
+     .set = At<&Profile::cut, &CutSettings::morph_s>::set},
+    {.table = "refine",
+     .name = "metric",
+     .label = "Metric",
+     .kind = choice,
+     .choices = metrics,
+     .about = "What an error is divided by: the \"isotropic\" distance to the eye, or the \"depth\" along the view "
+              "(thesis 5.4.1; needs cull = true). Depth holds the bound in the image's corners too where the view is "
+              "level, for a tenth more vertices. (Recursive.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::metric>::get,
+     .set = At<&Profile::refine, &RefineSettings::metric>::set},
+    {.table = "refine",
+     .name = "cull",
+     .label = "Only in view",
+     .kind = flag,
+     .about = "Leave out vertices outside the view frustum: true or false. False refines all around, for about four "
+              "times the vertices at 45 degrees; turning the head then changes nothing. (Recursive; the incremental "
+              "method refines all around and draws the tiles that may be seen.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::cull>::get,
+     .set = At<&Profile::refine, &RefineSettings::cull>::set},
+    {.table = "refine",
+     .name = "topology",
+     .label = "Topology",
+     .kind = choice,
+     .choices = topologies,
+     .about = "\"list\": an indexed triangle list, three indices a triangle. \"strip\": one strip a tile, as in the "
+              "thesis, about 0.6 of the indices. (Recursive.)",
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::refine, &RefineSettings::topology>::get,
+     .set = At<&Profile::refine, &RefineSettings::topology>::set},
+
+    {.table = "budget",
+     .name = "vertices",
+     .label = "Vertices",
+     .kind = whole,
+     .unit = "vertices",
+     .least = min_budget,
+     .most = max_vertices,
+     .logarithmic = true,
+     .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
+              "the GPU, and 19.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
+              "needs a quarter to a sixth as many. When they do not "
+              "suffice, the threshold rises, the mesh stays crack-free, and the report says \"vertices\".",
+     .rebuild = Rebuild::method,
+     .get = Vertices::get,
+     .set = Vertices::set},
+    {.table = "budget",
+     .name = "triangles",
+     .label = "Triangles",
+     .kind = whole,
+     .unit = "triangles",
+     .least = min_budget,
+     .most = max_triangles,
+     .logarithmic = true,
+     .about =
+         "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
+         "an active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
+         "threshold rises and the report says \"triangles\". (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::triangles>::set},
+    {.table = "budget",
+     .name = "views",
+     .label = "Views",
+     .kind = whole,
+     .unit = "views",
+     .least = 1,
+     .most = max_cut_views,
+     .about = "Views that share one mesh: split screen, shadows. Views, 1 to 8. They take hardly any memory; each one "
+              "adds its distances to every evaluation. fjell-fly gives one. (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::views>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::views>::set},
+    {.table = "budget",
+     .name = "workers",
+     .label = "Building threads",
+     .kind = whole,
+     .least = 1,
+     .most = max_cut_workers,
+     .about = "Threads that build what the camera sees in the first frame and after a jump, with the frame's own; the "
+              "mesh does not depend on it. 1 to 64. 160 KB each with tiles of 513. (Incremental.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut_budget, &CutBudget::workers>::get,
+     .set = At<&Profile::cut_budget, &CutBudget::workers>::set},
+    {.table = "budget",
+     .name = "max_work",
+     .old_name = "items",
+     .label = "Work items a frame",
+     .kind = whole,
+     .unit = "items",
+     .most = most_work,
+     .logarithmic = true,
+     .zero = "no limit",
+     .about =
+         "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; 0: no "
+         "limit. An item takes 100 to 400 ns, depending on the cache. When they do not suffice, the mesh lags behind "
+         "the camera and the report says \"items\". (Incremental; building the first frame is not bounded.)",
+     .used_by = UsedBy::incremental,
+     .get = Items::get,
+     .set = Items::set},
+    {.table = "budget",
+     .name = "max_time_us",
+     .old_name = "budget_us",
+     .label = "Time an update",
+     .unit = "us",
+     .most = most_time_us,
+     .logarithmic = true,
+     .zero = "no limit",
+     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is read every few "
+              "items, so it is exceeded by some microseconds at most; but no two runs are alike. The report says "
+              "\"time\". (Incremental.)",
+     .used_by = UsedBy::incremental,
+     .get = At<&Profile::cut, &CutSettings::max_time_us>::get,
+     .set = At<&Profile::cut, &CutSettings::max_time_us>::set},
+    {.table = "budget",
+     .name = "indices",
+     .label = "Indices",
+     .kind = whole,
+     .unit = "indices",
+     .least = min_budget,
+     .most = max_indices,
+     .logarithmic = true,
+     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, all uploaded in "
+              "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
+              "says \"indices\". (Recursive.)",
+     .rebuild = Rebuild::method,
+     .used_by = UsedBy::recursive,
+     .get = At<&Profile::budget, &RecursiveBudget::indices>::get,
+     .set = At<&Profile::budget, &RecursiveBudget::indices>::set},
+
+    {.table = "stream",
+     .name = "page_slots",
+     .label = "Page slots",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_page_slots,
+     .logarithmic = true,
+     .about =
+         "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When they do "
+         "not suffice, the terrain is coarser where its error shows least, and the report says \"page_slots\".",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::page_slots>::get,
+     .set = At<&Profile::page_slots>::set},
+    {.table = "stream",
+     .name = "page_requests",
+     .label = "Page requests",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_page_requests,
+     .logarithmic = true,
+     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, more "
+              "keep a disk of high latency busy.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::page_requests>::set},
+    {.table = "stream",
+     .name = "map_requests",
+     .label = "Mip requests",
+     .kind = whole,
+     .unit = "mips",
+     .least = 1,
+     .most = max_map_requests,
+     .logarithmic = true,
+     .about = "Map requests in flight. Mips, 1 to 64. Each takes the bytes of the pack's largest mip, 525 KB for 1024 "
+              "texels of colour.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::map_requests>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::map_requests>::set},
+    {.table = "stream",
+     .name = "map_mb",
+     .label = "Maps on the GPU",
+     .kind = whole,
+     .unit = "MB",
+     .least = 1,
+     .most = max_map_mb,
+     .logarithmic = true,
+     .about = "Maps on the GPU. MB (1048576 bytes), 1 to 65536; at least the smallest size of all tiles. When they do "
+              "not suffice, maps are blurrier where it shows least, and the report says \"map_bytes\".",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::map_bytes, 20>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::map_bytes, 20>::set},
+    {.table = "stream",
+     .name = "tail_log2",
+     .label = "Smallest map size, log2",
+     .kind = whole,
+     .least = min_tail_log2,
+     .most = max_texture_log2,
+     .about = "Map size that every tile always has, read before all others: a power of two texels a side, 2 to 12. One "
+              "more takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::tail_log2>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::tail_log2>::set},
+    {.table = "stream",
+     .name = "decoders",
+     .label = "Reading threads",
+     .kind = whole,
+     .least = 1,
+     .most = most_decoders,
+     .about = "Threads that read and decompress what the views want, beside the frame's. 1 to 16; one decodes some 400 "
+              "million samples a second. 160 KB each.",
+     .rebuild = Rebuild::session,
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream_budget, &StreamBudget::decoders>::get,
+     .set = At<&Profile::stream_budget, &StreamBudget::decoders>::set},
+    {.table = "stream",
+     .name = "texel_px",
+     .label = "Texel size",
+     .unit = "px",
+     .least = min_texel_px,
+     .most = max_texel_px,
+     .logarithmic = true,
+     .about =
+         "Pixels that a texel of a map may cover. Pixels, 0.1 to 100. 2 instead of 1 reads a quarter of the bytes.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::texel_px>::get,
+     .set = At<&Profile::stream, &StreamSettings::texel_px>::set},
+    {.table = "stream",
+     .name = "lookahead_s",
+     .label = "Look ahead",
+     .unit = "s",
+     .most = max_lookahead_s,
+     .zero = "not at all",
+     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. Prefetches what is on "
+              "the way, and some that is never wanted.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
+     .set = At<&Profile::stream, &StreamSettings::lookahead_s>::set},
+    {.table = "stream",
+     .name = "fade_s",
+     .label = "Fade in",
+     .unit = "s",
+     .most = max_fade_s,
+     .zero = "at once",
+     .about = "Time in which a new mip fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::fade_s>::get,
+     .set = At<&Profile::stream, &StreamSettings::fade_s>::set},
+    {.table = "stream",
+     .name = "pages",
+     .label = "Pages a frame",
+     .kind = whole,
+     .unit = "pages",
+     .least = 1,
+     .most = max_stream_pages,
+     .logarithmic = true,
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
+              "for the next frame, and the report says \"stream_pages\".",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::pages>::get,
+     .set = At<&Profile::stream, &StreamSettings::pages>::set},
+    {.table = "stream",
+     .name = "tests",
+     .label = "Pages looked at a frame",
+     .kind = whole,
+     .unit = "pages",
+     .least = min_stream_tests,
+     .most = 0xffffffff,
+     .logarithmic = true,
+     .about = "Pages that a frame may test to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
+              "they do not suffice, the search goes on in the next frame, and the report says \"stream_tests\".",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::tests>::get,
+     .set = At<&Profile::stream, &StreamSettings::tests>::set},
+    {.table = "stream",
+     .name = "map_kb",
+     .label = "Map uploads a frame",
+     .kind = whole,
+     .unit = "KB",
+     .least = 1,
+     .most = max_map_kb,
+     .logarithmic = true,
+     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Too much costs a "
+              "hitch. The report says \"stream_upload\" when more has arrived.",
+     .used_by = UsedBy::streaming,
+     .get = At<&Profile::stream, &StreamSettings::map_bytes, 10>::get,
+     .set = At<&Profile::stream, &StreamSettings::map_bytes, 10>::set},
+
+    {.table = "view",
+     .name = "width_px",
+     .label = "Width",
+     .kind = whole,
+     .unit = "px",
+     .least = 1,
+     .most = max_size_px,
+     .about = "Picture's width. Pixels, 1 to 16384. Drawing costs with the area.",
+     .get = At<&Profile::width_px>::get,
+     .set = At<&Profile::width_px>::set},
+    {.table = "view",
+     .name = "height_px",
+     .label = "Height",
+     .kind = whole,
+     .unit = "px",
+     .least = 1,
+     .most = max_size_px,
+     .about = "Picture's height. Pixels, 1 to 16384. Vertices grow with it at an equal threshold; drawing costs with "
+              "the area.",
+     .get = At<&Profile::height_px>::get,
+     .set = At<&Profile::height_px>::set},
+    {.table = "view",
+     .name = "fov_deg",
+     .label = "Field of view",
+     .unit = "deg",
+     .least = min_fov_deg,
+     .most = max_fov_deg,
+     .about = "Vertical field of view. Degrees, 1 to 150. A narrower one magnifies: 30 instead of 45 takes a quarter "
+              "more vertices.",
+     .get = At<&Profile::fov_deg>::get,
+     .set = At<&Profile::fov_deg>::set},
+    {.table = "view",
+     .name = "samples",
+     .label = "Samples a pixel",
+     .kind = whole,
+     .unit = "samples",
+     .least = 1,
+     .most = max_samples,
+     .about = "Samples a pixel that smooth edges (MSAA). Samples, 1 to 16; no more than the GPU has. 4 take 32 bytes a "
+              "pixel, and in software nearly twice the time. fjell-fly's pictures and window; the editor's has one.",
+     .get = At<&Profile::samples>::get,
+     .set = At<&Profile::samples>::set},
+
+    {.table = "light",
+     .name = "sun",
+     .label = "Sun by",
+     .kind = KeyKind::choice,
+     .choices = suns,
+     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, "
+              "day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
+     .get = At<&Profile::light, &Light::sun>::get,
+     .set = At<&Profile::light, &Light::sun>::set},
+    {.table = "light",
+     .name = "azimuth_deg",
+     .label = "Azimuth",
+     .unit = "deg",
+     .most = 360,
+     .about = "The sun's azimuth, clockwise from north. Degrees, 0 to 360. From the upper left (315) relief looks as "
+              "on maps. (By direction.)",
+     .get = At<&Profile::light, &Light::azimuth_deg>::get,
+     .set = At<&Profile::light, &Light::azimuth_deg>::set},
+    {.table = "light",
+     .name = "elevation_deg",
+     .label = "Elevation",
+     .unit = "deg",
+     .least = gl::min_sun_elevation_deg,
+     .most = 90,
+     .about = "The sun's elevation above the horizon. Degrees, -18 to 90. Below 0 the sky alone gives light. (By "
+              "direction.)",
+     .get = At<&Profile::light, &Light::elevation_deg>::get,
+     .set = At<&Profile::light, &Light::elevation_deg>::set},
+    {.table = "light",
+     .name = "latitude_deg",
+     .label = "Latitude",
+     .unit = "deg",
+     .least = -90,
+     .most = 90,
+     .about = "Where the terrain lies: latitude, north positive. Degrees, -90 to 90. (By time.)",
+     .get = At<&Profile::light, &Light::latitude_deg>::get,
+     .set = At<&Profile::light, &Light::latitude_deg>::set},
+    {.table = "light",
+     .name = "longitude_deg",
+     .label = "Longitude",
+     .unit = "deg",
+     .least = -180,
+     .most = 180,
+     .about = "Where the terrain lies: longitude, east positive. Degrees, -180 to 180. (By time.)",
+     .get = At<&Profile::light, &Light::longitude_deg>::get,
+     .set = At<&Profile::light, &Light::longitude_deg>::set},
+    {.table = "light",
+     .name = "year",
+     .label = "Year",
+     .kind = KeyKind::whole,
+     .least = gl::min_sun_year,
+     .most = gl::max_sun_year,
+     .about = "Year. Years, 1950 to 2050. (By time.)",
+     .get = At<&Profile::light, &Light::year>::get,
+     .set = At<&Profile::light, &Light::year>::set},
+    {.table = "light",
+     .name = "month",
+     .label = "Month",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 12,
+     .about = "Month. 1 to 12. (By time.)",
+     .get = At<&Profile::light, &Light::month>::get,
+     .set = At<&Profile::light, &Light::month>::set},
+    {.table = "light",
+     .name = "day",
+     .label = "Day",
+     .kind = KeyKind::whole,
+     .least = 1,
+     .most = 31,
+     .about = "Day of the month. 1 to 31; past the month's end it counts on into the next. (By time.)",
+     .get = At<&Profile::light, &Light::day>::get,
+     .set = At<&Profile::light, &Light::day>::set},
+    {.table = "light",
+     .name = "hour_utc",
+     .label = "Hour, UTC",
+     .unit = "h",
+     .most = 24,
+     .about = "Universal time: what a clock in Greenwich shows in winter. Hours, 0 to 24; 17.5 is half past five in "
+              "the afternoon. (By time.)",
+     .get = At<&Profile::light, &Light::hour_utc>::get,
+     .set = At<&Profile::light, &Light::hour_utc>::set},
+    {.table = "light",
+     .name = "air",
+     .label = "Air",
+     .kind = KeyKind::choice,
+     .choices = airs,
+     .about =
+         "How the sky and the air before the ground are drawn. \"simple\": two colours of the sky, and haze of one "
+         "density. \"physical\": from a table of the sky, bluer with the distance and thinner with the height.",
+     .get = At<&Profile::light, &Light::air>::get,
+     .set = At<&Profile::light, &Light::air>::set},
+    {.table = "light",
+     .name = "visibility_km",
+     .label = "Visibility",
+     .unit = "km",
+     .least = gl::min_visibility_km,
+     .most = gl::max_visibility_km,
+     .logarithmic = true,
+     .about =
+         "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a "
+         "clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
+     .get = At<&Profile::light, &Light::visibility_km>::get,
+     .set = At<&Profile::light, &Light::visibility_km>::set},
+    {.table = "light",
+     .name = "exposure",
+     .label = "Exposure",
+     .kind = KeyKind::choice,
+     .choices = exposures,
+     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; "
+              "whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
+     .get = At<&Profile::light, &Light::exposure>::get,
+     .set = At<&Profile::light, &Light::exposure>::set},
+    {.table = "light",
+     .name = "ev100",
+     .label = "Exposure value",
+     .unit = "EV",
+     .least = gl::min_ev100,
+     .most = gl::max_ev100,
+     .about =
+         "Exposure value at ISO 100. Stops, -6 to 20: 15 for ground in the sun, 12 at sunrise, 6 at dusk. (Fixed.)",
+     .get = At<&Profile::light, &Light::ev100>::get,
+     .set = At<&Profile::light, &Light::ev100>::set},
+    {.table = "light",
+     .name = "exposure_bias_ev",
+     .label = "Brighter by",
+     .unit = "EV",
+     .least = -gl::max_exposure_bias_ev,
+     .most = gl::max_exposure_bias_ev,
+     .about = "Brighter by so many stops, automatic and fixed. Stops, -8 to 8.",
+     .get = At<&Profile::light, &Light::exposure_bias_ev>::get,
+     .set = At<&Profile::light, &Light::exposure_bias_ev>::set},
+    {.table = "light",
+     .name = "tone_curve",
+     .label = "Tone curve",
+     .kind = KeyKind::choice,
+     .choices = curves,
+     .about = "How light becomes a picture. \"none\": in proportion, cut off at white. \"filmic\": it rolls off "
+              "towards white, as film does.",
+     .get = At<&Profile::light, &Light::tone_curve>::get,
+     .set = At<&Profile::light, &Light::tone_curve>::set},
+    {.table = "light",
+     .name = "dither",
+     .label = "Dither",
+     .kind = KeyKind::flag,
+     .about = "Noise of half an 8-bit step, so that skies show no bands: true or false.",
+     .get = At<&Profile::light, &Light::dither>::get,
+     .set = At<&Profile::light, &Light::dither>::set},
+    {.table = "light",
+     .name = "detail",
+     .label = "Detail",
+     .kind = KeyKind::flag,
+     .about = "Fine noise on ground so near that a texel of its map covers many pixels: true or false. 6 to 12 texture "
+              "reads a pixel.",
+     .get = At<&Profile::light, &Light::detail>::get,
+     .set = At<&Profile::light, &Light::detail>::set},
+    {.table = "light",
+     .name = "shadows",
+     .label = "Shadows",
+     .kind = KeyKind::flag,
+     .about =
+         "Shadows of the ground, and less light where it hides some of the sky: true or false. Of packs baked with "
+         "--horizons; their horizon maps take room among the maps on the GPU, and six texture reads a pixel.",
+     .rebuild = Rebuild::session,
+     .get = At<&Profile::light, &Light::shadows>::get,
+     .set = At<&Profile::light, &Light::shadows>::set},
+    {.table = "light",
+     .name = "water",
+     .label = "Water",
+     .kind = KeyKind::flag,
+     .about = "A sheet of water at water_level_m over the ground that lies below it: true or false.",
+     .get = At<&Profile::light, &Light::water>::get,
+     .set = At<&Profile::light, &Light::water>::set},
+    {.table = "light",
+     .name = "water_level_m",
+     .label = "Water level",
+     .unit = "m",
+     .least = gl::min_water_level_m,
+     .most = gl::max_water_level_m,
+     .about = "Height of the water, as the terrain's heights are counted. Metres, -12000 to 100000.",
+     .get = At<&Profile::light, &Light::water_level_m>::get,
+     .set = At<&Profile::light, &Light::water_level_m>::set},
+
+    {.table = "layers",
+     .name = "on",
+     .label = "Detail layers",
+     .kind = KeyKind::flag,
+     .about =
+         "Materials on near ground, of fjell-fly --materials and --layers: true or false. Without such files there "
+         "are none. Some 10 to 20 texture reads a pixel, only where the ground is near.",
+     .get = At<&Profile::layers, &Layers::on>::get,
+     .set = At<&Profile::layers, &Layers::on>::set},
+    {.table = "layers",
+     .name = "splat",
+     .old_name = "control",
+     .label = "Splat maps",
+     .kind = KeyKind::flag,
+     .about = "Materials where a pack's splat maps say, of fjell-bake --layers: true or false. They take room among "
+              "the maps on the GPU, and 4 to 8 texture reads a pixel. Without them rules say: fjell-fly --layers.",
+     .rebuild = Rebuild::session,
+     .get = At<&Profile::layers, &Layers::splat>::get,
+     .set = At<&Profile::layers, &Layers::splat>::set},
+    {.table = "layers",
+     .name = "distance_m",
+     .label = "Drawn up to",
+     .unit = "m",
+     .least = gl::min_layer_distance_m,
+     .most = gl::max_layer_distance_m,
+     .logarithmic = true,
+     .about = "From how far on the ground is as its map has it. Metres, 1 to 100000; from 0.4 of it on materials fade. "
+              "Pixels beyond it cost next to nothing on a GPU; in software a far view takes 1.2 times as long.",
+     .get = At<&Profile::layers, &Layers::distance_m>::get,
+     .set = At<&Profile::layers, &Layers::distance_m>::set},
+    {.table = "layers",
+     .name = "tint",
+     .label = "Tint",
+     .about = "How far a material takes on the colour of the map under it. 0 to 1: at 0 it has its own, at 1 near and "
+              "far ground are of one colour.",
+     .get = At<&Profile::layers, &Layers::tint>::get,
+     .set = At<&Profile::layers, &Layers::tint>::set},
+    {.table = "layers",
+     .name = "relief",
+     .label = "Relief",
+     .most = gl::max_layer_relief,
+     .about = "How strongly a material's bumps catch the light. 0 to 4; 1 is their true relief.",
+     .get = At<&Profile::layers, &Layers::relief>::get,
+     .set = At<&Profile::layers, &Layers::relief>::set},
+    {.table = "layers",
+     .name = "material_mb",
+     .label = "Material textures",
+     .kind = KeyKind::whole,
+     .unit = "MB",
+     .least = 1,
+     .most = max_material_mb,
+     .logarithmic = true,
+     .about = "GPU memory for the textures of materials. MB, 1 to 65536: their finest mips are left out until they "
+              "fit. Ten materials of 512 texels a side take 7 MB.",
+     .rebuild = Rebuild::method,
+     .get = At<&Profile::material_bytes, nullptr, 20>::get,
+     .set = At<&Profile::material_bytes, nullptr, 20>::set},
+};
+
+} // namespace
+
+std::span<const ProfileKey> profile_keys() {
+    return keys;
+}
+
+std::span<const ProfileTable> profile_tables() {
+    return tables;
+}
+
+const ProfileKey* find_profile_key(std::string_view dotted) {
+    const std::size_t dot = dotted.find('.');
+    if (dot == std::string_view::npos) return nullptr;
+    const std::string_view table = dotted.substr(0, dot), name = dotted.substr(dot + 1);
+    for (const ProfileKey& key : profile_keys())
+        if (table == key.table && (name == key.name || (key.old_name && name == key.old_name))) return &key;
+    return nullptr;
+}
+
+std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b) {
+    std::vector<const ProfileKey*> differing;
+    for (const ProfileKey& key : profile_keys())
+        if (key.get(a) != key.get(b)) differing.push_back(&key);
+    return differing;
+}
+
+} // namespace fjell::session
