@@ -25,7 +25,7 @@ void check(const Terrain& terrain, const SnapshotInfo& info) {
     if (const Status status = validate(info.view); !status.ok())
         throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
     if (!(info.error_px > 0 && info.error_bound_px > 0 && std::isfinite(info.error_bound_px)))
-        throw io::Failure(2, "SnapshotInfo::error_px and error_px_effective must be above zero and finite");
+        throw io::Failure(2, "SnapshotInfo::error_px and error_bound_px must be above zero and finite");
 }
 
 // A tile may have several ranges, one after the other.

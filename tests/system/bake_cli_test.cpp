@@ -441,6 +441,10 @@ TEST_CASE("undeclared voids are refused, and baked as the user says, from the co
     CHECK(run_in(folder.path, bake + "verify out.fjell --against basin.asc --void -9999").code == 0);
     CHECK(run_in(folder.path, bake + "verify out.fjell --recipe r.json").code == 0);
     CHECK(baked("--recipe r.json").first["holes"] == 799);
+    const Run old_name = run_in(folder.path, bake + "basin.asc --control full -o old.fjell");
+    CHECK(old_name.code == 2);
+    CHECK(old_name.err == "fjell-bake: --control is called --splat now, and read by its old name until 0.4\n"
+                          "fjell-bake: --splat says how fine splat maps are; give their rules with --layers\n");
     const auto ground = baked("--recipe r.json --void none").first;
     CHECK(ground["holes"] == 0);
     CHECK(ground["repeated_lowest"].is_null());

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <set>
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -8,6 +9,7 @@
 #include "io/file.h"
 #include "session/log.h"
 #include "session/profile.h"
+#include "session/profile_keys.h"
 
 using namespace fjell;
 using namespace fjell::session;
@@ -220,11 +222,33 @@ TEST_CASE("an empty profile is the defaults, and every key changes its own field
     CHECK(l.light.elevation_deg == 2);
 }
 
+TEST_CASE("keys are read by the names that they had before 0.3, and a line each names the new one") {
+    std::vector<std::string> renamed;
+    const Profile p = parse_profile("[refine]\nerror_px = 3\n[budget]\nitems = 40\nbudget_us = 99.5\n[layers]\n"
+                                    "control = false\n",
+                                    "p.toml", &renamed);
+    CHECK(p.refine.max_error_px == 3);
+    CHECK(p.cut.max_work == 40);
+    CHECK(p.cut.max_time_us == 99.5);
+    CHECK_FALSE(p.layers.splat);
+    CHECK(std::set<std::string>(renamed.begin(), renamed.end()) ==
+          std::set<std::string>{
+              "p.toml:2: refine.error_px is called refine.max_error_px now, and read by its old name until 0.4",
+              "p.toml:4: budget.items is called budget.max_work now, and read by its old name until 0.4",
+              "p.toml:5: budget.budget_us is called budget.max_time_us now, and read by its old name until 0.4",
+              "p.toml:7: layers.control is called layers.splat now, and read by its old name until 0.4"});
+    renamed.clear();
+    (void)parse_profile(profile_text(p, ""), "p.toml", &renamed); // written by its new ones
+    CHECK(renamed.empty());
+    refuses("[refine]\nmax_error_px = 1\nerror_px = 2\n",
+            "p.toml:3: refine.error_px: is now max_error_px, which is there too");
+}
+
 TEST_CASE("a bad profile is refused in one line with file, line and key") {
     refuses("[refine]\n\nerror_pixels = 1\n",
-            "p.toml:3: refine.error_pixels: unknown key; [refine] has method, error_px");
+            "p.toml:3: refine.error_pixels: unknown key; [refine] has method, max_error_px");
     refuses("[budgets]\nvertices = 5000\n", "p.toml:1: budgets: unknown table");
-    refuses("max_error_px = 1\n", "p.toml:1: error_px: unknown table");
+    refuses("max_error_px = 1\n", "p.toml:1: max_error_px: unknown table");
     refuses("refine = 1\n", "p.toml:1: refine: must be a table");
     refuses("[refine]\nmax_error_px = 0\n", "p.toml:2: refine.max_error_px: must be a number from 0.01 to 1000");
     refuses("[refine]\nmax_error_px = nan\n", "p.toml:2: refine.max_error_px: must be a number");

@@ -42,6 +42,18 @@ TEST_CASE("a recipe that is written comes back bit for bit") {
     CHECK(parse_recipe(R"({"tile": 64})", "r.json").tile == "64");
 }
 
+TEST_CASE("a recipe's key is read by the name that it had, and a line names the new one") {
+    std::vector<std::string> renamed;
+    CHECK(parse_recipe(R"({"layers": "l.json", "control": "full"})", "r.json", &renamed).splat == "full");
+    CHECK(renamed ==
+          std::vector<std::string>{"r.json: \"control\" is called splat now, and read by its old name until 0.4"});
+    renamed.clear();
+    CHECK(parse_recipe(R"({"splat": "full"})", "r.json", &renamed).splat == "full");
+    CHECK(renamed.empty());
+    check_refusal(bad(R"({"splat": "full", "control": "half"})"), 1, "r.json", {"\"control\" is now \"splat\""});
+    CHECK(recipe_text(parse_recipe(R"({"control": "full"})", "r.json")).find("control") == std::string::npos);
+}
+
 TEST_CASE("a recipe of very many keys is refused as soon as it is read") { // each against each would take minutes
     std::string text = "{\"k0\": 1";
     for (int i = 1; i < 100'000; ++i) text += ", \"k" + std::to_string(i) + "\": 1";

@@ -1,13 +1,13 @@
 #version 330 core
 in vec4 vertex; // column, row, height_m
-in vec4 uv0;    // MorphVertex: flat_m, error_m, radius_m, activated_s
+in vec4 uv0;    // MorphVertex: morph_from_m, error_m, radius_m, activated_s
 
 uniform vec4 spacing_m;      // x, z; 1 with morphing
 uniform vec4 eye_cell;       // the column and row north-west of the eye
 uniform vec4 eye_in_cell_m;  // how far the eye is from there: east, south; its height, and what is missing to the double
 uniform vec4 eye_in_scene_m; // the eye, counted from the scene's origin
 uniform vec4 morph_eye_m;    // MorphView's eye, counted from the eye
-uniform vec4 morph;          // MorphView: q_start, q_full; MorphFrame: now_s, morph_s
+uniform vec4 morph;          // MorphView: start_per_error, full_per_error; MorphFrame: now_s, morph_s
 uniform mat4 viewproj;       // OGRE's, of the camera or of the shadow's
 uniform mat4 shadow_viewproj;
 

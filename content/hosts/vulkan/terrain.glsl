@@ -10,7 +10,7 @@ layout(set = 0, binding = 0, std140) uniform Frame { // Frame of drawer.h
     int tiles_x, tile_log2;
     vec2 low_high_m;      // heights that occur, for the colours
     vec4 morph_eye_m[8];  // xyz, counted from the origin
-    vec4 morph_q[8];      // xy: q_start, q_full
+    vec4 morph_q[8];      // xy: start_per_error, full_per_error
 } frame;
 
 const float morph_clock_s = 1024.0; // fjell::morph_clock_s
