@@ -164,7 +164,7 @@ void sky_tables(benchmark::State& state) {
 
 const int registered = [] {
     const std::pair<const char*, double> meshes[] = {{"12px", 12}, {"5px", 5}, {"2px", 2}, {"1px", 1}};
-    const std::pair<std::uint32_t, std::uint32_t> pictures[] = {{640, 360}, {1280, 720}, {1920, 1080}};
+    const std::pair<std::uint32_t, std::uint32_t> pictures[] = {{640, 360}, {1280, 720}, {1920, 1080}, {3840, 2160}};
     for (const auto& [name, error_px] : meshes)
         for (const auto& [width, height] : pictures) // about as many triangles in each
             add(std::string("draw/") + name + "/" + std::to_string(width) + "x" + std::to_string(height),
