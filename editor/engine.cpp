@@ -12,7 +12,6 @@
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "gl/window.h"
-#include "pack/terrain_data.h"
 #include "session/pictures.h"
 
 namespace fjell::editor {
@@ -320,7 +319,7 @@ Scene Engine::scene() const {
     s.spacing_m[1] = h.spacing_m[1];
     s.min_m = h.min_m;
     s.max_m = h.max_m;
-    s.quantum_m = static_cast<double>(data_of(session.terrain()).height_scale.quantum_m);
+    s.quantum_m = static_cast<double>(h.quantum_m);
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     s.file_bytes = h.file_bytes;
     s.terrain_bytes = session.terrain_bytes;

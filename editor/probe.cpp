@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "editor/measures.h"
+#include "fjell/pages.h"
 #include "fjell/query.h"
-#include "pack/terrain_data.h"
 #include "session/session.h"
 
 namespace fjell::editor {
@@ -19,7 +19,7 @@ std::int32_t nearest_sample(double metres, double spacing_m, std::int32_t count)
 // What is under the pointer; its mesh is looked for.
 std::optional<ProbedGround> ground_under(const session::Session& session, const View& view, double x, double y) {
     const Terrain& terrain = session.terrain();
-    const TerrainData& data = data_of(terrain);
+    const PackHeader& header = terrain.header();
     const GroundHit hit = cast_ray(terrain, view.eye_m, direction_at(view, x, y), view.far_m);
     if (!hit.hit) return {};
     ProbedGround g;
@@ -28,21 +28,20 @@ std::optional<ProbedGround> ground_under(const session::Session& session, const 
     g.slope_rad = std::acos(std::clamp(hit.normal.y, -1.0, 1.0));
     g.error_m = static_cast<double>(hit.error_m);
     g.finest = hit.finest;
-    const Tree& tree = data.tree;
-    const double spacing_x = terrain.header().spacing_m[0], spacing_z = terrain.header().spacing_m[1];
-    g.sample = {nearest_sample(hit.position_m.x, spacing_x, tree.columns()),
-                nearest_sample(hit.position_m.z, spacing_z, tree.rows())};
+    const std::int32_t columns = static_cast<std::int32_t>(header.columns),
+                       rows = static_cast<std::int32_t>(header.rows), side = 1 << header.tile_log2, inside = side - 1;
+    const double spacing_x = header.spacing_m[0], spacing_z = header.spacing_m[1];
+    g.sample = {nearest_sample(hit.position_m.x, spacing_x, columns),
+                nearest_sample(hit.position_m.z, spacing_z, rows)};
     // The cell, whose middle no other tile or page has.
     const auto cell = [&](double metres, double spacing, std::int32_t count) {
         return std::clamp(static_cast<std::int32_t>(metres / spacing), 0, count - 2);
     };
-    const std::int32_t cx = cell(hit.position_m.x, spacing_x, tree.columns()),
-                       cy = cell(hit.position_m.z, spacing_z, tree.rows()), inside = tree.side() - 1;
-    g.tile_x = static_cast<std::uint32_t>(cx / tree.side());
-    g.tile_y = static_cast<std::uint32_t>(cy / tree.side());
+    const std::int32_t cx = cell(hit.position_m.x, spacing_x, columns), cy = cell(hit.position_m.z, spacing_z, rows);
+    g.tile_x = static_cast<std::uint32_t>(cx / side);
+    g.tile_y = static_cast<std::uint32_t>(cy / side);
     g.page =
-        data.pages.place(static_cast<std::uint32_t>((cx & inside) | 1), static_cast<std::uint32_t>((cy & inside) | 1))
-            .page;
+        page_of(header, static_cast<std::uint32_t>((cx & inside) | 1), static_cast<std::uint32_t>((cy & inside) | 1));
     return g;
 }
 

@@ -11,7 +11,7 @@
 
 #include "baker/read/source.h"
 #include "fjell/pack.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

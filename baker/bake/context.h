@@ -12,8 +12,8 @@
 #include "baker/maps/image.h"
 #include "baker/maps/splat.h"
 #include "baker/store/store.h"
-#include "tree/order.h"
-#include "tree/tree.h"
+#include "shared/order.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

@@ -6,7 +6,7 @@
 #include "baker/heights/scales.h"
 #include "baker/maps/maps.h"
 #include "fjell/pack.h"
-#include "pack/page.h"
+#include "shared/page.h"
 
 namespace fjell::baker {
 

@@ -22,7 +22,7 @@
 #include "baker/pack/notes.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"
-#include "tree/order.h"
+#include "shared/order.h"
 
 namespace fjell::baker {
 

@@ -15,7 +15,7 @@
 
 #include "baker/store/parallel.h"
 #include "fjell/io/failure.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::baker {
 

@@ -14,7 +14,7 @@
 
 #include "baker/read/tile_pages.h"
 #include "baker/store/parallel.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::baker {
 

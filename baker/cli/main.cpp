@@ -37,7 +37,7 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "io/set_file.h"
-#include "tree/order.h"
+#include "shared/order.h"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "compiler.h"
-#include "tree/order.h"
+#include "shared/compiler.h"
+#include "shared/order.h"
 
 namespace fjell::baker {
 

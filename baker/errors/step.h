@@ -11,8 +11,8 @@
 
 #include "baker/heights/region.h"
 #include "baker/heights/scales.h"
-#include "pack/page.h"
-#include "tree/tree.h"
+#include "shared/page.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

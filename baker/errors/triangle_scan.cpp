@@ -12,7 +12,7 @@
 #include <cstdlib>
 
 #include "baker/errors/triangle_scan.h"
-#include "compiler.h"
+#include "shared/compiler.h"
 
 #ifndef FJELL_BAKER_SCAN_TRIANGLES
 #define FJELL_BAKER_SCAN_TRIANGLES

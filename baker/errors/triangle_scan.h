@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "baker/store/memory.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

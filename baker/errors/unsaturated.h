@@ -6,7 +6,7 @@
 #include "baker/heights/region.h"
 #include "baker/heights/scales.h"
 #include "fjell/pack.h"
-#include "pack/page.h"
+#include "shared/page.h"
 
 namespace fjell::baker {
 

@@ -7,7 +7,7 @@
 
 #include "baker/store/store.h"
 #include "baker/store/window.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

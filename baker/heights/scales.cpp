@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "compiler.h"
 #include "fjell/io/failure.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

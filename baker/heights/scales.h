@@ -7,9 +7,9 @@
 
 #include "baker/heights/statistics.h"
 #include "fjell/pack.h"
-#include "pack/record.h"
-#include "tree/order.h"
-#include "tree/tree.h"
+#include "shared/order.h"
+#include "shared/record.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

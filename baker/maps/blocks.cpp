@@ -15,7 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "compiler.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "compiler.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

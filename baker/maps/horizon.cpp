@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "compiler.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

@@ -12,9 +12,9 @@
 #include "baker/maps/base_mip.h"
 #include "baker/maps/blocks.h"
 #include "baker/maps/splat.h"
-#include "compiler.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

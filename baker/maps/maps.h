@@ -18,7 +18,7 @@
 #include "baker/maps/tent.h"
 #include "baker/read/source.h"
 #include "fjell/texture.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

@@ -7,7 +7,7 @@
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
-#include "tree/order.h"
+#include "shared/order.h"
 
 namespace fjell::baker {
 

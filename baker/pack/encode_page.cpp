@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "compiler.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

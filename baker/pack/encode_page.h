@@ -1,4 +1,4 @@
-// A page from heights and codes to bytes; runtime/src/pack/page.cpp undoes it (docs/pack-format.md).
+// A page from heights and codes to bytes; runtime/src/shared/page.cpp undoes it (docs/pack-format.md).
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "baker/errors/step.h"
-#include "pack/page.h"
-#include "tree/order.h"
+#include "shared/order.h"
+#include "shared/page.h"
 
 namespace fjell::baker {
 

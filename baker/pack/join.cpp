@@ -14,7 +14,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "io/set_parts.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::baker {
 

@@ -10,7 +10,7 @@
 #include "baker/store/window.h"
 #include "fjell/pack.h"
 #include "io/set_file.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::baker {
 

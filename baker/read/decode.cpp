@@ -7,7 +7,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "compiler.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

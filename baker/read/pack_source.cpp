@@ -8,7 +8,7 @@
 #include "baker/read/gdal_file.h"
 #include "baker/read/tile_pages.h"
 #include "baker/read/windows.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::baker {
 

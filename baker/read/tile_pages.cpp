@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "tree/order.h"
+#include "shared/order.h"
 
 namespace fjell::baker {
 

@@ -12,9 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "compiler.h"
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 

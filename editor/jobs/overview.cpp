@@ -20,10 +20,10 @@
 #include "fjell/gl/ground_colour.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/load.h"
+#include "fjell/pages.h"
 #include "fjell/query.h"
 #include "fjell/terrain.h"
 #include "fjell/texture.h"
-#include "pack/terrain_data.h"
 
 namespace fjell::editor {
 
@@ -139,7 +139,7 @@ Painter::Painter(const OverviewSource& source, const std::function<bool()>& stop
     for (std::uint32_t log2 = header_.colour_log2; log2 > 2 && 1u << (log2 - 1) >= wanted_; --log2) ++colour_mip_;
     choose_layers();
     by_height_ = header_.colour_log2 == 0 && !layered_;
-    const TerrainBudget slots{pages_of(header_).pages_per_tile()};
+    const TerrainBudget slots{pages_per_tile(header_)};
     const std::size_t bytes = terrain_bytes(header_, slots);
     memory_ = io::allocate(bytes);
     const Status made =
@@ -188,7 +188,7 @@ GroundHeight Painter::ground(double x, double z) const {
 
 void Painter::load_pages(std::uint32_t tile) {
     for (std::uint32_t page = 0; page < terrain_.pages_per_tile() && !stopped_(); ++page) {
-        const int step = data_of(terrain_).pages.page_step_log2(page); // -1: of all steps, or page 0, which all need
+        const int step = page_step_log2(terrain_.header(), page); // -1: of all steps, or page 0, which all need
         if (step >= 0 && step < step_log2_) continue;
         try {
             source_.pack->read_chunk({ChunkKind::geometry, tile, page}, raw_);

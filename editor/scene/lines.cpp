@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "fjell/gl/palette.h"
+#include "fjell/pages.h"
 #include "fjell/query.h"
-#include "pack/terrain_data.h"
-#include "tree/tree.h"
+#include "shared/order.h"
 
 namespace fjell::editor {
 
@@ -89,17 +89,18 @@ Vec3 place_of(const Terrain& terrain, SampleIndex c, float height_m) {
 
 // A tile's corners are always loaded.
 Vec3 corner(const Terrain& terrain, std::int32_t x, std::int32_t y) {
-    const SampleIndex c = data_of(terrain).tree.sample({x, y});
-    return place_of(terrain, c, data_of(terrain).vertex({x, y}).height_m);
+    const SampleIndex c = tree_of(terrain.header()).sample({x, y});
+    return place_of(terrain, c, terrain_vertex(terrain, {x, y}).height_m);
 }
 
 SampleIndex tile_origin(const Terrain& terrain, std::uint32_t tile) {
     const SampleIndex place = terrain.tile_place(tile);
-    return {place.column * data_of(terrain).tree.side(), place.row * data_of(terrain).tree.side()};
+    return {place.column * tree_of(terrain.header()).side(), place.row * tree_of(terrain.header()).side()};
 }
 
 gl::Rgba8 level_rgba(const Terrain& terrain, SampleIndex v) {
-    const gl::Rgb8 rgb = gl::level_rgb(data_of(terrain).tree.level(v), static_cast<int>(terrain.header().tile_log2));
+    const gl::Rgb8 rgb =
+        gl::level_rgb(tree_of(terrain.header()).level(v), static_cast<int>(terrain.header().tile_log2));
     return {rgb[0], rgb[1], rgb[2], 220};
 }
 
@@ -134,7 +135,7 @@ void SceneLines::add_culled(const session::Session& session) {
     drawn_.assign(terrain.tile_count(), false);
     for (const TileRange& range : session.mesh().tiles)
         if (range.index_count != 0) drawn_[range.tile] = true;
-    const std::int32_t side = data_of(terrain).tree.side();
+    const std::int32_t side = tree_of(terrain.header()).side();
     for (std::uint32_t tile = 0; tile < terrain.tile_count() && lines_.size() + 6 <= most_lines; ++tile) {
         if (drawn_[tile]) continue;
         const SampleIndex o = tile_origin(terrain, tile);
@@ -148,14 +149,14 @@ void SceneLines::add_culled(const session::Session& session) {
 // The sphere of a tile's centre bounds all vertices inside the tile.
 void SceneLines::add_tile_spheres(const session::Session& session, const View& view) {
     const Terrain& terrain = session.terrain();
-    const std::int32_t half = data_of(terrain).tree.side() / 2;
+    const std::int32_t half = tree_of(terrain.header()).side() / 2;
     near_.clear();
     std::uint32_t last = terrain.tile_count();
     for (const TileRange& range : session.mesh().tiles) { // a tile's ranges follow each other
         if (range.index_count == 0 || range.tile == last) continue;
         last = range.tile;
         const SampleIndex o = tile_origin(terrain, last);
-        const SampleIndex c = data_of(terrain).tree.sample({o.column + half, o.row + half});
+        const SampleIndex c = tree_of(terrain.header()).sample({o.column + half, o.row + half});
         near_.push_back({length(place_of(terrain, c, terrain.header().min_m) - view.eye_m), last});
     }
     const std::size_t count = std::min(near_.size(), shown_tiles);
@@ -163,9 +164,9 @@ void SceneLines::add_tile_spheres(const session::Session& session, const View& v
                       [](const Near& a, const Near& b) { return a.distance_m < b.distance_m; });
     for (std::size_t i = 0; i < count; ++i) {
         const SampleIndex o = tile_origin(terrain, near_[i].tile), c{o.column + half, o.row + half};
-        const TerrainData::Vertex v = data_of(terrain).vertex(c);
+        const TerrainVertex v = terrain_vertex(terrain, c);
         if (!v.loaded) continue;
-        balls_.push_back({place_of(terrain, data_of(terrain).tree.sample(c), v.height_m),
+        balls_.push_back({place_of(terrain, tree_of(terrain.header()).sample(c), v.height_m),
                           static_cast<double>(v.radius_m), tile_rgba});
     }
 }
@@ -178,16 +179,17 @@ void SceneLines::add_chain(const session::Session& session, const View& view) {
     const auto sample = [](double metres, double spacing_m, std::int32_t count) {
         return std::clamp(static_cast<std::int32_t>(std::lround(metres / spacing_m)), 0, count - 1);
     };
-    SampleIndex v{sample(hit.position_m.x, terrain.header().spacing_m[0], data_of(terrain).tree.columns()),
-                  sample(hit.position_m.z, terrain.header().spacing_m[1], data_of(terrain).tree.rows())};
-    while (!data_of(terrain).tree.is_corner(v) && balls_.size() < most_balls) {
-        const TerrainData::Vertex vertex = data_of(terrain).vertex(v);
+    const Tree tree = tree_of(terrain.header());
+    SampleIndex v{sample(hit.position_m.x, terrain.header().spacing_m[0], tree.columns()),
+                  sample(hit.position_m.z, terrain.header().spacing_m[1], tree.rows())};
+    while (!tree.is_corner(v) && balls_.size() < most_balls) {
+        const TerrainVertex vertex = terrain_vertex(terrain, v);
         if (vertex.loaded && vertex.radius_m > 0)
             balls_.push_back(
                 {place_of(terrain, v, vertex.height_m), static_cast<double>(vertex.radius_m), level_rgba(terrain, v)});
-        const Diamond d = diamond(data_of(terrain).tree, v);
-        const SampleIndex up = data_of(terrain).tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
-        if (data_of(terrain).tree.is_corner(up)) break;
+        const Diamond d = diamond(tree, v);
+        const SampleIndex up = tree.contains(d.apexes[0]) ? d.apexes[0] : d.apexes[1];
+        if (tree.is_corner(up)) break;
         v = up;
     }
 }

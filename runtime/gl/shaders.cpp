@@ -332,7 +332,7 @@ float height_at(ivec2 at) {
 
 // The height of the full resolution at a sample and a share of the way to the next: on the triangle that bisection ends
 // with, not between all four. Squares with an even sum are cut from north-west to south-east, odd ones the other way
-// (tree/tree.h); tiles of one square all fall. Without a height: below -1e38.
+// (shared/tree.h); tiles of one square all fall. Without a height: below -1e38.
 float full_height(ivec2 first, vec2 further) {
     ivec2 whole = ivec2(floor(further)), sample_at = first + whole;
     ivec2 square = clamp(sample_at >> heights.x, ivec2(0), last.zw - 2);

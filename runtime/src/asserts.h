@@ -4,8 +4,8 @@
 // file or a thread can cause gets a status.
 #pragma once
 
-#include "compiler.h"
 #include "fjell/asserts.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

@@ -12,8 +12,8 @@
 #include <cstdio>
 
 #include "asserts.h"
-#include "compiler.h"
 #include "fjell/sample_index.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

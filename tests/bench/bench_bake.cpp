@@ -32,7 +32,7 @@
 #include "baker/synth/write_dem.h"
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 
 namespace {

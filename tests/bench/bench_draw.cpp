@@ -29,8 +29,8 @@
 #include "fjell/io/materials.h"
 #include "gl/lighting.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
 #include "session/layers_file.h"
+#include "shared/terrain_data.h"
 
 namespace {
 

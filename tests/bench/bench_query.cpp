@@ -17,7 +17,7 @@
 #include "baker/bake/bake.h"
 #include "fjell/io/load.h"
 #include "fjell/query.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/times.h"
 

@@ -15,7 +15,7 @@
 #include "baker/bake/bake.h"
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 
 namespace {

@@ -31,7 +31,7 @@
 #include "fjell/stream.h"
 #include "support/dem.h"
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "stream_engine.h"
 
 namespace {

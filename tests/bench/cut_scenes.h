@@ -15,7 +15,7 @@
 #include "bench/lean_recursion.h"
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/times.h"
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <limits>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "view/wanted.h"
 
 namespace fjell::bench {

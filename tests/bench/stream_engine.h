@@ -22,7 +22,7 @@
 #include "fjell/io/stream_reader.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/times.h"
 
 namespace fjell::bench {

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 

@@ -18,7 +18,7 @@
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
 #include "input.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "input.h"
-#include "pack/page.h"
+#include "shared/page.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include "baker/bake/context.h"
 #include "baker/check/verify.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/splat_rules.h"

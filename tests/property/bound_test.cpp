@@ -6,7 +6,7 @@
 
 #include "cut/state.h"
 #include "fjell/measure.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

@@ -1,7 +1,7 @@
 // The bulk pass: the whole cut at once.
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

@@ -1,7 +1,7 @@
 // Budgets of the live cut: each runs out alone, says its name, breaks nothing and is forgiven; the governor; refusals.
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 
 using namespace fjell;

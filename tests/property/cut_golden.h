@@ -12,7 +12,7 @@
 #include "cut/evaluate.h"
 #include "cut/state.h"
 #include "fjell/cut.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::test {
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

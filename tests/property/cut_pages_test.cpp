@@ -1,7 +1,7 @@
 // Pages that come and go under a live cut: evicted and waited for, or unloaded without warning.
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/paging_host.h"
 #include "support/rounds.h"
 

@@ -2,7 +2,7 @@
 // exact however often they do.
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

@@ -6,7 +6,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/heights.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

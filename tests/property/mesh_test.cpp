@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fjell/measure.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/mesh_check.h"
 #include "support/rounds.h"

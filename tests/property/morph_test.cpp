@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fjell/query.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"
 

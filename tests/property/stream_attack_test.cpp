@@ -7,7 +7,7 @@
 
 #include <xxhash.h>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "stream/requests.h"
 #include "support/rounds.h"
 #include "support/stream_scene.h"

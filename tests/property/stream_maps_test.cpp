@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "fjell/texture.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/splat_rules.h"
 #include "support/stream_scene.h"
 

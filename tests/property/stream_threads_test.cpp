@@ -12,7 +12,7 @@
 
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "stream/requests.h"
 #include "support/ground_truth.h"
 #include "support/rounds.h"

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "fjell/measure.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

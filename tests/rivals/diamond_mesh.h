@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rivals/rival.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell::rivals {
 

@@ -3,8 +3,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "pack/terrain_data.h"
 #include "rivals/rival.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::rivals {
 

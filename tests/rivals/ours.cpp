@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::rivals {
 

@@ -5,7 +5,7 @@
 #include "cut/mesh.h"
 #include "cut/morph.h"
 #include "cut/pages.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "view/wanted.h"
 
 namespace fjell::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_check.h"
 
 namespace fjell::test {

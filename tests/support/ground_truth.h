@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/terrain_fixture.h"
 
 namespace fjell::test {

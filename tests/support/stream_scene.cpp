@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::test {
 

@@ -1,5 +1,5 @@
 #include "support/terrain_fixture.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/temporary_folder.h"
 

@@ -8,8 +8,8 @@
 #include "fjell/gl/palette.h"
 #include "fjell/io/heights.h"
 #include "fjell/measure.h"
-#include "pack/terrain_data.h"
 #include "picture_scene.h"
+#include "shared/terrain_data.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 

@@ -4,8 +4,8 @@
 
 #include "fjell/gl/palette.h"
 #include "gl/terrain_textures.h"
-#include "pack/terrain_data.h"
 #include "picture_scene.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 #include "support/splat_rules.h"

@@ -16,7 +16,7 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/io/load.h"
 #include "fjell/recursive.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 

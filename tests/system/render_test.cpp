@@ -14,8 +14,8 @@
 #include "fjell/gl/image.h"
 #include "fjell/gl/palette.h"
 #include "gl/window.h"
-#include "pack/terrain_data.h"
 #include "picture_scene.h"
+#include "shared/terrain_data.h"
 #include "support/dem.h"
 #include "support/rounds.h"
 

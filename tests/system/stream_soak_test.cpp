@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "fjell/io/stream_reader.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/cut_scene.h"
 #include "support/rounds.h"
 

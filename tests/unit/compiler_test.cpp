@@ -1,4 +1,5 @@
-// Which sources name a compiler: runtime/src/compiler.h does, fjell/export.h for public headers, and nothing else.
+// Which sources name a compiler: runtime/src/shared/compiler.h does, fjell/export.h for public headers, and nothing
+// else.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -66,11 +67,11 @@ TEST_CASE("one header for the library and one for hosts name a compiler, and no 
             std::ostringstream text;
             text << std::ifstream(entry.path()).rdbuf();
             // What older standard libraries lack, and compiler.h has.
-            if (path.starts_with("runtime/src/") && path != "runtime/src/compiler.h")
+            if (path.starts_with("runtime/src/") && path != "runtime/src/shared/compiler.h")
                 for (const char* const lacking : {"std::bit_cast", "std::atomic_ref"})
                     if (text.str().find(lacking) != std::string::npos) found.push_back(path + ": " + lacking);
             const Words here = compiler_words(path, text.str());
-            if (path == "runtime/src/compiler.h" || path == "runtime/include/fjell/export.h")
+            if (path == "runtime/src/shared/compiler.h" || path == "runtime/include/fjell/export.h")
                 CHECK(!here.empty()); // it is still there that they stand
             else
                 found.insert(found.end(), here.begin(), here.end());

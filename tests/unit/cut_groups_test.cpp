@@ -1,4 +1,4 @@
-// The live cut's tables against the tree's own arithmetic (tree/tree.h).
+// The live cut's tables against the tree's own arithmetic (shared/tree.h).
 #include <catch2/catch.hpp>
 
 #include <algorithm>

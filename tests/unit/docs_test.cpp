@@ -15,10 +15,10 @@
 #include "fjell/cut.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
-#include "pack/record.h"
 #include "session/profile_keys.h"
+#include "shared/order.h"
+#include "shared/record.h"
 #include "support/program.h"
-#include "tree/order.h"
 
 using namespace fjell;
 using fjell::test::run_in;

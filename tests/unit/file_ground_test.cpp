@@ -1,8 +1,8 @@
 // Heights for camera paths from a pack that stays in its file.
 #include <catch2/catch.hpp>
 
-#include "pack/terrain_data.h"
 #include "session/file_ground.h"
+#include "shared/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "fjell/io/failure.h"
-#include "pack/terrain_data.h"
 #include "session/record.h"
+#include "shared/terrain_data.h"
 #include "support/rounds.h"
 #include "support/stream_scene.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "fjell/io/failure.h"
-#include "pack/terrain_data.h"
 #include "session/profile_keys.h"
 #include "session/session.h"
+#include "shared/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -17,24 +17,26 @@ namespace fs = std::filesystem;
 using Sources = std::map<std::string, std::string>; // text by path from the root
 using Names = std::vector<std::string>;
 
-// Folders and the folders whose headers they may include beside their own.
+// Folders and the folders whose headers they may include beside their own. Of runtime/src others see `shared` alone.
 const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/include", {}},
-    {"runtime/src", {"runtime/include"}},
+    {"runtime/src/shared", {"runtime/include", "runtime/src"}},
+    {"runtime/src", {"runtime/include", "runtime/src/shared"}},
     {"runtime/io", {"runtime/include"}},
     {"runtime/gl", {"runtime/include", "runtime/io"}},
     {"runtime/gltf", {"runtime/include", "runtime/io"}},
     {"runtime/session", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf"}},
     {"runtime/fly", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session"}},
-    {"baker", {"runtime/include", "runtime/src", "runtime/io"}},
+    {"baker", {"runtime/include", "runtime/src/shared", "runtime/io"}},
     {"editor",
-     {"runtime/include", "runtime/src", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
+     {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
 };
 
 std::string room_of(const std::string& path) {
+    std::string innermost; // the longest: they are in order
     for (const auto& [room, may] : rooms)
-        if (path.starts_with(room + "/")) return room;
-    return {};
+        if (path.starts_with(room + "/")) innermost = room;
+    return innermost;
 }
 
 // For hosts: the library's headers and those of its companions.
@@ -149,7 +151,9 @@ TEST_CASE("an arrow the wrong way, an included source and a folder with one file
                         {"runtime/src/b.cpp", "#include \"fjell/b.h\"\n#include \"inner.h\"\n"},
                         {"runtime/io/file.h", "#include \"fjell/a.h\"\n"},
                         {"runtime/io/file.cpp", "#include \"file.h\"\n"},
-                        {"baker/bake.h", ""},
+                        {"runtime/src/shared/tree.h", ""},
+                        {"runtime/src/shared/page.h", "#include \"shared/tree.h\"\n"},
+                        {"baker/bake.h", "#include \"shared/page.h\"\n"},
                         {"baker/bake.cpp", "#include \"bake.h\"\n#include \"io/file.h\"\n#include \"ramp.inc\"\n"}};
     CHECK(check(sound).wrong == Names{});
     const auto with = [&](const std::string& path, const std::string& text) {
@@ -161,6 +165,7 @@ TEST_CASE("an arrow the wrong way, an included source and a folder with one file
           Names{"runtime/src/a.cpp includes runtime/io/file.h"});
     CHECK(with("runtime/io/file.cpp", "#include \"inner.h\"\n") == // what only the library's own sources may
           Names{"runtime/io/file.cpp includes runtime/src/inner.h"});
+    CHECK(with("baker/bake.cpp", "#include \"inner.h\"\n") == Names{"baker/bake.cpp includes runtime/src/inner.h"});
     CHECK(with("runtime/io/file.cpp", "#include \"baker/bake.h\"\n") ==
           Names{"runtime/io/file.cpp includes baker/bake.h"});
     CHECK(with("baker/bake.cpp", "#include \"bake.cpp\"\n") == Names{"baker/bake.cpp includes the source bake.cpp"});

@@ -1,4 +1,4 @@
-// Where vertices lie in pages, against what tree/order.h promises and the thesis' own formulas; and the recursion's
+// Where vertices lie in pages, against what shared/order.h promises and the thesis' own formulas; and the recursion's
 // shortcut to the same places.
 #include <catch2/catch.hpp>
 
@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "fjell/pages.h"
-#include "pack/terrain_data.h"
 #include "recursive/locate.h"
-#include "tree/order.h"
+#include "shared/order.h"
+#include "shared/terrain_data.h"
 
 using namespace fjell;
 

@@ -11,7 +11,7 @@
 #include "fjell/io/pack_file.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 

@@ -3,7 +3,7 @@
 #include "baker/read/pack_source.h"
 #include "baker/synth/write_dem.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "source_check.h"
 #include "support/dem.h"
 #include "support/terrain_fixture.h"

@@ -10,7 +10,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;

@@ -7,7 +7,7 @@
 #include <stb_image.h>
 
 #include "baker/check/picture.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 

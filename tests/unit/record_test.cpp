@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "pack/record.h"
-#include "tree/tree.h"
+#include "shared/record.h"
+#include "shared/tree.h"
 
 using namespace fjell;
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "fjell/io/stream_reader.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;

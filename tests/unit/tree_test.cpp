@@ -1,11 +1,11 @@
-// The vertex tree against explicit bisection: the arithmetic of tree/tree.h must describe the very triangles that
+// The vertex tree against explicit bisection: the arithmetic of shared/tree.h must describe the very triangles that
 // splitting produces.
 #include <catch2/catch.hpp>
 
 #include <map>
 #include <set>
 
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 using namespace fjell;
 

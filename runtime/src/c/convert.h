@@ -9,9 +9,9 @@
 #include <span>
 #include <type_traits>
 
-#include "compiler.h"
 #include "fjell/fjell.h"
 #include "fjell/fjell_c.h"
+#include "shared/compiler.h"
 
 namespace fjell::c_api {
 

@@ -4,10 +4,10 @@
 #include <type_traits>
 #include <utility>
 
-#include "compiler.h"
 #include "cut/evaluate.h"
 #include "cut/refine.h"
 #include "cut/state.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

@@ -7,11 +7,11 @@
 #include <bit>
 #include <utility>
 
-#include "compiler.h"
 #include "cut/bulk_rows.h"
 #include "cut/evaluate.h"
 #include "cut/state.h"
-#include "pack/record.h"
+#include "shared/compiler.h"
+#include "shared/record.h"
 
 namespace fjell {
 

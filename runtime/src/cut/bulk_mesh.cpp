@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "compiler.h"
 #include "cut/bulk_install.h"
 #include "cut/bulk_rows.h"
 #include "cut/state.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

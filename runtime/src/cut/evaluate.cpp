@@ -11,9 +11,9 @@
 #include <bit>
 #include <cstring>
 
-#include "compiler.h"
 #include "cut/evaluate.h"
-#include "pack/record.h"
+#include "shared/compiler.h"
+#include "shared/record.h"
 
 // What the targets share.
 #ifndef FJELL_EVALUATE_ONCE

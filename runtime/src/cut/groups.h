@@ -12,8 +12,8 @@
 
 #include <cstdint>
 
-#include "tree/order.h"
-#include "tree/tree.h"
+#include "shared/order.h"
+#include "shared/tree.h"
 
 namespace fjell {
 

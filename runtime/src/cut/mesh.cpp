@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler.h"
 #include "cut/state.h"
 #include "fjell/compact.h"
 #include "fjell/pack.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

@@ -18,7 +18,7 @@
 
 #include "asserts.h"
 #include "fjell/cut.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

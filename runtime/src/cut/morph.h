@@ -37,7 +37,7 @@ struct Morphing {
     std::uint32_t first_out, out_count;
 };
 
-// A terrain that ends inside a tile: what would lie beyond the rim stands on it (tree/tree.h), so there a vertex is
+// A terrain that ends inside a tile: what would lie beyond the rim stands on it (shared/tree.h), so there a vertex is
 // not in the middle of the edge that it splits, and where it would have to start is not on the surface. Those vertices
 // do not morph, and neither may any of their ancestors, or one could be half-way when a descendant is at its full
 // height. Derivation: a side of step s lies at most s from its parents, centres of step s; these at most s from theirs,

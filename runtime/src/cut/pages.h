@@ -7,7 +7,7 @@
 
 #include "cut/groups.h"
 #include "cut/schedule.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "compiler.h"
 #include "cut/change.h"
 #include "cut/error_bound.h"
 #include "cut/evaluate.h"
 #include "cut/state.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

@@ -22,7 +22,7 @@
 
 #include "asserts.h"
 #include "cut/groups.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell {
 

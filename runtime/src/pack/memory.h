@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pack/page.h"
-#include "pack/terrain_data.h"
+#include "shared/page.h"
+#include "shared/terrain_data.h"
 
 struct ZSTD_DCtx_s;
 

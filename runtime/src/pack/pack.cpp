@@ -12,8 +12,8 @@
 #include <zstd.h>
 
 #include "fjell/texture.h"
-#include "pack/record.h"
-#include "tree/order.h"
+#include "shared/order.h"
+#include "shared/record.h"
 
 namespace fjell {
 

@@ -10,7 +10,7 @@
 #include <xxhash.h>
 
 #include "block_layout.h"
-#include "tree/order.h"
+#include "shared/order.h"
 
 namespace fjell {
 

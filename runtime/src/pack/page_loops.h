@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pack/page.h"
-#include "pack/record.h"
+#include "shared/page.h"
+#include "shared/record.h"
 
 namespace fjell {
 

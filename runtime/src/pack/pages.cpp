@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

@@ -33,8 +33,8 @@
 #include <cstring>
 #include <span>
 
-#include "compiler.h"
-#include "pack/terrain_data.h"
+#include "shared/compiler.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

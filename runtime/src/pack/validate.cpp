@@ -1,7 +1,7 @@
 #include "validate.h"
 
 #include "pack/memory.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

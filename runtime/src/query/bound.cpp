@@ -10,8 +10,8 @@
 
 #include "cut/state.h"
 #include "fjell/measure.h"
-#include "pack/terrain_data.h"
 #include "recursive/state.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

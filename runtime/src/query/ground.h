@@ -20,9 +20,9 @@
 #include <utility>
 
 #include "fjell/view.h"
-#include "pack/terrain_data.h"
 #include "query/reader.h"
 #include "query/way.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::query {
 

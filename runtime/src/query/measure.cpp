@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

@@ -5,9 +5,9 @@
 #include <bit>
 #include <cstdint>
 
-#include "compiler.h"
 #include "pack/publish.h"
-#include "pack/terrain_data.h"
+#include "shared/compiler.h"
+#include "shared/terrain_data.h"
 
 namespace fjell::query {
 

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "compiler.h"
 #include "fjell/mesh.h"
 #include "recursive/state.h"
+#include "shared/compiler.h"
 
 namespace fjell {
 

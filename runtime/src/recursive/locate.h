@@ -9,8 +9,8 @@
 #include <array>
 #include <cstdint>
 
-#include "compiler.h"
-#include "pack/terrain_data.h"
+#include "shared/compiler.h"
+#include "shared/terrain_data.h"
 
 namespace fjell {
 

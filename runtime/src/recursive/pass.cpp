@@ -17,9 +17,9 @@
 #include <cstring>
 #include <limits>
 
-#include "compiler.h"
 #include "recursive/emit.h"
 #include "recursive/locate.h"
+#include "shared/compiler.h"
 #include "view/wanted.h"
 
 namespace fjell {

@@ -14,9 +14,9 @@
 
 #include <cmath>
 
-#include "compiler.h"
 #include "fjell/view.h"
-#include "pack/record.h"
+#include "shared/compiler.h"
+#include "shared/record.h"
 
 namespace fjell {
 

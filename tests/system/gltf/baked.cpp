@@ -1,5 +1,5 @@
 #include "gltf/baked.h"
-#include "pack/terrain_data.h"
+#include "shared/terrain_data.h"
 
 #include <algorithm>
 #include <array>

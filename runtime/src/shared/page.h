@@ -11,8 +11,8 @@
 
 #include "fjell/pack.h"
 #include "fjell/status.h"
-#include "pack/record.h"
-#include "tree/order.h"
+#include "shared/order.h"
+#include "shared/record.h"
 
 namespace fjell {
 

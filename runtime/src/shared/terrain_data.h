@@ -9,8 +9,8 @@
 
 #include "fjell/terrain.h"
 #include "handle.h"
-#include "pack/record.h"
-#include "tree/order.h"
+#include "shared/order.h"
+#include "shared/record.h"
 
 namespace fjell {
 

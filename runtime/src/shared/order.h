@@ -19,7 +19,7 @@
 #include <cstdint>
 
 #include "fjell/pack.h"
-#include "tree/tree.h"
+#include "shared/tree.h"
 
 namespace fjell {
 

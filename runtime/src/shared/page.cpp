@@ -1,4 +1,4 @@
-#include "pack/page.h"
+#include "shared/page.h"
 
 #include "asserts.h"
 #include "pack/page_loops.h"
