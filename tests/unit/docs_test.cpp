@@ -14,8 +14,8 @@
 
 #include "fjell/cut.h"
 #include "fjell/pack.h"
+#include "fjell/profile/keys.h"
 #include "fjell/texture.h"
-#include "session/profile_keys.h"
 #include "shared/order.h"
 #include "shared/record.h"
 #include "support/program.h"
@@ -355,7 +355,7 @@ TEST_CASE("every name of the code that the documents use exists in it") {
     for (const Page& page : pages())
         for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view|light|layers)\\.[a-z_]+)`")) {
             INFO(page.name << ": " << key);
-            CHECK(session::find_profile_key(key) != nullptr);
+            CHECK(fjell::find_profile_key(key) != nullptr);
         }
 }
 

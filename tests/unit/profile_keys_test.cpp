@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 #include "support/program.h"
 
 using namespace fjell;
