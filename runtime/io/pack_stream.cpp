@@ -10,11 +10,11 @@ namespace fjell::io {
 
 namespace {
 
-// The budget that map_bytes has to hold is of maps, not of a mesh.
-std::string why(const Status& status) {
-    if (status.code == StatusCode::budget_too_small && std::string_view(status.field) == "StreamBudget::map_bytes")
-        return "the budget cannot hold the smallest maps of all tiles; raise the field, or lower "
-               "StreamBudget::tail_log2";
+// What map_bytes has to hold is no mesh, and its field says what it is.
+const char* why(const Status& status) {
+    if (status.code == StatusCode::budget_too_small &&
+        std::string_view(status.field).find("mips") != std::string_view::npos)
+        return "raise the field, or lower StreamBudget::tail_log2";
     return message(status.code);
 }
 
