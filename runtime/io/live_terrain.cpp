@@ -20,6 +20,12 @@ void tell_once([[maybe_unused]] const char* line) {
 #endif
 }
 
+bool nothing_to_do(const CutReport& c, const StreamReport& s) {
+    return s.in_flight == 0 && s.pages_left == 0 && s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 &&
+           s.pages_evicting == 0 && (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 &&
+           c.activations == 0 && c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
+}
+
 } // namespace
 
 struct LiveTerrain::Block {
@@ -85,6 +91,8 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
         throw Failure(1, std::string(s.field) + ": " + message(s.code));
     frame_.mesh = cut_mesh(cut_);
     frame_.converged = frame_.cut.converged && frame_.stream.converged && frame_.stream.maps_converged;
+    quiet_ = nothing_to_do(frame_.cut, frame_.stream) ? quiet_ + 1 : 0;
+    frame_.settled = frame_.converged || quiet_ > 1; // twice: what an update requests it may find out in the next one
     std::size_t count = 0;
     for (std::uint32_t left = frame_.cut.exhausted; left != 0; left &= left - 1)
         short_of_[count++] = budget_field(static_cast<CutBudgetBit>(left & -left));

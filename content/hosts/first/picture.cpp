@@ -1,4 +1,4 @@
-// The same without a window: one picture, when all is there.   picture PACK PROFILE.toml PICTURE.png
+// The same without a window: one picture, when all is there that will be.   picture PACK PROFILE.toml PICTURE.png
 #include <fjell/gl.h>
 #include <fjell/io.h>
 #include <fjell/profile.h>
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
         const double wide_m = ground.terrain().extent_x_m(), high_m = ground.pack().header.max_m;
         const fjell::Vec3 eye_m{0, high_m * 1.2, ground.terrain().extent_z_m() / 2};
         const fjell::View view = fjell::make_view(eye_m, {1, -0.3, 0}, {0, 1, 0}, 0.8, 1280, 720, 1, 2 * wide_m);
-        for (int frame = 0; !ground.frame().converged && ground.frame().stream.failed == 0; ++frame) {
+        for (int frame = 0; !ground.frame().settled; ++frame) {
             ground.update({&view, 1}, frame / 60.0);
             renderer->upload(ground);
         }

@@ -32,17 +32,17 @@ namespace fjell::io {
 
 // What updates go by; may change from frame to frame. now_s of both is update()'s.
 struct LiveSettings {
-    CutSettings cut;
-    StreamSettings stream;
+    CutSettings cut{};
+    StreamSettings stream{};
 };
 
 // What it may use: fixed at opening.
 struct LiveOptions {
     std::uint32_t page_slots = 8192; // pages of geometry in memory; no more than the pack has are made
-    CutBudget cut;                   // segment_triangles are halved until they suit the number of tiles
-    StreamBudget stream;
-    StreamReaderOptions reader;
-    LiveSettings settings; // to begin with
+    CutBudget cut{};                 // segment_triangles are halved until they suit the number of tiles
+    StreamBudget stream{};
+    StreamReaderOptions reader{};
+    LiveSettings settings{}; // to begin with
 };
 
 // Bits of LiveFrame::forgotten: what a host that draws has left out, so that the ground is grey or dark.
@@ -53,10 +53,13 @@ enum LiveForgotten : std::uint32_t {
 
 // What an update has done. Spans hold until the next one.
 struct LiveFrame {
-    CutMesh mesh;                          // what is drawn, and how it morphs
-    CutReport cut;                         // error_bound_px: what the mesh keeps
-    StreamReport stream;                   // what was read, and what is missing
-    bool converged = false;                // all that the views want is there, drawn to the threshold, and every map
+    CutMesh mesh;           // what is drawn, and how it morphs
+    CutReport cut;          // error_bound_px: what the mesh keeps
+    StreamReport stream;    // what was read, and what is missing
+    bool converged = false; // all that the views want is there, drawn to the threshold, and every map
+    // Converged, or as near to it as budgets and disk allow: nothing is read, waits or moves, and the same views would
+    // change nothing more.
+    bool settled = false;
     std::span<const char* const> short_of; // the budget fields that did not suffice: "CutBudget::vertices"
     std::uint32_t forgotten = 0;           // LiveForgotten, from the first frame on in which it was seen
 };
@@ -111,6 +114,7 @@ private:
     LiveFrame frame_;
     std::array<const char*, 10> short_of_{};
     bool commands_taken_ = true, maps_asked_for_ = false;
+    std::uint32_t quiet_ = 0;            // updates in a row that found nothing to do
     std::unique_ptr<PackStream> stream_; // last: its threads stop before what they read into goes
 };
 
