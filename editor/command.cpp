@@ -15,7 +15,7 @@
 #include "editor/files/settings.h"
 #include "editor/measures.h"
 #include "fjell/io/failure.h"
-#include "session/profile.h"
+#include "fjell/profile.h"
 
 namespace fjell::editor {
 
@@ -154,10 +154,10 @@ constexpr double degree = 3.14159265358979323846 / 180;
 
 Command set_key(Words& w) {
     const std::string name = w.text("a key, as in a profile: refine.max_error_px");
-    const session::ProfileKey* const key = session::find_profile_key(name);
+    const ProfileKey* const key = find_profile_key(name);
     if (key == nullptr) throw Failure(2, fmt::format("{}: no such key; a saved profile lists them all", name));
     double value = 0;
-    if (const std::string problem = session::parse_value(*key, w.text("a value"), value); !problem.empty())
+    if (const std::string problem = parse_value(*key, w.text("a value"), value); !problem.empty())
         throw Failure(2, fmt::format("{}: {}", name, problem));
     return SetKey{key, value, false};
 }
@@ -242,11 +242,10 @@ Command tune(Words& w) {
                 }},
                {"least_px",
                 [&](const std::string& v) {
-                    s.least_px =
-                        Words::number_in(v, "least_px", session::least_threshold_px, session::most_threshold_px);
+                    s.least_px = Words::number_in(v, "least_px", ranges::least_threshold_px, ranges::most_threshold_px);
                 }},
                {"most_px", [&](const std::string& v) {
-                    s.most_px = Words::number_in(v, "most_px", session::least_threshold_px, session::most_threshold_px);
+                    s.most_px = Words::number_in(v, "most_px", ranges::least_threshold_px, ranges::most_threshold_px);
                 }}});
     return t;
 }
@@ -480,8 +479,8 @@ Command compare_pictures(Words& w) {
     if (word == "off") return ComparePictures{};
     if (word == "profile") return ComparePictures{CompareWith::profile, 0};
     return ComparePictures{CompareWith::threshold,
-                           Words::number_in(word, "the threshold, unless off or profile,", session::least_threshold_px,
-                                            session::most_threshold_px)};
+                           Words::number_in(word, "the threshold, unless off or profile,", ranges::least_threshold_px,
+                                            ranges::most_threshold_px)};
 }
 
 std::vector<Verb> study_verbs() {

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "editor/names.h"
+#include "fjell/profile/keys.h"
 #include "fjell/view.h"
 #include "session/camera.h"
-#include "session/profile_keys.h"
 
 namespace fjell::editor {
 
@@ -29,7 +29,7 @@ struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: t
 };
 struct OpenSample {}; // baked at its first use
 struct SetKey {
-    const session::ProfileKey* key = nullptr;
+    const ProfileKey* key = nullptr;
     double value = 0;
     bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };

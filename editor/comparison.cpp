@@ -6,16 +6,16 @@
 #include <epoxy/gl.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/profile/keys.h"
 #include "session/pictures.h"
-#include "session/profile_keys.h"
 
 namespace fjell::editor {
 
 namespace {
 
-bool needs_reopening(const session::Profile& from, const session::Profile& to) {
-    for (const session::ProfileKey& key : session::profile_keys())
-        if (key.rebuild != session::Rebuild::nothing && key.get(from) != key.get(to)) return true;
+bool needs_reopening(const Profile& from, const Profile& to) {
+    for (const ProfileKey& key : profile_keys())
+        if (key.rebuild != Rebuild::nothing && key.get(from) != key.get(to)) return true;
     return false;
 }
 
@@ -23,9 +23,9 @@ bool needs_reopening(const session::Profile& from, const session::Profile& to) {
 
 Comparison::~Comparison() = default;
 
-session::Profile Comparison::wanted(const State& state) const {
-    const session::Profile* const other = state.document.compared();
-    session::Profile profile =
+Profile Comparison::wanted(const State& state) const {
+    const Profile* const other = state.document.compared();
+    Profile profile =
         state.compared.with == CompareWith::profile && other != nullptr ? *other : state.document.profile();
     if (state.compared.with == CompareWith::threshold) profile.refine.max_error_px = state.compared.error_px;
     return profile;
@@ -70,7 +70,7 @@ void Comparison::follow(State& state, const Engine& engine) {
         }
     }
     if (opening_.valid() || state.document.dragging()) return;
-    const session::Profile now = wanted(state);
+    const Profile now = wanted(state);
     if (session_ && terrains_ == engine.terrains() && !needs_reopening(profile_, now)) {
         if (!renderer_) { // the context was lost
             std::string error;

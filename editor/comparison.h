@@ -54,12 +54,12 @@ public:
     void drop_graphics();
 
 private:
-    [[nodiscard]] session::Profile wanted(const State& state) const;
+    [[nodiscard]] Profile wanted(const State& state) const;
     [[nodiscard]] session::FlightOptions options(const Engine& engine) const;
     void close(State& state);
     void adopt(State& state, const Engine& engine);
 
-    session::Profile profile_;   // that it goes by
+    Profile profile_;            // that it goes by
     std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to
     // In the order of destruction, last first: the renderer points into the session.
     std::unique_ptr<session::Session> session_;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t most_steps = 500;
 
-const char* changed_label(const session::Profile& a, const session::Profile& b) {
+const char* changed_label(const Profile& a, const Profile& b) {
     const char* label = "";
-    for (const session::ProfileKey& key : session::profile_keys()) {
+    for (const ProfileKey& key : profile_keys()) {
         if (key.get(a) == key.get(b)) continue;
         if (*label != '\0') return "several values";
         label = key.label;
@@ -24,9 +24,8 @@ const char* changed_label(const session::Profile& a, const session::Profile& b) 
     return label;
 }
 
-bool same(const session::Profile& a, const session::Profile& b) {
-    return std::ranges::all_of(session::profile_keys(),
-                               [&](const session::ProfileKey& key) { return key.get(a) == key.get(b); });
+bool same(const Profile& a, const Profile& b) {
+    return std::ranges::all_of(profile_keys(), [&](const ProfileKey& key) { return key.get(a) == key.get(b); });
 }
 
 } // namespace
@@ -64,13 +63,13 @@ void Document::end_drag() {
 }
 
 void Document::ignore_rest_of_drag() {
-    const session::ProfileKey* const held = held_;
+    const ProfileKey* const held = held_;
     end_drag();
     held_ = held;
     ignoring_drag_ = held != nullptr;
 }
 
-void Document::set(const session::ProfileKey& key, double value, bool dragging) {
+void Document::set(const ProfileKey& key, double value, bool dragging) {
     if (held_ == &key && ignoring_drag_) {
         if (!dragging) held_ = nullptr, ignoring_drag_ = false;
         return;
@@ -80,11 +79,11 @@ void Document::set(const session::ProfileKey& key, double value, bool dragging) 
         held_ = nullptr, ignoring_drag_ = false;
     }
     value = std::clamp(value, key.least, key.most);
-    if (key.kind != session::KeyKind::number) value = std::round(value);
+    if (key.kind != KeyKind::number) value = std::round(value);
     if (key.get(profile_) != value) {
-        session::Profile changed = profile_;
+        Profile changed = profile_;
         key.set(changed, value);
-        if (const std::string conflict = session::profile_conflict(changed); !conflict.empty()) {
+        if (const std::string conflict = profile_conflict(changed); !conflict.empty()) {
             end_drag();
             throw io::Failure(2, conflict);
         }
@@ -115,7 +114,7 @@ void Document::redo() {
     redo_.pop_back();
 }
 
-void Document::replace(const session::Profile& profile) {
+void Document::replace(const Profile& profile) {
     ignore_rest_of_drag();
     if (same(profile, profile_)) return;
     changing();
@@ -140,16 +139,16 @@ bool Document::revert() {
     return true;
 }
 
-std::vector<std::string> Document::read(const std::string& path, session::Profile& profile, File& file) const {
+std::vector<std::string> Document::read(const std::string& path, Profile& profile, File& file) const {
     std::vector<std::string> renamed;
     const std::string text = io::read_text(path);
-    profile = session::parse_profile(text, path, &renamed);
-    file = {profile, path, session::profile_heading(text)};
+    profile = parse_profile(text, path, &renamed);
+    file = {profile, path, profile_heading(text)};
     return renamed;
 }
 
 std::vector<std::string> Document::open(const std::string& path) {
-    session::Profile profile;
+    Profile profile;
     File file;
     std::vector<std::string> renamed = read(path, profile, file);
     changing();
@@ -161,7 +160,7 @@ std::vector<std::string> Document::open(const std::string& path) {
 void Document::save(const std::string& path) {
     const std::string to = path.empty() ? file_.path : path;
     if (to.empty()) throw io::Failure(2, "the profile has no file yet; say where to save it");
-    const std::string text = session::profile_text(profile_, file_.heading);
+    const std::string text = profile_text(profile_, file_.heading);
     io::AtomicFile file(to);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
@@ -171,8 +170,8 @@ void Document::save(const std::string& path) {
     if (accepted_) accepted_->file = file_;
 }
 
-void Document::restore(const session::Profile& profile, const std::string& path) {
-    session::Profile read_profile;
+void Document::restore(const Profile& profile, const std::string& path) {
+    Profile read_profile;
     File file;
     try {
         if (!path.empty()) (void)read(path, read_profile, file);
@@ -186,7 +185,7 @@ void Document::restore(const session::Profile& profile, const std::string& path)
 
 std::vector<std::string> Document::compare(const std::string& path) {
     std::vector<std::string> renamed;
-    compared_ = path.empty() ? file_.saved : session::read_profile(path, &renamed);
+    compared_ = path.empty() ? file_.saved : read_profile(path, &renamed);
     compared_path_ = path;
     ++version_;
     return renamed;

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "session/profile.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
+#include "fjell/profile.h"
 
 namespace fjell::editor {
 
@@ -24,14 +24,14 @@ namespace fjell::editor {
 
 class Document {
 public:
-    [[nodiscard]] const session::Profile& profile() const { return profile_; }
-    [[nodiscard]] const session::Profile& saved() const { return file_.saved; }
+    [[nodiscard]] const Profile& profile() const { return profile_; }
+    [[nodiscard]] const Profile& saved() const { return file_.saved; }
     [[nodiscard]] const std::string& path() const { return file_.path; }       // empty: the defaults, never saved
     [[nodiscard]] const std::string& heading() const { return file_.heading; } // what its file begins with
     [[nodiscard]] bool unsaved() const;                                        // differs from what was saved
     // A control is held: more of the same follows.
     [[nodiscard]] bool dragging() const { return held_ != nullptr && !ignoring_drag_; }
-    [[nodiscard]] const session::ProfileKey* held() const { return held_; } // the control; null: none
+    [[nodiscard]] const ProfileKey* held() const { return held_; } // the control; null: none
     [[nodiscard]] std::size_t undo_steps() const { return undo_.size(); }
     [[nodiscard]] std::size_t redo_steps() const { return redo_.size(); }
     // Of the next step back, or forward (next_edit_stamp()); 0: there is none.
@@ -41,17 +41,17 @@ public:
     [[nodiscard]] const char* undo_label() const;
     [[nodiscard]] const char* redo_label() const;
     // Beside which the panels show this one's values; null: none.
-    [[nodiscard]] const session::Profile* compared() const { return compared_ ? &*compared_ : nullptr; }
+    [[nodiscard]] const Profile* compared() const { return compared_ ? &*compared_ : nullptr; }
     [[nodiscard]] const std::string& compared_path() const { return compared_path_; }
     // Grows with every change of any of this: for what is made from it and kept.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 
     // value is clamped to the key's range. dragging: the control is held; an undo meanwhile ignores it until it
     // is released, which a call without dragging says.
-    void set(const session::ProfileKey& key, double value, bool dragging);
+    void set(const ProfileKey& key, double value, bool dragging);
     void undo();
     void redo();
-    void replace(const session::Profile& profile); // one step
+    void replace(const Profile& profile); // one step
 
     // The engine goes by the profile as it is now.
     void accept();
@@ -64,20 +64,20 @@ public:
     std::vector<std::string> compare(const std::string& path); // empty: with what was saved
     void save(const std::string& path);                        // empty: where it came from
     // Changes that an earlier run did not save, of the file at path, which may be gone.
-    void restore(const session::Profile& profile, const std::string& path);
+    void restore(const Profile& profile, const std::string& path);
     void stop_comparing();
 
 private:
     struct Step {
-        session::Profile profile;
+        Profile profile;
         std::uint64_t stamp = 0;
     };
     struct File {
-        session::Profile saved;
+        Profile saved;
         std::string path, heading;
     };
     struct Past {
-        session::Profile profile;
+        Profile profile;
         std::vector<Step> undo, redo;
         File file;
     };
@@ -85,15 +85,15 @@ private:
     void step();
     void end_drag();
     void ignore_rest_of_drag();
-    [[nodiscard]] std::vector<std::string> read(const std::string& path, session::Profile& profile, File& file) const;
+    [[nodiscard]] std::vector<std::string> read(const std::string& path, Profile& profile, File& file) const;
 
-    session::Profile profile_;
+    Profile profile_;
     File file_;
     std::string compared_path_;
-    std::optional<session::Profile> compared_;
+    std::optional<Profile> compared_;
     std::vector<Step> undo_, redo_;
     std::vector<Step> redo_before_drag_;
-    const session::ProfileKey* held_ = nullptr;
+    const ProfileKey* held_ = nullptr;
     bool ignoring_drag_ = false; // what the held control says is not wanted any more
     std::optional<Past> accepted_;
     std::uint64_t version_ = 0;

@@ -30,14 +30,14 @@ json document_json(const Document& d) {
             {"compared", d.compared() != nullptr}};
 }
 
-json profile_json(const session::Profile& profile) {
+json profile_json(const Profile& profile) {
     json values;
-    for (const session::ProfileKey& key : session::profile_keys()) {
+    for (const ProfileKey& key : profile_keys()) {
         const std::string name = std::string(key.table) + "." + key.name;
         const double value = key.get(profile);
-        if (key.kind == session::KeyKind::choice)
+        if (key.kind == KeyKind::choice)
             values[name] = key.choices[static_cast<std::size_t>(value)];
-        else if (key.kind == session::KeyKind::flag)
+        else if (key.kind == KeyKind::flag)
             values[name] = value != 0;
         else
             values[name] = value;

@@ -19,9 +19,9 @@ namespace fjell::editor {
 namespace {
 
 // The most that any changed key takes.
-session::Rebuild rebuild_of(const session::Profile& from, const session::Profile& to) {
-    session::Rebuild most = session::Rebuild::nothing;
-    for (const session::ProfileKey& key : session::profile_keys())
+Rebuild rebuild_of(const Profile& from, const Profile& to) {
+    Rebuild most = Rebuild::nothing;
+    for (const ProfileKey& key : profile_keys())
         if (key.get(from) != key.get(to)) most = std::max(most, key.rebuild);
     return most;
 }
@@ -62,7 +62,7 @@ private:
 Engine::Engine() = default;
 Engine::~Engine() = default;
 
-session::FlightOptions Engine::options(const session::Profile& profile) const {
+session::FlightOptions Engine::options(const Profile& profile) const {
     session::FlightOptions o;
     o.pack = pack_;
     o.profile = profile;
@@ -70,7 +70,7 @@ session::FlightOptions Engine::options(const session::Profile& profile) const {
     return o;
 }
 
-void Engine::open(const std::string& pack, const session::Profile& profile) {
+void Engine::open(const std::string& pack, const Profile& profile) {
     session::FlightOptions o = options(profile);
     o.pack = pack;
     adopt(prepare(o, {}, nullptr, nullptr), pack, profile);
@@ -142,13 +142,12 @@ std::string Engine::finish_opening() {
     return request_.pack;
 }
 
-void Engine::adopt(Opened opened, const std::string& pack, const session::Profile& profile) {
+void Engine::adopt(Opened opened, const std::string& pack, const Profile& profile) {
     auto& [session, renderer] = opened;
     session::FlightOptions o = options(profile);
     o.pack = pack;
     unread_told_ = 0;
-    if (session->streamed)
-        session->streamed->on_failure([this](const std::string& line) { messages_.push_back(line); });
+    if (session->streamed) session->on_failure = [this](const std::string& line) { messages_.push_back(line); };
     if (!renderer) renderer = renderer_for(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
@@ -169,7 +168,7 @@ void Engine::close() {
     ++terrains_;
 }
 
-void Engine::remake(const session::Profile& profile) {
+void Engine::remake(const Profile& profile) {
     session::remake_method(options(profile), *session_);
     set_renderer(nullptr); // the old one's memory first
     try {
@@ -186,16 +185,16 @@ void Engine::remake(const session::Profile& profile) {
     }
 }
 
-bool Engine::follow(const session::Profile& profile) {
+bool Engine::follow(const Profile& profile) {
     switch (rebuild_of(built_, profile)) {
-    case session::Rebuild::nothing: return false;
-    case session::Rebuild::method:
+    case Rebuild::nothing: return false;
+    case Rebuild::method:
         if (!session_->streamed) {
             remake(profile);
             return true;
         }
         [[fallthrough]]; // the stream holds on to the cut
-    case session::Rebuild::session: {
+    case Rebuild::session: {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
         open(std::string(pack_), profile);
         if (session_->loaded.pack.header.directory_hash != hash)
@@ -206,7 +205,7 @@ bool Engine::follow(const session::Profile& profile) {
     return false;
 }
 
-session::FrameEntry Engine::update(const View& view, const session::Profile& profile, double now_s, double& upload_us) {
+session::FrameEntry Engine::update(const View& view, const Profile& profile, double now_s, double& upload_us) {
     session::FrameEntry entry = session::update_frame(*session_, view, profile, now_s);
     if (entry.streamed && entry.stream.in_flight == 0) tell_unread();
     const auto start = Clock::now();

@@ -77,7 +77,7 @@ public:
     // Of every terrain that is opened from now on.
     void set_layers(std::shared_ptr<const session::GroundLayers> layers) { layers_ = std::move(layers); }
     [[nodiscard]] const std::shared_ptr<const session::GroundLayers>& layers() const { return layers_; }
-    void open(const std::string& pack, const session::Profile& profile);
+    void open(const std::string& pack, const Profile& profile);
     // The same with the state's profile, by a thread that reads it and, where there is a second context, uploads its
     // maps and has the driver compile what the picture's mode takes: what is shown goes on until finish_opening()
     // replaces it. The latest is meant: one that is being read still is dropped when it has been, and this one follows.
@@ -96,10 +96,9 @@ public:
     [[nodiscard]] Scene scene() const;
 
     // Recreates what the profile's budgets ask for: the method's memory, or terrain and stream too. True when it did.
-    bool follow(const session::Profile& profile);
+    bool follow(const Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
-    [[nodiscard]] session::FrameEntry update(const View& view, const session::Profile& profile, double now_s,
-                                             double& upload_us);
+    [[nodiscard]] session::FrameEntry update(const View& view, const Profile& profile, double now_s, double& upload_us);
     // Before the first update of what was opened: has the driver compile what this context needs for its picture, first
     // that of the ground, then all of it. Another context's is of no use to it.
     void rehearse(const State& state, bool all);
@@ -130,27 +129,27 @@ private:
     using Abandoned = std::shared_ptr<std::atomic<bool>>; // the frame's thread says so, the one that reads looks
     struct Request {
         std::string pack;
-        session::Profile profile;
+        Profile profile;
         gl::DrawOptions shown;
     };
     static Opened prepare(const session::FlightOptions& options, const gl::DrawOptions& shown,
                           gl::SecondContext* context, const Abandoned& abandoned);
     void start(Request request);
     void drop_opened_graphics();
-    [[nodiscard]] session::FlightOptions options(const session::Profile& profile) const;
+    [[nodiscard]] session::FlightOptions options(const Profile& profile) const;
     void set_error_options(const State& state, gl::DrawOptions& options);
     // Shows it; the pack and the profile that it was opened with.
-    void adopt(Opened opened, const std::string& pack, const session::Profile& profile);
+    void adopt(Opened opened, const std::string& pack, const Profile& profile);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void tell_unread();
-    void remake(const session::Profile& profile); // the method's memory, and a renderer for it
+    void remake(const Profile& profile); // the method's memory, and a renderer for it
 
     std::uint64_t unread_told_ = 0;     // pages and mips of this session that could not be read
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;
     std::shared_ptr<const session::GroundLayers> layers_; // null: none
-    session::Profile built_;                              // what the session's memory was allocated for
+    Profile built_;                                       // what the session's memory was allocated for
     std::unique_ptr<session::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;

@@ -82,7 +82,7 @@ struct Messages {
 
 // Keys of which the profile and the one it is compared with have different values.
 struct Difference {
-    const session::ProfileKey* key = nullptr;
+    const ProfileKey* key = nullptr;
     double theirs_value = 0;
     std::string mine, theirs;
 };

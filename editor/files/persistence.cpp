@@ -54,9 +54,9 @@ void save_look(State& state) {
 std::vector<Difference> differences_of(const Document& document) {
     std::vector<Difference> all;
     if (document.compared() == nullptr) return all;
-    const session::Profile &mine = document.profile(), &theirs = *document.compared();
-    for (const session::ProfileKey* key : session::differing_keys(mine, theirs))
-        all.push_back({key, key->get(theirs), session::value_text(*key, mine), session::value_text(*key, theirs)});
+    const Profile &mine = document.profile(), &theirs = *document.compared();
+    for (const ProfileKey* key : differing_keys(mine, theirs))
+        all.push_back({key, key->get(theirs), value_text(*key, mine), value_text(*key, theirs)});
     return all;
 }
 

@@ -67,7 +67,7 @@ Unsaved parse(const std::string& text) {
     u.path = j.at("path").get<std::string>();
     u.pack = j.at("pack").get<std::string>();
     u.profile_changed = j.at("profile_changed").get<bool>();
-    u.profile = session::parse_profile(j.at("profile").get<std::string>(), "profile");
+    u.profile = parse_profile(j.at("profile").get<std::string>(), "profile");
     for (const json& point : j.at("points")) u.points.push_back(point.get<session::ControlPoint>());
     u.path_seconds = std::clamp(j.value("path_seconds", 0.0), 0.0, session::max_path_seconds);
     return u;
@@ -186,7 +186,7 @@ void Recovery::write(const Document& document, const Route& route, const std::st
         json j = {{"path", document.path()},
                   {"pack", pack},
                   {"profile_changed", document.unsaved()},
-                  {"profile", session::profile_text(document.profile(), document.heading())},
+                  {"profile", profile_text(document.profile(), document.heading())},
                   {"points", json::array()}};
         if (route.unsaved()) {
             j["points"] = route.points();

@@ -18,7 +18,7 @@ namespace fjell::editor {
 
 // What an earlier run left.
 struct Unsaved {
-    session::Profile profile;
+    Profile profile;
     bool profile_changed = false;
     std::string path;                          // of the profile's file; empty: it had none
     std::string pack;                          // that was open; empty: none

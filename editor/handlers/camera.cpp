@@ -39,7 +39,7 @@ void stay_in_reach(session::FreeCamera& camera) {
 View drawn_view(HandlerContext context) {
     State& state = context.state;
     stay_in_reach(state.eye.free);
-    session::Profile profile = state.document.profile();
+    Profile profile = state.document.profile();
     profile.width_px = std::max(state.interface.view_width_px, 1u);
     profile.height_px = std::max(state.interface.view_height_px, 1u);
     return session::view_of(state.eye.pose(), context.engine.session().terrain(), profile);

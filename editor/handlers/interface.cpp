@@ -142,9 +142,9 @@ void handle(const SetKey& c, HandlerContext context) {
     Document& document = context.state.document;
     document.set(*c.key, c.value, c.dragging);
     if (c.dragging || (c.value >= c.key->least && c.value <= c.key->most)) return;
-    post_message(context.state, Severity::warning,
-                 fmt::format("{}: {}; set to {}", c.key->label, session::key_refusal(*c.key),
-                             session::value_text(*c.key, document.profile())));
+    post_message(
+        context.state, Severity::warning,
+        fmt::format("{}: {}; set to {}", c.key->label, key_refusal(*c.key), value_text(*c.key, document.profile())));
 }
 
 void handle(const Undo&, HandlerContext context) {

@@ -11,7 +11,7 @@
 #include "editor/jobs/threshold_search.h"
 #include "editor/jobs/work.h"
 #include "fjell/io/failure.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 #include "session/snapshots.h"
 
 namespace fjell::editor {
@@ -46,7 +46,7 @@ void apply_tuned(HandlerContext context) {
     state.tuned = state.job;
     const JobView& job = state.job;
     if (!job.tuned.apply || job.best_px == 0) return;
-    apply(SetKey{session::find_profile_key("refine.max_error_px"), job.best_px, false}, context);
+    apply(SetKey{find_profile_key("refine.max_error_px"), job.best_px, false}, context);
 }
 
 } // namespace

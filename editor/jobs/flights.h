@@ -18,15 +18,15 @@
 
 #include "editor/jobs/jobs.h"
 #include "fjell/io/pack_file.h"
+#include "fjell/profile.h"
 #include "session/log.h"
 #include "session/path.h"
-#include "session/profile.h"
 
 namespace fjell::editor {
 
 struct MeasuredFlightPlan {
     std::shared_ptr<const io::PackFile> pack; // of the terrain that is shown
-    session::Profile profile;
+    Profile profile;
     std::vector<session::Pose> route; // 60 a second; empty: an orbit around the terrain's middle
     std::size_t frames = 0;           // 0: as many as the route has
     bool draws = false;               // with upload, drawing and the GPU's work

@@ -46,7 +46,7 @@ void run(const Jobs::Body& body, JobControl& control) {
 
 } // namespace
 
-session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const session::Profile& profile,
+session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const Profile& profile,
                                   std::shared_ptr<const session::GroundLayers> layers) {
     session::FlightOptions options;
     options.pack = file->path();

@@ -23,10 +23,10 @@
 #include "editor/command.h"
 #include "editor/runs.h"
 #include "fjell/io/pack_file.h"
+#include "fjell/profile.h"
 #include "session/layers_file.h"
 #include "session/options.h"
 #include "session/path.h"
-#include "session/profile.h"
 
 namespace fjell::editor {
 
@@ -50,8 +50,7 @@ struct TunePoint {
 };
 
 // Of a session of a job's own over the file that is shown.
-[[nodiscard]] session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file,
-                                                const session::Profile& profile,
+[[nodiscard]] session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const Profile& profile,
                                                 std::shared_ptr<const session::GroundLayers> layers = {});
 
 struct ExportPreview {

@@ -10,8 +10,8 @@
 
 #include "editor/number_text.h"
 #include "fjell/io/failure.h"
+#include "fjell/profile.h"
 #include "session/log.h"
-#include "session/profile.h"
 
 namespace fjell::editor {
 
@@ -312,10 +312,9 @@ void check(const TuneSettings& s) {
                            s.budget_us));
     if (s.frames != 0 && (s.frames < 10 || s.frames > 100'000))
         throw io::Failure(2, fmt::format("frames {}: must be 10 to 100,000, or 0 for the path's own", s.frames));
-    if (!(s.least_px >= session::least_threshold_px && s.least_px < s.most_px &&
-          s.most_px <= session::most_threshold_px))
+    if (!(s.least_px >= ranges::least_threshold_px && s.least_px < s.most_px && s.most_px <= ranges::most_threshold_px))
         throw io::Failure(2, fmt::format("least_px {} and most_px {}: must rise, from {} to {} pixels", s.least_px,
-                                         s.most_px, session::least_threshold_px, session::most_threshold_px));
+                                         s.most_px, ranges::least_threshold_px, ranges::most_threshold_px));
 }
 
 } // namespace fjell::editor

@@ -213,9 +213,9 @@ void run(const ExportPlan& plan, JobControl& control) {
 
 Jobs::Body export_job(ExportPlan plan) {
     if (plan.error_px != 0 &&
-        !(plan.error_px >= session::least_threshold_px && plan.error_px <= session::most_threshold_px))
+        !(plan.error_px >= ranges::least_threshold_px && plan.error_px <= ranges::most_threshold_px))
         throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px,
-                                         session::least_threshold_px, session::most_threshold_px));
+                                         ranges::least_threshold_px, ranges::most_threshold_px));
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }

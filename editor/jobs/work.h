@@ -35,7 +35,7 @@ struct ExportPlan {
     std::string path;                         // empty: counts and size alone
     gltf::Snapshot frame;  // what is written as it stands; empty: what follows is refined for the view
     bool streamed = false; // the frame's terrain is: then so is this one's
-    session::Profile profile;
+    Profile profile;
     View view;
     double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on
     std::shared_ptr<const session::GroundLayers> layers = {}; // drawn over its colours, as the profile says
@@ -47,7 +47,7 @@ struct PicturePlan {
     std::shared_ptr<const io::PackFile> pack; // of the frame's terrain
     std::shared_ptr<const session::GroundLayers> layers;
     std::string path;
-    session::Profile profile; // with the picture's size
+    Profile profile; // with the picture's size
     session::PictureMode mode = session::PictureMode::shaded;
     session::Pose pose;
 };

@@ -49,16 +49,15 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
         ui::end_tip();
     }
     if (!exhausted) return;
-    const session::ProfileKey* const key = session::find_profile_key(line.key);
+    const ProfileKey* const key = find_profile_key(line.key);
     if (key == nullptr) return;
     const double now = key->get(state.document.profile()), more = std::min(2 * now, key->most);
     ImGui::PushID(line.key);
     if (now > 0 && more > now) {
         if (ImGui::SmallButton("Double")) commands.push(SetKey{key, more, false});
         ui::control("budget.double", line.key,
-                    key->rebuild == session::Rebuild::nothing
-                        ? "Twice as much, from the next frame on."
-                        : "Twice as much. Memory is reallocated; the view stays.");
+                    key->rebuild == Rebuild::nothing ? "Twice as much, from the next frame on."
+                                                     : "Twice as much. Memory is reallocated; the view stays.");
         ImGui::SameLine();
     }
     ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(ui::bad), "exhausted: %s", line.key);
@@ -68,7 +67,7 @@ void draw_line(const Line& line, const State& state, Commands& commands) {
 void draw_method(const State& state, Commands& commands) {
     const session::FrameEntry& e = state.measures.last();
     const Peaks& p = state.measures.peaks();
-    const session::Profile& profile = state.document.profile();
+    const Profile& profile = state.document.profile();
     const bool kept = session::facts_of(profile).keeps_mesh;
     ui::heading("Refinement:  used | peak | limit");
     const double vertices_peak = std::max(e.vertex_slots.peak, p.vertices);
@@ -104,7 +103,7 @@ void draw_stream(const State& state, Commands& commands) {
     if (!state.scene.streamed) return;
     const StreamReport& r = state.measures.last().stream;
     const Peaks& p = state.measures.peaks();
-    const session::Profile& profile = state.document.profile();
+    const Profile& profile = state.document.profile();
     ui::heading("Streaming:  used | peak | limit");
     draw_line({"Page slots", "stream.page_slots",
                "Pages in memory. At the limit, distant terrain is coarser than requested.",
@@ -202,7 +201,7 @@ void draw_not_streamed(const State& state, Commands& commands) {
     char label[64];
     std::snprintf(label, sizeof label, "Stream with %s page slots", count_text(slots).text);
     if (ImGui::Button(label))
-        commands.push(SetKey{session::find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
+        commands.push(SetKey{find_profile_key("stream.page_slots"), static_cast<double>(slots), false});
     ui::control("streaming", "begin", "Half of its pages. The pack is reopened and the view stays; Undo reverts it.");
 }
 

@@ -9,7 +9,7 @@
 #include "editor/panels/forms.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 
 namespace fjell::editor {
 
@@ -133,7 +133,7 @@ void draw_tune_result(const State& state, const JobView& shown, Commands& comman
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
     std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
-    const session::ProfileKey* const key = session::find_profile_key("refine.max_error_px");
+    const ProfileKey* const key = find_profile_key("refine.max_error_px");
     const bool used = key->get(state.document.profile()) == shown.best_px;
     ImGui::SameLine();
     if (fields::button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))

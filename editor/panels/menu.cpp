@@ -27,7 +27,7 @@ void save(const State& state, Commands& commands) {
 }
 
 void change_threshold(const State& state, double factor, Commands& commands) {
-    static const session::ProfileKey* const key = session::find_profile_key("refine.max_error_px");
+    static const ProfileKey* const key = find_profile_key("refine.max_error_px");
     const double value = key->get(state.document.profile()) * factor;
     commands.push(SetKey{key, std::clamp(value, key->least, key->most), false});
 }
@@ -227,7 +227,7 @@ void draw_profile_name(const State& state, Commands& commands) {
 // A control that went away while it was held, with its panel, has been let go. The sun is held in the picture, where no
 // control is active: until the button is up that drag goes on, and ends itself.
 void release_held(const State& state, Commands& commands) {
-    const session::ProfileKey* const held = state.document.held();
+    const ProfileKey* const held = state.document.held();
     const bool by_mouse = ImGui::IsMouseDown(ImGuiMouseButton_Left) || ImGui::IsMouseReleased(ImGuiMouseButton_Left);
     if (held != nullptr && !by_mouse && !ImGui::IsAnyItemActive())
         commands.push(SetKey{held, held->get(state.document.profile()), false});

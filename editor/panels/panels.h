@@ -79,9 +79,9 @@ struct PictureHand {
     ImVec2 apart;                     // from the pointer to it, when it was taken
     double height_m = 0;              // that it keeps while it is moved level
     bool moved = false;
-    const session::ProfileKey* key = nullptr; // of the sun
-    double value = 0;                         // of the key, when it was taken
-    bool sun = false;                         // taken, but whether along or across is not clear yet
+    const ProfileKey* key = nullptr; // of the sun
+    double value = 0;                // of the key, when it was taken
+    bool sun = false;                // taken, but whether along or across is not clear yet
 };
 // A point of the path that is held on the overview.
 struct MapHand {
@@ -119,7 +119,7 @@ struct RenderForm {
 };
 // The field that is being typed into, and whether what is there so far is no value: it turns red.
 struct TypingField {
-    const session::ProfileKey* key = nullptr;
+    const ProfileKey* key = nullptr;
     bool wrong = false;
 };
 

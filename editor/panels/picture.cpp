@@ -8,7 +8,7 @@
 #include "editor/panels/graph.h"
 #include "editor/panels/panels.h"
 #include "fjell/gl/palette.h"
-#include "session/profile.h"
+#include "fjell/profile.h"
 
 namespace fjell::editor {
 
@@ -223,7 +223,7 @@ void draw_choice(const State& state, PanelState& own, Commands& commands) {
     double px = c.error_px;
     ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
     if (ImGui::InputDouble("px", &px, 0, 0, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) {
-        own.compared_px = std::clamp(px, session::least_threshold_px, session::most_threshold_px);
+        own.compared_px = std::clamp(px, ranges::least_threshold_px, ranges::most_threshold_px);
         commands.push(ComparePictures{CompareWith::threshold, own.compared_px});
     }
     ui::control("compare-picture", "error_px", "The other threshold, in pixels. Enter applies it.");
@@ -246,7 +246,7 @@ void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
 
 void name_sides(const State& state, const ui::Rect& view, float x) {
     const ComparedPicture& c = state.compared;
-    const session::Profile* const other = state.document.compared();
+    const Profile* const other = state.document.compared();
     const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.max_error_px : c.error_px;
     char mine[64], theirs[64];
     std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.max_error_px,

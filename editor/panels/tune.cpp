@@ -22,8 +22,8 @@ namespace {
 constexpr double zero_stretch = 0.04; // of the slider, where 0 is allowed on a logarithmic one
 
 // The smallest value above 0 that such a slider gives.
-double floor_of(const session::ProfileKey& key) {
-    return key.kind == session::KeyKind::number ? key.most * 1e-6 : 1;
+double floor_of(const ProfileKey& key) {
+    return key.kind == KeyKind::number ? key.most * 1e-6 : 1;
 }
 
 double three_digits(double value) {
@@ -34,7 +34,7 @@ double three_digits(double value) {
 
 } // namespace
 
-double slider_share(const session::ProfileKey& key, double value) {
+double slider_share(const ProfileKey& key, double value) {
     const double v = std::clamp(value, key.least, key.most);
     if (!key.logarithmic) return (v - key.least) / (key.most - key.least);
     if (key.least > 0) return std::log(v / key.least) / std::log(key.most / key.least);
@@ -43,7 +43,7 @@ double slider_share(const session::ProfileKey& key, double value) {
     return zero_stretch + (1 - zero_stretch) * std::max(std::log(v / floor), 0.0) / std::log(key.most / floor);
 }
 
-double slider_value(const session::ProfileKey& key, double share) {
+double slider_value(const ProfileKey& key, double share) {
     if (!(share > 0)) return key.least;
     if (share >= 1) return key.most;
     double value = 0;
@@ -57,23 +57,23 @@ double slider_value(const session::ProfileKey& key, double share) {
         value = floor * std::pow(key.most / floor, (share - zero_stretch) / (1 - zero_stretch));
     }
     value = three_digits(value);
-    if (key.kind != session::KeyKind::number) value = std::round(value);
+    if (key.kind != KeyKind::number) value = std::round(value);
     return std::clamp(value, key.least, key.most);
 }
 
-ShownUnit shown_unit(const session::ProfileKey& key) {
+ShownUnit shown_unit(const ProfileKey& key) {
     return std::strcmp(key.unit, "us") == 0 ? ShownUnit{"ms", 1e-3} : ShownUnit{key.unit, 1};
 }
 
-void write_value(const session::ProfileKey& key, double value, char* to, int size) {
+void write_value(const ProfileKey& key, double value, char* to, int size) {
     if (key.zero != nullptr && value == 0)
         (void)std::snprintf(to, static_cast<std::size_t>(size), "%s", key.zero);
     else
-        (void)std::snprintf(to, static_cast<std::size_t>(size), key.kind == session::KeyKind::number ? "%.7g" : "%.0f",
+        (void)std::snprintf(to, static_cast<std::size_t>(size), key.kind == KeyKind::number ? "%.7g" : "%.0f",
                             value * shown_unit(key).share);
 }
 
-bool typed_value(const session::ProfileKey& key, std::string_view text, double& value) {
+bool typed_value(const ProfileKey& key, std::string_view text, double& value) {
     while (text.starts_with(' ')) text.remove_prefix(1);
     while (text.ends_with(' ')) text.remove_suffix(1);
     if (key.zero != nullptr && text == key.zero) {
@@ -222,13 +222,13 @@ constexpr Cost costs[] = {
     {"stream", "map_kb", map_kb},
 };
 
-bool is(const session::ProfileKey& key, const char* table, const char* name) {
+bool is(const ProfileKey& key, const char* table, const char* name) {
     return std::strcmp(key.table, table) == 0 && std::strcmp(key.name, name) == 0;
 }
 
 } // namespace
 
-bool cost_text(const session::ProfileKey& key, const State& state, char* to, std::size_t size) {
+bool cost_text(const ProfileKey& key, const State& state, char* to, std::size_t size) {
     for (const Cost& cost : costs) {
         if (!is(key, cost.table, cost.name)) continue;
         Text text{to, size};
@@ -238,17 +238,17 @@ bool cost_text(const session::ProfileKey& key, const State& state, char* to, std
     return false;
 }
 
-const char* why_idle(const session::ProfileKey& key, const State& state) {
-    const session::Profile& profile = state.document.profile();
+const char* why_idle(const ProfileKey& key, const State& state) {
+    const Profile& profile = state.document.profile();
     switch (key.used_by) {
-    case session::UsedBy::any: break;
-    case session::UsedBy::incremental:
+    case UsedBy::any: break;
+    case UsedBy::incremental:
         if (session::facts_of(profile).keys != key.used_by) return "for the incremental method only.";
         break;
-    case session::UsedBy::recursive:
+    case UsedBy::recursive:
         if (session::facts_of(profile).keys != key.used_by) return "for the recursive method only.";
         break;
-    case session::UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
+    case UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
         if (!state.scene.streamed && !is(key, "stream", "page_slots"))
             return "for streaming only: a pack is streamed when it has more pages than the profile has page slots.";
         break;
@@ -262,7 +262,7 @@ namespace {
 constexpr float field_px = 106; // unscaled; ten digits
 
 struct Row {
-    const session::ProfileKey& key;
+    const ProfileKey& key;
     const State& state;
     TypingField& typing;
     Commands& commands;
@@ -270,29 +270,28 @@ struct Row {
     double value = 0;
     const char* idle = nullptr; // why it does not count now
 
-    Row(const session::ProfileKey& k, const State& s, TypingField& t, Commands& c)
-        : key(k), state(s), typing(t), commands(c) {
+    Row(const ProfileKey& k, const State& s, TypingField& t, Commands& c) : key(k), state(s), typing(t), commands(c) {
         (void)std::snprintf(name, sizeof name, "%s.%s", key.table, key.name);
         value = key.get(state.document.profile());
         idle = why_idle(key, state);
     }
 };
 
-const char* rebuilds(session::Rebuild rebuild) {
+const char* rebuilds(Rebuild rebuild) {
     switch (rebuild) {
-    case session::Rebuild::nothing: return "A change takes effect in the next frame.";
-    case session::Rebuild::method: return "A change reallocates the method's memory.";
-    case session::Rebuild::session: return "A change reopens the pack; the view stays.";
+    case Rebuild::nothing: return "A change takes effect in the next frame.";
+    case Rebuild::method: return "A change reallocates the method's memory.";
+    case Rebuild::session: return "A change reopens the pack; the view stays.";
     }
     return "";
 }
 
 void tip(const Row& row) {
     if (!ui::begin_tip()) return;
-    const session::ProfileKey& key = row.key;
+    const ProfileKey& key = row.key;
     const ShownUnit unit = shown_unit(key);
     char text[1400], range[96] = "";
-    if (key.kind == session::KeyKind::number || key.kind == session::KeyKind::whole)
+    if (key.kind == KeyKind::number || key.kind == KeyKind::whole)
         (void)std::snprintf(range, sizeof range, "Range: %.10g to %.10g%s%s\n", key.least * unit.share,
                             key.most * unit.share, *unit.name != '\0' ? " " : "", unit.name);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s%s", key.about, range,
@@ -328,7 +327,7 @@ void draw_label(const Row& row) {
     if (!ui::begin_tip()) return;
     char was[64], text[96];
     write_value(row.key, saved, was, sizeof was);
-    const bool choice = row.key.kind == session::KeyKind::choice;
+    const bool choice = row.key.kind == KeyKind::choice;
     (void)std::snprintf(text, sizeof text, "Reset to the saved value: %s",
                         choice ? row.key.choices[static_cast<std::size_t>(saved)] : was);
     ImGui::TextUnformatted(text);
@@ -407,11 +406,11 @@ void draw_notes(const Row& row) {
     if (row.idle == nullptr && row.state.scene.open() && cost_text(row.key, row.state, text, sizeof text))
         ImGui::TextUnformatted(text);
     ImGui::PopStyleColor();
-    const session::Profile* const compared = row.state.document.compared();
+    const Profile* const compared = row.state.document.compared();
     if (compared != nullptr && row.key.get(*compared) != row.value) {
         const double theirs = row.key.get(*compared);
         write_value(row.key, theirs, text, sizeof text);
-        const bool choice = row.key.kind == session::KeyKind::choice, flag = row.key.kind == session::KeyKind::flag;
+        const bool choice = row.key.kind == KeyKind::choice, flag = row.key.kind == KeyKind::flag;
         ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.55F, 0.74F, 0.95F, 1));
         ImGui::Text("compared: %s", choice ? row.key.choices[static_cast<std::size_t>(theirs)]
                                     : flag ? (theirs != 0 ? "on" : "off")
@@ -421,16 +420,16 @@ void draw_notes(const Row& row) {
     ImGui::PopTextWrapPos();
 }
 
-void draw_key(const session::ProfileKey& key, const State& state, TypingField& typing, Commands& commands) {
+void draw_key(const ProfileKey& key, const State& state, TypingField& typing, Commands& commands) {
     Row row(key, state, typing, commands);
     ImGui::PushID(&key);
     ImGui::BeginDisabled(row.idle != nullptr);
     draw_label(row);
     switch (key.kind) {
-    case session::KeyKind::number:
-    case session::KeyKind::whole: draw_slider(row); break;
-    case session::KeyKind::flag: draw_flag(row); break;
-    case session::KeyKind::choice: draw_choices(row); break;
+    case KeyKind::number:
+    case KeyKind::whole: draw_slider(row); break;
+    case KeyKind::flag: draw_flag(row); break;
+    case KeyKind::choice: draw_choices(row); break;
     }
     draw_notes(row);
     ImGui::EndDisabled();
@@ -441,9 +440,9 @@ void draw_key(const session::ProfileKey& key, const State& state, TypingField& t
 } // namespace
 
 void draw_tune(const State& state, PanelState& own, Commands& commands) {
-    for (const session::ProfileTable& table : session::profile_tables()) {
+    for (const ProfileTable& table : profile_tables()) {
         ui::heading(table.label);
-        for (const session::ProfileKey& key : session::profile_keys())
+        for (const ProfileKey& key : profile_keys())
             if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, own.typing, commands);
     }
 }

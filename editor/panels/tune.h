@@ -7,14 +7,14 @@
 #include <string_view>
 
 #include "editor/state.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 
 namespace fjell::editor {
 
 // 0 for the key's least, 1 for its most; logarithmic where the key says so, with a stretch for 0 where that is allowed.
-[[nodiscard]] double slider_share(const session::ProfileKey& key, double value);
+[[nodiscard]] double slider_share(const ProfileKey& key, double value);
 // In range, three digits of it, whole where the key is; exactly least and most at the ends.
-[[nodiscard]] double slider_value(const session::ProfileKey& key, double share);
+[[nodiscard]] double slider_value(const ProfileKey& key, double share);
 
 // The unit in which the window shows a key and has it typed: milliseconds for times that a profile has in microseconds,
 // as everywhere else in the window.
@@ -22,19 +22,19 @@ struct ShownUnit {
     const char* name; // "" where there is none
     double share;     // of it is one of the key's own: 0.001
 };
-[[nodiscard]] ShownUnit shown_unit(const session::ProfileKey& key);
+[[nodiscard]] ShownUnit shown_unit(const ProfileKey& key);
 
 // As a text field shows it, in the shown unit; the key's word for 0. Never more than size bytes with the zero at the
 // end.
-void write_value(const session::ProfileKey& key, double value, char* to, int size);
+void write_value(const ProfileKey& key, double value, char* to, int size);
 // What was typed, in the key's own unit, in or out of range. False: no number, nor the key's word for 0.
-[[nodiscard]] bool typed_value(const session::ProfileKey& key, std::string_view text, double& value);
+[[nodiscard]] bool typed_value(const ProfileKey& key, std::string_view text, double& value);
 
 // --- What a profile's key costs now, for the line below its control.
 
 // False: there is nothing to say of that key. Allocates nothing.
-[[nodiscard]] bool cost_text(const session::ProfileKey& key, const State& state, char* to, std::size_t size);
+[[nodiscard]] bool cost_text(const ProfileKey& key, const State& state, char* to, std::size_t size);
 // Why the key does not count now; null: it does.
-[[nodiscard]] const char* why_idle(const session::ProfileKey& key, const State& state);
+[[nodiscard]] const char* why_idle(const ProfileKey& key, const State& state);
 
 } // namespace fjell::editor

@@ -8,7 +8,7 @@
 
 #include "editor/number_text.h"
 #include "editor/panels/panels.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 
 namespace fjell::editor {
 
@@ -119,17 +119,15 @@ void mark_points_in(const State& state, const ui::Rect& view) {
 // Across: around; along: up and down. By the clock there is only the hour.
 void drag_sun(PictureHand& taken, const State& state, bool ends, Commands& commands) {
     const ImVec2 moved = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0);
-    const session::Profile& profile = state.document.profile();
+    const Profile& profile = state.document.profile();
     const bool by_time = profile.light.sun == gl::SunBy::time;
     if (taken.key == nullptr) {
         if (std::max(std::abs(moved.x), std::abs(moved.y)) < drag_begins_px) return;
         const bool across = std::abs(moved.x) >= std::abs(moved.y);
-        taken.key = session::find_profile_key(by_time  ? "light.hour_utc"
-                                              : across ? "light.azimuth_deg"
-                                                       : "light.elevation_deg");
+        taken.key = find_profile_key(by_time ? "light.hour_utc" : across ? "light.azimuth_deg" : "light.elevation_deg");
         taken.value = taken.key->get(profile);
     }
-    const bool up = taken.key == session::find_profile_key("light.elevation_deg");
+    const bool up = taken.key == find_profile_key("light.elevation_deg");
     double value = taken.value + sun_deg_a_pixel * static_cast<double>(up ? -moved.y : moved.x) * (by_time ? 0.1 : 1);
     const double turn = by_time ? 24 : 360;
     value = up ? std::clamp(value, taken.key->least, taken.key->most) : value - turn * std::floor(value / turn);

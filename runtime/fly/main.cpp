@@ -22,7 +22,7 @@ using namespace fjell::session;
 using io::Failure;
 
 // What could not be read is an error of the input, or of the disk, once the flight is over.
-void check_reads(const io::PackFile& file, const StreamedPack& streamed) {
+void check_reads(const io::PackFile& file, const io::PackStream& streamed) {
     const std::uint64_t corrupt = streamed.corrupt(), unreadable = streamed.unreadable();
     if (corrupt + unreadable == 0) return;
     if (file.changed()) file.fail(EIO);
@@ -40,7 +40,7 @@ int run(int argc, char** argv) {
     Session session;
     open_session(options, session);
     if (session.streamed)
-        session.streamed->on_failure([](const std::string& line) { fmt::print(stderr, "fjell-fly: {}\n", line); });
+        session.on_failure = [](const std::string& line) { fmt::print(stderr, "fjell-fly: {}\n", line); };
     if (!options.replay.empty()) adopt_recorded(session, options.profile);
     const std::size_t frames = options.frames ? options.frames : default_frames;
     std::vector<Pose> poses;

@@ -12,12 +12,12 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
+#include "fjell/profile/keys.h"
 #include "io/command_line.h"
 #include "io/file.h"
 #include "session/methods/method.h"
 #include "session/path.h"
 #include "session/pictures.h"
-#include "session/profile_keys.h"
 
 namespace fjell::session {
 
@@ -54,12 +54,12 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--look", f.look, "X,Y,Z: the point that --eye looks at");
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
-        ->check(io::within(least_threshold_px, most_threshold_px));
+        ->check(io::within(ranges::least_threshold_px, ranges::most_threshold_px));
     app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
         ->check(io::one_of({"incremental", "recursive"}));
     app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")
-        ->check(io::within(min_fov_deg, max_fov_deg));
+        ->check(io::within(ranges::min_fov_deg, ranges::max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
@@ -74,20 +74,20 @@ void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
                    "elevation_deg=5,water=true; may be repeated")
         ->allow_extra_args(false);
     app.add_option("--samples", f.samples, "samples a pixel that smooth edges; no more than the GPU has")
-        ->check(io::whole_within(1, max_samples));
+        ->check(io::whole_within(1, ranges::max_samples));
 }
 
 void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const incremental = "Incremental method";
     app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
-        ->check(io::whole_within(0, most_work))
+        ->check(io::whole_within(0, ranges::most_work))
         ->group(incremental);
     app.add_option("--budget-us", f.budget_us,
                    "most microseconds an update may take, the first one too; 0 (default): no limit")
-        ->check(io::within(0, most_time_us))
+        ->check(io::within(0, ranges::most_time_us))
         ->group(incremental);
     app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
-        ->check(io::within(0, max_hysteresis))
+        ->check(io::within(0, ranges::max_hysteresis))
         ->group(incremental);
     app.add_option("--offscreen-factor", f.offscreen_factor,
                    "what no view sees, nor soon will, is refined to error-px times this; 1 (default) to 100")
@@ -169,8 +169,9 @@ void parse_size(const std::string& text, Profile& profile) {
     const std::size_t x = std::min(text.find('x'), text.size());
     const auto width = whole(std::string_view(text).substr(0, x));
     const auto height = whole(std::string_view(text).substr(std::min(x + 1, text.size())));
-    if (!width || !height || *width < 1 || *height < 1 || *width > max_size_px || *height > max_size_px)
-        throw Failure(2, fmt::format("--size {}: must be WIDTHxHEIGHT in pixels, 1 to {} each", text, max_size_px));
+    if (!width || !height || *width < 1 || *height < 1 || *width > ranges::max_size_px || *height > ranges::max_size_px)
+        throw Failure(
+            2, fmt::format("--size {}: must be WIDTHxHEIGHT in pixels, 1 to {} each", text, ranges::max_size_px));
     profile.width_px = static_cast<std::uint32_t>(*width);
     profile.height_px = static_cast<std::uint32_t>(*height);
 }

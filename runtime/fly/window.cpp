@@ -149,7 +149,7 @@ private:
             input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging});
         mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % picture_modes);
         profile_.refine.max_error_px = std::clamp(profile_.refine.max_error_px * std::pow(1.25, input.threshold_steps),
-                                                  least_threshold_px, most_threshold_px);
+                                                  ranges::least_threshold_px, ranges::most_threshold_px);
         camera_.speed_m_s = std::clamp(camera_.speed_m_s * std::pow(1.25, input.wheel), 0.01, 1e6);
         look(camera_, input.drag_x * radians_a_pixel, -input.drag_y * radians_a_pixel);
         if (input.toggle_path) playback_.on = !playback_.on;

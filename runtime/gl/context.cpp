@@ -6,6 +6,8 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include "fjell/io/failure.h"
+
 namespace fjell::gl {
 namespace {
 
@@ -149,6 +151,13 @@ std::string describe_current() {
         return std::string(value ? reinterpret_cast<const char*>(value) : "unknown");
     };
     return text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+}
+
+std::unique_ptr<Headless> Headless::create(const HeadlessOptions& options) {
+    std::string error;
+    std::unique_ptr<Headless> context = create(options, error);
+    if (!context) throw io::Failure(3, error);
+    return context;
 }
 
 std::unique_ptr<Headless> Headless::create(const HeadlessOptions& options, std::string& error) {

@@ -8,6 +8,8 @@
 
 #include <epoxy/gl.h>
 
+#include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
 #include "gl/state.h"
 
 namespace fjell::gl {
@@ -169,6 +171,49 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
         error = "the GPU has no room for the mesh buffers: lower RendererOptions::vertices, ::indices or ::ranges";
     if (!error.empty()) return nullptr;
     return result;
+}
+
+RendererOptions room_for(const CutBudget& budget, std::uint32_t map_bytes) {
+    RendererOptions room;
+    room.vertices = budget.vertices;
+    room.indices = 3 * budget.triangles;
+    room.ranges = budget.triangles / budget.segment_triangles;
+    room.morph = true;
+    if (map_bytes != 0) // as without, and what a frame may bring of maps
+        room.ring_bytes =
+            std::max(4 * budget.vertices + 2 * budget.triangles, 1u << 20) + std::min(map_bytes, 1u << 28);
+    return room;
+}
+
+std::unique_ptr<Renderer> Renderer::create(const io::LiveTerrain& terrain, const RendererOptions& options) {
+    RendererOptions room = room_for(terrain.options().cut, terrain.settings.stream.map_bytes);
+    room.anisotropy = options.anisotropy;
+    room.light = options.light;
+    room.material_bytes = options.material_bytes;
+    room.texture_side = options.texture_side;
+    room.colour = stream_map_layers(terrain.stream(), MapKind::colour);
+    room.normal = stream_map_layers(terrain.stream(), MapKind::normal);
+    room.horizon = stream_map_layers(terrain.stream(), MapKind::horizon);
+    room.splat = stream_map_layers(terrain.stream(), MapKind::splat);
+    std::string error;
+    std::unique_ptr<Renderer> renderer = create(terrain.terrain(), terrain.pack(), room, error);
+    if (!renderer) throw io::Failure(3, error);
+    return renderer;
+}
+
+void Renderer::upload(io::LiveTerrain& terrain) {
+    std::string error = upload(terrain.take_map_commands());
+    if (error.empty())
+        error = show_maps(terrain.tile_maps(MapKind::colour), terrain.tile_maps(MapKind::normal),
+                          terrain.tile_maps(MapKind::horizon), terrain.tile_maps(MapKind::splat));
+    if (error.empty()) error = upload(terrain.frame().mesh, terrain.take_changes());
+    if (!error.empty()) throw io::Failure(3, error);
+}
+
+void Renderer::draw(io::LiveTerrain& terrain, const View& view, const DrawOptions& options, const Target& target) {
+    upload(terrain);
+    if (const std::string error = draw_uploaded(terrain.frame().mesh.mesh, view, options, target); !error.empty())
+        throw io::Failure(3, error);
 }
 
 std::size_t Renderer::State::range_capacity() const {

@@ -6,6 +6,7 @@
 
 #include <epoxy/gl.h>
 
+#include "fjell/io/failure.h"
 #include "gl/objects.h"
 
 namespace fjell::gl {
@@ -73,6 +74,13 @@ std::uint32_t max_target_samples() {
 
 Target::Target() : objects_(std::make_unique<Objects>()) {}
 Target::~Target() = default;
+
+std::unique_ptr<Target> Target::create(const TargetOptions& options) {
+    std::string error;
+    std::unique_ptr<Target> target = create(options, error);
+    if (!target) throw io::Failure(3, error);
+    return target;
+}
 
 std::unique_ptr<Target> Target::create(const TargetOptions& options, std::string& error) {
     error = check_size(options);

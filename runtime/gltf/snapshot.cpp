@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/texture.h"
 #include "gltf/content.h"
@@ -313,6 +314,12 @@ SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const 
 SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options) {
     return write_with(chunks_of(file), snapshot, path, options);
+}
+
+SnapshotResult write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options) {
+    return terrain.file() ? write_snapshot(*terrain.file(), snapshot, path, options)
+                          : write_snapshot(terrain.pack(), snapshot, path, options);
 }
 
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,

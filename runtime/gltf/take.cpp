@@ -11,6 +11,7 @@
 
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
 #include "fjell/io/load.h"
 #include "fjell/measure.h"
 #include "fjell/recursive.h"
@@ -99,6 +100,10 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_bound_px <= info.error_px;
     return take(terrain, live.mesh, drawn_m, info, snapshot);
+}
+
+SnapshotResult take_snapshot(const io::LiveTerrain& terrain, const View& view, Snapshot& snapshot) {
+    return take_snapshot(terrain.terrain(), terrain.cut(), view, terrain.settings.cut, terrain.frame().cut, snapshot);
 }
 
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "fjell/io/pack_file.h"
+#include "fjell/profile.h"
 #include "session/layers_file.h"
-#include "session/profile.h"
 
 namespace fjell::session {
 

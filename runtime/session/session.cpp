@@ -62,7 +62,8 @@ void open_terrain(const FlightOptions& options, Session& session) {
         session.loaded.crs = file.crs();
         make_paged(session, file.corners(), options.profile.page_slots);
         session.file_ground = std::make_unique<FileGround>(file);
-        session.streamed = std::make_unique<StreamedPack>(session.file);
+        if (options.cold) file.drop_cache();
+        session.streamed = std::make_unique<io::PackStream>(file);
     } else if (replayed_slots != 0) {
         session.loaded = io::load_pack(file, io::LoadTerrain::no);
         make_paged(session, {}, replayed_slots);
@@ -77,6 +78,20 @@ void open_terrain(const FlightOptions& options, Session& session) {
             if (session.file_ground) return session.file_ground->has_ground(x_m, z_m);
             return !ground_height(session.terrain(), x_m, z_m).hole;
         });
+}
+
+void begin_stream(const FlightOptions& options, Session& session) {
+    StreamBudget budget = options.profile.stream_budget;
+    budget.horizons = options.profile.light.shadows;
+    budget.splat = options.layers && options.profile.layers.splat;
+    try {
+        session.streamed->begin(session.terrain(), session.method->cut(), budget,
+                                {options.read_mb_s * 1e6, options.read_latency_ms * 1e-3, budget.decoders});
+    } catch (const Failure& failure) {
+        throw Failure(failure.exit_code,
+                      fmt::format("{} ([stream] of a --profile, where map_bytes is map_mb){}", failure.what(),
+                                  fewer_tiles(session.loaded.pack.header, options.profile)));
+    }
 }
 
 } // namespace
@@ -96,7 +111,7 @@ void open_session(const FlightOptions& options, Session& session) {
             pack_hash, session.method->cut_budget(), session.streamed ? session.loaded.terrain.page_slots() : 0, {}};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
-    if (session.streamed) session.streamed->begin(options, session.loaded.terrain, session.method->cut());
+    if (session.streamed) begin_stream(options, session);
 }
 
 void remake_method(const FlightOptions& options, Session& session) {
@@ -136,8 +151,12 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
 
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
     const std::span views(&view, 1);
-    if (session.streamed)
-        (void)session.streamed->update(views, cut_settings(profile, now_s), stream_settings(profile, now_s));
+    if (session.streamed) {
+        const bool failed = session.streamed->report().failed != 0;
+        const StreamReport& r =
+            session.streamed->update(views, cut_settings(profile, now_s), stream_settings(profile, now_s));
+        if (!failed && r.failed != 0 && session.on_failure) session.on_failure(session.streamed->first_failure());
+    }
     FrameEntry entry = session.method->update(views, profile, now_s, !session.begun);
     session.begun = true;
     if (session.recording) {

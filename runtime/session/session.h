@@ -15,13 +15,13 @@
 #include "fjell/io/load.h"
 #include "fjell/measure.h"
 #include "fjell/query.h"
+#include "io/pack_stream.h"
 #include "session/file_ground.h"
 #include "session/log.h"
 #include "session/methods/method.h"
 #include "session/options.h"
 #include "session/path.h"
 #include "session/record.h"
-#include "session/streamed.h"
 
 namespace fjell::session {
 
@@ -39,7 +39,10 @@ struct Session {
     bool begun = false;                 // a frame was updated, or the first one shall be like any other
     double load_seconds = 0;
     std::chrono::steady_clock::time_point started; // when opening was done
-    std::unique_ptr<StreamedPack> streamed;        // last: its thread stops before what it streams into goes
+    // Hears of the first chunk that could not be read or was damaged, within update_frame(): "PACK: page 3 of tile 1:
+    // why". A damaged pack may have hundreds of them: the others are counted.
+    std::function<void(const std::string&)> on_failure;
+    std::unique_ptr<io::PackStream> streamed; // last: its thread stops before what it streams into goes
 
     [[nodiscard]] const Terrain& terrain() const { return loaded.terrain; }
     [[nodiscard]] const Terrain& whole_terrain() const { return reference ? reference->terrain : loaded.terrain; }

@@ -9,13 +9,13 @@ if [[ ${1:-} == folder ]]; then
   exit
 fi
 
-cmake -S fjell -B fjell-build -DFJELL_TOOLS=OFF -DFJELL_GL=ON
+cmake -S fjell -B fjell-build -DFJELL_TOOLS=OFF -DFJELL_GL=ON -DFJELL_PROFILE=ON
 cmake --build fjell-build
 cmake --install fjell-build --prefix ~/fjell-0.3
 
 cmake -S fjell/content/hosts/first -B first-build -DCMAKE_PREFIX_PATH=~/fjell-0.3
 cmake --build first-build
-first-build/first terrain.fjell first.png
+first-build/picture terrain.fjell fjell/profiles/laptop.toml first.png
 
 cmake -S fjell/content/hosts/game -B game-build -DCMAKE_PREFIX_PATH=~/fjell-0.3
 cmake --build game-build
@@ -32,5 +32,9 @@ cc -std=c99 -c fjell/content/hosts/c_loop/*.c $(pkg-config --cflags fjell glfw3 
 c++ main.o draw.o -o c_loop $(pkg-config --libs fjell glfw3 epoxy) -lm
 
 [[ ${DISPLAY:-} ]] || { echo "skipped: the host in C, which opens a window (there is no display)"; exit; }
+first-build/first terrain.fjell fjell/profiles/laptop.toml & first=$!
+xdotool search --sync --onlyvisible --name '^first$' windowfocus keydown Escape
+wait $first
+
 c_loop-build/c_loop terrain.fjell picture.ppm 120
 ./c_loop terrain.fjell picture.ppm 120

@@ -63,7 +63,7 @@ foreach(other 0.2 0.4 1.0) # before 1.0 a minor version may break
   must_fail("version ${other}" "requested version \"${other}\"" ${command})
 endforeach()
 find("0.3 REQUIRED COMPONENTS physics" ${STATIC})
-must_fail("an unknown component" "no component physics: there are runtime, io, gl and gltf" ${command})
+must_fail("an unknown component" "no component physics: there are runtime, io, profile, gl and gltf" ${command})
 find("0.3 REQUIRED" ${STATIC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
 must_fail("a library that is missing" "component runtime needs hwy: install it" ${command})
 

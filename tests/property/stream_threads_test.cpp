@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "fjell/io/live_terrain.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
 #include "shared/terrain_data.h"
@@ -251,4 +252,35 @@ TEST_CASE(
     }
     CAPTURE(seen.answers, seen.hits, seen.failures, seen.removed, seen.mips, seen.converged, seen.stops);
     CHECK(seen.enough());
+}
+
+TEST_CASE("a terrain in one object is updated by one thread, asked by two, and ends at any moment") {
+    Random random(733);
+    const Ground ground(random, PageOrder::planar);
+    std::uint64_t asked = 0;
+    for (int run = 0; run < rounds(3, 10); ++run) {
+        io::LiveTerrain terrain(ground.file.path(), {.page_slots = 40, .cut = {30'000, 60'000, 64, 1}});
+        std::atomic<bool> stop{false};
+        std::atomic<std::uint64_t> answers{0};
+        const auto ask = [&](unsigned seed) {
+            Random places(seed);
+            while (!stop) {
+                const double x_m = uniform(places, 0, terrain.terrain().extent_x_m());
+                const double z_m = uniform(places, 0, terrain.terrain().extent_z_m());
+                answers += !ground_height(terrain.terrain(), x_m, z_m).hole;
+            }
+        };
+        std::vector<std::jthread> threads;
+        for (unsigned i = 0; i < 2; ++i) threads.emplace_back(ask, 734 + i);
+        View view = random_view(random, terrain.terrain());
+        for (int frame = 0; frame < 20 * (run + 1); ++frame) {
+            if (frame % 10 == 0) view = random_view(random, terrain.terrain());
+            (void)terrain.update({&view, 1}, frame / 60.0);
+            (void)terrain.take_map_commands();
+        }
+        stop = true;
+        threads.clear();
+        asked += answers;
+    }
+    CHECK(asked > 0);
 }

@@ -1,13 +1,18 @@
 // Bake, tune, benchmark and export by the built editor without a window, as a script asks for them.
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "fjell/io/live_terrain.h"
+#include "fjell/profile.h"
+#include "session/record.h"
 #include "support/program.h"
 #include "support/temporary_folder.h"
 
@@ -317,4 +322,54 @@ TEST_CASE(
     CHECK(parts_us <= f["frame_us"].get<double>());
     CHECK(parts_us > 0.5 * f["frame_us"].get<double>());
     CHECK(stopped["drawn_px"] == json({view[2], view[3]}));
+}
+
+TEST_CASE("a profile that is tuned in the editor gives a host the mesh that fjell-fly has with it") {
+    const EditorFiles place;
+    place.bake();
+    (void)place.after({"open hills.fjell", "set refine.max_error_px 3", "set refine.morph none",
+                       "set budget.vertices 90000", "set budget.triangles 180000", "save-profile mine.toml"});
+    const std::string file = (place.folder / "mine.toml").string();
+    const Run fly = test::run_in(place.folder, FJELL_BIN_DIR
+                                 "/fjell-fly hills.fjell --headless --frames 5 --seed 6 --stream on --wait "
+                                 "--profile mine.toml --csv f.csv --record f.rec");
+    INFO(fly.err);
+    REQUIRE(fly.code == 0);
+    const session::Recording flown = session::parse_recording(slurp(place.folder / "f.rec"), "f.rec");
+    std::istringstream lines(slurp(place.folder / "f.csv"));
+    std::string line;
+    std::getline(lines, line);
+    const auto cells = [](const std::string& row) {
+        std::vector<std::string> found;
+        std::istringstream text(row);
+        for (std::string cell; std::getline(text, cell, ',');) found.push_back(cell);
+        return found;
+    };
+    const std::vector<std::string> names = cells(line);
+    const auto column = [&](const char* name) {
+        const auto at = std::ranges::find(names, name);
+        REQUIRE(at != names.end());
+        return static_cast<std::size_t>(at - names.begin());
+    };
+    const std::size_t vertices = column("vertices"), triangles = column("triangles");
+    io::LiveTerrain terrain((place.folder / "hills.fjell").string(), live_options(read_profile(file)));
+    CHECK(terrain.options().cut.vertices == 90'000);
+    double now_s = 0;
+    int frames = 0;
+    for (std::size_t i = 0; i < flown.frames.size(); ++i) {
+        const session::RecordedFrame& frame = flown.frames[i]; // the last update of those that the picture waited for
+        if (i + 1 < flown.frames.size() && length(flown.frames[i + 1].views[0].eye_m - frame.views[0].eye_m) == 0)
+            continue;
+        REQUIRE(std::getline(lines, line));
+        do {
+            (void)terrain.update(frame.views, now_s += 1.0 / 60);
+            (void)terrain.take_map_commands();
+            std::this_thread::yield();
+        } while (!terrain.frame().settled);
+        CHECK(terrain.frame().converged);
+        CHECK(terrain.frame().cut.vertices == std::stoul(cells(line)[vertices]));
+        CHECK(terrain.frame().cut.triangles == std::stoul(cells(line)[triangles]));
+        ++frames;
+    }
+    CHECK(frames == 5);
 }

@@ -21,6 +21,7 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include "fjell/io/live_terrain.h"
 #include "fjell/stream.h"
 #include "support/cut_scene.h"
 
@@ -311,6 +312,34 @@ SeenStream fly_streamed(const io::LoadedPack& pack, std::uint32_t seed, int fram
     return seen;
 }
 
+// The same of a terrain in one object, whose own thread reads.
+SeenStream fly_live(const io::LoadedPack& pack, std::uint32_t seed, int frames) {
+    Random random(seed);
+    io::LiveTerrain terrain(pack.file, "memory",
+                            {.page_slots = pack.terrain.page_count() / 3,
+                             .cut = {60'000, 120'000, 64, 1},
+                             .stream = {.page_requests = 20, .map_requests = 4, .map_bytes = 250'000, .tail_log2 = 4},
+                             .reader = {},
+                             .settings = {}});
+    SeenStream seen;
+    View view = random_view(random, terrain.terrain());
+    for (int frame = 0; frame < frames; ++frame) {
+        view = moved(random, view, terrain.terrain().spacing_x_m() * (frame % 500 < 400 ? 0.3 : 8));
+        if (frame % 300 == 299) view = random_view(random, terrain.terrain());
+        if (frame % 250 == 0) terrain.settings.cut.max_error_px = std::pow(10.0, uniform(random, -1, 1.5));
+        watched([&] {
+            (void)terrain.update({&view, 1}, frame / 60.0);
+            seen.mips += terrain.take_map_commands().size();
+            (void)terrain.tile_maps(MapKind::normal);
+            (void)terrain.take_changes();
+        });
+        seen.pages += terrain.frame().stream.pages_inserted;
+        seen.converged += terrain.frame().converged;
+        seen.exhausted |= terrain.frame().stream.exhausted | (terrain.frame().short_of.empty() ? 0u : 1u << 31);
+    }
+    return seen;
+}
+
 } // namespace
 
 TEST_CASE("10,000 frames neither allocate, lock, enter the kernel, touch a new page nor throw") {
@@ -370,6 +399,28 @@ TEST_CASE("10,000 frames of streaming do not either") {
     CHECK(seen.withdrawn > 3);
     CHECK(seen.converged > 100);
     CHECK(seen.failed > 0);
+}
+
+TEST_CASE("10,000 frames of a terrain in one object do not either") {
+    if (!interposed) {
+        WARN("skipped: a sanitizer has malloc to itself, or this is no x86-64");
+        return;
+    }
+    const std::string blind = watch_system_calls();
+    if (!blind.empty()) WARN("skipped: system calls are not watched: " << blind);
+    const auto pack = purity_scene();
+    (void)fly_live(pack, 156, 1500);
+    counts = {};
+    const SeenStream seen = fly_live(pack, 157, 10'000);
+    CHECK(counts.allocations == 0);
+    CHECK(counts.locks == 0);
+    CHECK(counts.exceptions == 0);
+    CAPTURE(counts.last_call);
+    CHECK(counts.system_calls == 0);
+    CAPTURE(seen.pages, seen.mips, seen.converged);
+    CHECK(seen.pages > 50); // as far as the reader came: it has a thread of its own
+    CHECK(seen.mips > 5);
+    CHECK((seen.exhausted >> 31) == 1);
 }
 
 TEST_CASE("the watch catches one planted allocation, lock, system call, page fault and exception") {

@@ -14,8 +14,8 @@
 
 #include "fjell/cut.h"
 #include "fjell/pack.h"
+#include "fjell/profile/keys.h"
 #include "fjell/texture.h"
-#include "session/profile_keys.h"
 #include "shared/order.h"
 #include "shared/record.h"
 #include "support/program.h"
@@ -141,9 +141,10 @@ const std::set<std::string>& words_of_sources() {
 bool exists(const std::string& path, const Page& page) {
     const std::size_t star = path.find('*');
     const std::string fixed = star == std::string::npos ? path : path.substr(0, path.rfind('/', star));
-    for (const fs::path& from : {root, (root / page.name).parent_path(), root / "runtime", root / "runtime/include",
-                                 root / "runtime/io/include", root / "runtime/gl/include",
-                                 root / "runtime/gltf/include", root / "runtime/src", root / "build"})
+    for (const fs::path& from :
+         {root, (root / page.name).parent_path(), root / "runtime", root / "runtime/include",
+          root / "runtime/io/include", root / "runtime/gl/include", root / "runtime/gltf/include",
+          root / "runtime/profile/include", root / "runtime/src", root / "build"})
         if (fs::exists(from / fixed)) return true;
     return false;
 }
@@ -245,6 +246,19 @@ TEST_CASE("every block of code in the README and the guides is quoted from a fil
         }
     }
     CHECK(code > 30);
+}
+
+TEST_CASE(
+    "the first host, with and without a window, is at most 30 lines and 20 names, and the README prints it whole") {
+    for (const char* const source : {"main.cpp", "picture.cpp"}) {
+        const std::string text = slurp(root / "content/hosts/first" / source);
+        CHECK(std::ranges::count(text, '\n') <= 30);
+        const auto names = matches(text, "(fjell::[A-Za-z_:]+)");
+        CHECK(std::set<std::string>(names.begin(), names.end()).size() <= 20);
+        CHECK(names.size() > 8);
+    }
+    CHECK(slurp(root / "README.md").find("```cpp\n" + slurp(root / "content/hosts/first/main.cpp") + "```") !=
+          std::string::npos);
 }
 
 TEST_CASE("every link and picture of the documents leads somewhere") {
@@ -355,7 +369,7 @@ TEST_CASE("every name of the code that the documents use exists in it") {
     for (const Page& page : pages())
         for (const std::string& key : matches(page.prose, "`((?:refine|budget|stream|view|light|layers)\\.[a-z_]+)`")) {
             INFO(page.name << ": " << key);
-            CHECK(session::find_profile_key(key) != nullptr);
+            CHECK(fjell::find_profile_key(key) != nullptr);
         }
 }
 

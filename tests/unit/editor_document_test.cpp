@@ -24,22 +24,22 @@ using test::TemporaryFolder;
 
 namespace {
 
-const session::ProfileKey& key_of(const char* name) {
-    const session::ProfileKey* const key = session::find_profile_key(name);
+const fjell::ProfileKey& key_of(const char* name) {
+    const fjell::ProfileKey* const key = fjell::find_profile_key(name);
     REQUIRE(key != nullptr);
     return *key;
 }
 
-bool same(const session::Profile& a, const session::Profile& b) {
-    return session::differing_keys(a, b).empty();
+bool same(const fjell::Profile& a, const fjell::Profile& b) {
+    return fjell::differing_keys(a, b).empty();
 }
 
 // What a document promises, without its economies: every profile there was, in full.
 struct Model {
-    std::vector<session::Profile> past, future;
-    session::Profile now, saved;
+    std::vector<fjell::Profile> past, future;
+    fjell::Profile now, saved;
 
-    void change_to(const session::Profile& to) {
+    void change_to(const fjell::Profile& to) {
         if (same(to, now)) return;
         past.push_back(now);
         now = to;
@@ -89,33 +89,31 @@ public:
     Model model;
 
 private:
-    const session::ProfileKey& any_key() {
+    const fjell::ProfileKey& any_key() {
         for (;;) {
-            const session::ProfileKey& key = session::profile_keys()[random_() % session::profile_keys().size()];
+            const fjell::ProfileKey& key = fjell::profile_keys()[random_() % fjell::profile_keys().size()];
             const std::string name = key.name;
             if (name != "metric" && name != "cull") return key; // which may refuse one another
         }
     }
     // Few different ones, so that they come back often.
-    double any_value(const session::ProfileKey& key) {
-        return slider_value(key, static_cast<double>(random_() % 4) / 3);
-    }
-    session::Profile with(session::Profile profile, const session::ProfileKey& key, double value) {
+    double any_value(const fjell::ProfileKey& key) { return slider_value(key, static_cast<double>(random_() % 4) / 3); }
+    fjell::Profile with(fjell::Profile profile, const fjell::ProfileKey& key, double value) {
         if (key.get(profile) != value) key.set(profile, value);
         return profile;
     }
     // held: not into that one, which would be the end of its drag and no step of its own.
-    void type(const session::ProfileKey* held = nullptr) {
-        const session::ProfileKey* chosen = &any_key();
+    void type(const fjell::ProfileKey* held = nullptr) {
+        const fjell::ProfileKey* chosen = &any_key();
         while (chosen == held) chosen = &any_key();
-        const session::ProfileKey& key = *chosen;
+        const fjell::ProfileKey& key = *chosen;
         const double value = any_value(key);
         document.set(key, value, false);
         model.change_to(with(model.now, key, value));
     }
     void drag() {
-        const session::ProfileKey& key = any_key();
-        session::Profile to = model.now;
+        const fjell::ProfileKey& key = any_key();
+        fjell::Profile to = model.now;
         for (auto moves = 1 + random_() % 4; moves != 0; --moves) {
             const double value = any_value(key);
             document.set(key, value, true);
@@ -150,20 +148,19 @@ private:
         auto file = files_.begin();
         std::advance(file, static_cast<std::ptrdiff_t>(random_() % files_.size()));
         document.open(file->first);
-        const session::Profile read = session::read_profile(file->first);
+        const fjell::Profile read = fjell::read_profile(file->first);
         REQUIRE(same(read, file->second));
         model.change_to(read);
         model.saved = read;
     }
     void replace() {
-        const session::Profile other =
-            random_() % 2 == 0 ? session::Profile{} : with({}, key_of("refine.max_error_px"), 3);
+        const fjell::Profile other = random_() % 2 == 0 ? fjell::Profile{} : with({}, key_of("refine.max_error_px"), 3);
         document.replace(other);
         model.change_to(other);
     }
 
     TemporaryFolder folder_;
-    std::map<std::string, session::Profile> files_;
+    std::map<std::string, fjell::Profile> files_;
     std::mt19937_64 random_;
 };
 
@@ -194,12 +191,12 @@ TEST_CASE("what an engine refuses is reverted with all its steps, and what was s
             const std::string path = hands.document.path();
             for (int k = 0; k < 3; ++k) hands.do_something();
             hands.document.revert();
-            const session::Profile saved = hands.document.saved();
+            const fjell::Profile saved = hands.document.saved();
             hands.model = accepted;
             hands.model.saved = saved;
             require_like(hands.document, hands.model);
             if (hands.document.path() == path) continue;
-            REQUIRE(same(session::read_profile(hands.document.path()), saved)); // it was saved there
+            REQUIRE(same(fjell::read_profile(hands.document.path()), saved)); // it was saved there
         }
         REQUIRE(!hands.document.revert()); // nothing since
     }
@@ -236,7 +233,7 @@ TEST_CASE("what was saved before an engine refused it is saved still") {
 
 TEST_CASE("a drag is one step, and none when it ends where it began") {
     Document document;
-    const session::ProfileKey& key = key_of("refine.max_error_px");
+    const fjell::ProfileKey& key = key_of("refine.max_error_px");
     for (const double value : {1.5, 2.0, 4.0}) document.set(key, value, true);
     CHECK(document.dragging());
     CHECK(document.undo_steps() == 1);
@@ -253,7 +250,7 @@ TEST_CASE("a drag is one step, and none when it ends where it began") {
 
 TEST_CASE("an undo while a control is held is not undone by the hand that still holds it") {
     Document document;
-    const session::ProfileKey& key = key_of("refine.max_error_px");
+    const fjell::ProfileKey& key = key_of("refine.max_error_px");
     document.set(key, 5, true);
     document.undo();
     CHECK_FALSE(document.dragging()); // the engine may follow
@@ -282,10 +279,10 @@ TEST_CASE("a profile keeps the heading of the file it came from, saved there or 
     document.set(key_of("refine.max_error_px"), 7, false);
     document.save(folder / "mine.toml");
     const std::string text = slurp(folder / "mine.toml");
-    const std::string heading = session::profile_heading(slurp(from));
+    const std::string heading = fjell::profile_heading(slurp(from));
     REQUIRE(!heading.empty());
-    CHECK(session::profile_heading(text) == heading);
-    CHECK(session::parse_profile(text, "mine").refine.max_error_px == 7);
+    CHECK(fjell::profile_heading(text) == heading);
+    CHECK(fjell::parse_profile(text, "mine").refine.max_error_px == 7);
     CHECK(document.path() == folder / "mine.toml");
     CHECK_FALSE(document.unsaved());
 }
@@ -330,7 +327,7 @@ TEST_CASE("a bad profile is refused in one line and nothing has changed") {
 
 TEST_CASE("restored changes are one step away from the file they were made to, or unsaved where that is gone") {
     const TemporaryFolder folder;
-    session::Profile changed;
+    fjell::Profile changed;
     changed.refine.max_error_px = 9;
     spit(folder / "file.toml", "# Mine.\n\n[refine]\nmax_error_px = 3.0\n");
     Document document;
@@ -343,12 +340,12 @@ TEST_CASE("restored changes are one step away from the file they were made to, o
     gone.restore(changed, folder / "gone.toml");
     CHECK(gone.unsaved());
     gone.save("");
-    CHECK(session::read_profile(folder / "gone.toml").refine.max_error_px == 9);
+    CHECK(fjell::read_profile(folder / "gone.toml").refine.max_error_px == 9);
 }
 
 TEST_CASE("a slider reaches both ends of every key exactly, never falls, and says where a value lies") {
     bool times = false;
-    for (const session::ProfileKey& key : session::profile_keys()) {
+    for (const fjell::ProfileKey& key : fjell::profile_keys()) {
         INFO(key.table << '.' << key.name);
         CHECK(slider_value(key, 0) == key.least);
         CHECK(slider_value(key, 1) == key.most);
@@ -359,7 +356,7 @@ TEST_CASE("a slider reaches both ends of every key exactly, never falls, and say
             const double value = slider_value(key, i / 1000.0);
             REQUIRE(value >= last);
             REQUIRE(value <= key.most);
-            if (key.kind != session::KeyKind::number) REQUIRE(value == std::round(value));
+            if (key.kind != fjell::KeyKind::number) REQUIRE(value == std::round(value));
             // The slider of that value gives that value: holding it still changes nothing.
             REQUIRE(slider_value(key, slider_share(key, value)) == Approx(value).epsilon(0.006));
             last = value;

@@ -22,7 +22,7 @@ namespace {
 
 // A session over random ground, its mesh as a random camera above it wants it.
 struct ProbedTerrain {
-    ProbedTerrain(Random& random, session::Method method) {
+    ProbedTerrain(Random& random, fjell::Method method) {
         (void)baker::bake(random_dem(random, pick(random, 70, 190), pick(random, 70, 190), Shape::fractal),
                           small_bake(5), folder / "t.fjell");
         session::FlightOptions options;
@@ -109,7 +109,7 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
     for (unsigned seed = 0; seed < rounds<unsigned>(6, 60); ++seed) {
         INFO("seed " << seed);
         Random random(seed);
-        ProbedTerrain terrain(random, seed % 3 == 2 ? session::Method::recursive : session::Method::incremental);
+        ProbedTerrain terrain(random, seed % 3 == 2 ? fjell::Method::recursive : fjell::Method::incremental);
         Probe probe;
         update_probe(probe, terrain.session, terrain.view, terrain.view, true);
         CHECK_FALSE(probe.ground); // it is off, and costs nothing
@@ -132,7 +132,7 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
 
 TEST_CASE("two marks give the heights on the way from one to the other, and a third begins again") {
     Random random(3);
-    const ProbedTerrain terrain(random, session::Method::incremental);
+    const ProbedTerrain terrain(random, fjell::Method::incremental);
     const session::Ground ground = session::ground_of(terrain.session.terrain());
     Probe probe;
     const double ax = 0.1 * ground.extent_x_m, az = 0.8 * ground.extent_z_m, bz = 0.2 * ground.extent_z_m;

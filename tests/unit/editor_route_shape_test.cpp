@@ -254,7 +254,7 @@ TEST_CASE("a point that is put at a height keeps it over hills, and stays above 
 TEST_CASE("of the steps of profile and path the later one is undone first and done again last") {
     Document document;
     Route route;
-    const session::ProfileKey& key = *session::find_profile_key("refine.max_error_px");
+    const fjell::ProfileKey& key = *fjell::find_profile_key("refine.max_error_px");
     document.set(key, 3, false);
     route.add(level_pose(1, 1), plain());
     CHECK(route.undo_stamp() > document.undo_stamp());

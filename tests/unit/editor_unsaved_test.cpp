@@ -53,7 +53,7 @@ struct Editor {
 };
 
 void change(Document& document, double error_px) {
-    document.set(*session::find_profile_key("refine.max_error_px"), error_px, false);
+    document.set(*fjell::find_profile_key("refine.max_error_px"), error_px, false);
 }
 
 std::vector<std::string> names_in(const fs::path& folder) {
@@ -275,7 +275,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     CHECK(editor.state.document.unsaved());
     editor.run("save-profile " + folder / "p.toml");
     CHECK(editor.state.quit);
-    CHECK(session::read_profile(folder / "p.toml").refine.max_error_px == 3);
+    CHECK(fjell::read_profile(folder / "p.toml").refine.max_error_px == 3);
 
     Editor other;
     other.set(3);
@@ -287,7 +287,7 @@ TEST_CASE("quitting with changes asks first: cancelled, saved or discarded") {
     other.run("quit");
     other.run("go-on discard");
     CHECK(other.state.quit);
-    CHECK(session::read_profile(folder / "q.toml").refine.max_error_px == 3);
+    CHECK(fjell::read_profile(folder / "q.toml").refine.max_error_px == 3);
 
     Editor hasty;
     hasty.set(3);
@@ -307,7 +307,7 @@ TEST_CASE("opening another profile with changes asks first, and remembers which 
         CHECK(editor.error_px() == 3);
         CHECK(editor.state.interface.dialog == Dialog::unsaved);
         editor.run("go-on save");
-        CHECK(session::read_profile(folder / "mine.toml").refine.max_error_px == 3);
+        CHECK(fjell::read_profile(folder / "mine.toml").refine.max_error_px == 3);
         CHECK(editor.error_px() == 5);
         CHECK(editor.state.document.path() == folder / "theirs.toml");
         editor.set(4);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fjell/io/failure.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 #include "session/session.h"
 #include "shared/terrain_data.h"
 #include "support/program.h"
@@ -164,7 +164,7 @@ TEST_CASE("the first page that is damaged is one line to who listens, and all of
         Session session;
         std::vector<std::string> lines;
         open_session(place.options, session);
-        if (listens) session.streamed->on_failure([&](const std::string& line) { lines.push_back(line); });
+        if (listens) session.on_failure = [&](const std::string& line) { lines.push_back(line); };
         (void)update_until_there(session, place.view(session), place.options.profile, 0, [](const FrameEntry&) {});
         CHECK(session.streamed->corrupt() > 1);
         CHECK(session.streamed->unreadable() == 0);

@@ -23,13 +23,16 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/src/shared", {"runtime/include", "runtime/src"}},
     {"runtime/src", {"runtime/include", "runtime/src/shared"}},
     {"runtime/io", {"runtime/include"}},
+    {"runtime/profile", {"runtime/include", "runtime/io", "runtime/gl"}},
     {"runtime/gl", {"runtime/include", "runtime/io"}},
     {"runtime/gltf", {"runtime/include", "runtime/io"}},
-    {"runtime/session", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf"}},
-    {"runtime/fly", {"runtime/include", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session"}},
+    {"runtime/session", {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf"}},
+    {"runtime/fly",
+     {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "runtime/session"}},
     {"baker", {"runtime/include", "runtime/src/shared", "runtime/io"}},
     {"editor",
-     {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
+     {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf",
+      "runtime/session", "baker"}},
 };
 
 std::string room_of(const std::string& path) {
@@ -47,7 +50,7 @@ bool is_public(const std::string& path) {
 // The file that `#include "name"` in `from` means, or nothing: made by the build.
 std::string resolve(const Sources& sources, const std::string& from, const std::string& name) {
     for (const char* root : {".", "runtime/include", "runtime/io/include", "runtime/gl/include", "runtime/gltf/include",
-                             "runtime/src", "runtime", ""}) {
+                             "runtime/profile/include", "runtime/src", "runtime", ""}) {
         const fs::path folder = root == std::string_view(".") ? fs::path(from).parent_path() : fs::path(root);
         const std::string path = (folder / name).lexically_normal().string();
         if (sources.contains(path)) return path;

@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "fjell/gl/light.h"
+#include "fjell/profile/keys.h"
 #include "gl/lighting.h"
 #include "gl/noise.h"
-#include "session/profile_keys.h"
 
 using namespace fjell;
 using namespace fjell::gl;
@@ -33,8 +33,8 @@ Vec3 at_elevation(double degrees) {
 }
 
 // A profile with this key at this value.
-LightSettings with(const session::ProfileKey& key, double value) {
-    session::Profile profile;
+LightSettings with(const fjell::ProfileKey& key, double value) {
+    fjell::Profile profile;
     key.set(profile, value);
     return profile.light;
 }
@@ -77,14 +77,14 @@ TEST_CASE("settings of light out of range are refused with the field's name, and
     CHECK(validate(LightSettings{.water_level_m = std::nan("")}).find("LightSettings::water_level_m") == 0);
     CHECK(validate(LightSettings{.air = static_cast<Air>(7)}) == "LightSettings::air must be simple or physical");
     int numbers = 0;
-    for (const session::ProfileKey& key : session::profile_keys()) {
+    for (const fjell::ProfileKey& key : fjell::profile_keys()) {
         if (std::string(key.table) != "light") continue;
         CAPTURE(key.name);
         CHECK(validate(with(key, key.least)).empty());
         CHECK(validate(with(key, key.most)).empty());
-        if (key.kind == session::KeyKind::choice || key.kind == session::KeyKind::flag) continue;
+        if (key.kind == fjell::KeyKind::choice || key.kind == fjell::KeyKind::flag) continue;
         ++numbers;
-        const bool whole = key.kind == session::KeyKind::whole;
+        const bool whole = key.kind == fjell::KeyKind::whole;
         const double more = whole ? 1 : 0.01;
         CHECK(validate(with(key, key.most + more)).find(std::string("LightSettings::") + key.name + " must") == 0);
         CHECK(validate(with(key, key.least - more)).find(key.name) != std::string::npos);

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 #include "support/program.h"
 
 using namespace fjell;
@@ -235,7 +235,7 @@ TEST_CASE("the vertices that are shown are the chosen method's, and set for both
     CHECK(profile.cut_budget.vertices == 300);
 }
 
-// Change what keys say in runtime/session/profile_keys.cpp and write the files anew with
+// Change what keys say in runtime/profile/keys.cpp and write the files anew with
 // FJELL_WRITE_PROFILES=1 build/release/bin/unit_profile_keys "every shipped profile*"
 TEST_CASE("every shipped profile is what is written of it, to the last byte") {
     CHECK(shipped().size() == 4);

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
+#include "fjell/profile/keys.h"
+#include "fjell/profile.h"
 #include "io/file.h"
 #include "session/log.h"
-#include "session/profile.h"
-#include "session/profile_keys.h"
 
 using namespace fjell;
 using namespace fjell::session;

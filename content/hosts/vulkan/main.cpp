@@ -13,11 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include <fjell/fjell.h>
-#include <fjell/io/failure.h>
-#include <fjell/io/load.h>
-#include <fjell/io/pack_file.h>
-#include <fjell/io/stream_reader.h>
+#include <fjell/io.h>
 
 #include "../times/times.h"
 #include "check.h"
@@ -33,10 +29,6 @@ using fjell::io::Failure;
 
 constexpr std::uint32_t width_px = 640, height_px = 360, probe_every = 30, late_every = 5, most_frames = 100'000;
 constexpr double frame_s = 1.0 / 60, speed_m_s = 600;
-
-void must(fjell::Status s) {
-    if (!s.ok()) throw Failure(1, std::string(s.field) + ": " + fjell::message(s.code));
-}
 
 struct Arguments {
     std::string pack, picture;
@@ -63,44 +55,12 @@ Arguments read_arguments(int argc, char** argv) {
     return all;
 }
 
-// In this order they are made; in the other order they end.
-struct World {
-    fjell::io::PackFile file;
-    fjell::CutBudget capacities;
-    std::vector<fjell::io::AlignedMemory> memory;
-    fjell::Terrain terrain;
-    fjell::LiveCut cut;
-    fjell::Stream stream;
-    std::unique_ptr<fjell::io::StreamReader> reader;
-
-    explicit World(const Arguments& arguments);
-    ~World();
-    World(const World&) = delete;
-    World& operator=(const World&) = delete;
-    std::span<std::byte> allocate(std::size_t bytes) {
-        memory.push_back(fjell::io::allocate(bytes));
-        return {memory.back().get(), bytes};
-    }
-};
-
-World::World(const Arguments& arguments)
-    : file(arguments.pack), capacities{.vertices = arguments.vertices, .triangles = 2 * arguments.vertices} {
-    const fjell::Pack& pack = file.pack();
-    const fjell::TerrainBudget pages{.page_slots = arguments.pages};
-    constexpr fjell::StreamBudget streaming{.map_bytes = 64 << 20}; // maps are not drawn here
-    must(fjell::create_terrain(pack, file.corners(), pages, allocate(fjell::terrain_bytes(pack.header, pages)),
-                               terrain));
-    must(fjell::create_cut(terrain, capacities, allocate(fjell::cut_bytes(terrain, capacities)), cut));
-    must(fjell::create_stream(pack, terrain, cut, streaming, allocate(fjell::stream_bytes(pack, terrain, streaming)),
-                              stream));
-    reader = std::make_unique<fjell::io::StreamReader>(stream, file);
-}
-
-World::~World() {
-    reader.reset();
-    (void)fjell::destroy_stream(stream);
-    (void)fjell::destroy_cut(cut);
-    (void)fjell::destroy_terrain(terrain);
+fjell::io::LiveOptions options_of(const Arguments& arguments) {
+    return {.page_slots = arguments.pages,
+            .cut = {.vertices = arguments.vertices, .triangles = 2 * arguments.vertices},
+            .stream = {.map_bytes = 64 << 20}, // maps are not drawn here
+            .settings = {.cut = {.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error},
+                         .stream = {.texel_px = 100}}};
 }
 
 // What the frames cost, and what they did.
@@ -129,9 +89,9 @@ float us_since(Clock::time_point start) {
 
 class Flight {
 public:
-    Flight(World& world, Gpu& gpu, const fjell::Terrain& whole)
-        : world_(world), drawer_(gpu, world.terrain, world.capacities, {width_px, height_px}), probe_(gpu, drawer_),
-          check_(whole) {}
+    Flight(fjell::io::LiveTerrain& ground, Gpu& gpu, const fjell::Terrain& whole)
+        : ground_(ground), drawer_(gpu, ground.terrain(), ground.options().cut, {width_px, height_px}),
+          probe_(gpu, drawer_), check_(whole) {}
     // Throws Failure when a promise is broken.
     void fly(std::uint32_t frames);
     void print(const Gpu& gpu) const;
@@ -144,21 +104,20 @@ private:
     void load();
     void compare();
 
-    World& world_;
+    fjell::io::LiveTerrain& ground_;
     Drawer drawer_;
     Probe probe_;
     Check check_;
     Origin origin_;
     fjell::View view_;
-    fjell::CutSettings settings_{.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error};
-    fjell::StreamReport streamed_;
-    fjell::CutReport report_;
+    const fjell::StreamReport& streamed_ = ground_.frame().stream; // of the last update
+    const fjell::CutReport& report_ = ground_.frame().cut;
     Log log_;
 };
 
 // Eastwards over the middle, above all peaks, half to the right of the way. The eye is the host's, in doubles.
 void Flight::look(double travelled_m) {
-    const fjell::Terrain& terrain = world_.terrain;
+    const fjell::Terrain& terrain = ground_.terrain();
     const Vector eye_m{double(terrain.extent_x_m()) / 4 + travelled_m, -double(terrain.extent_z_m()) / 2,
                        double(terrain.header().max_m) + 100};
     view_ = fjell::make_view(to_scene(eye_m), to_scene({1, -0.6, -0.3}), to_scene({0, 0, 1}), 1.0, width_px, height_px,
@@ -167,11 +126,9 @@ void Flight::look(double travelled_m) {
 }
 
 void Flight::update(double now_s) {
-    settings_.now_s = now_s;
-    must(fjell::update_stream(world_.stream, {&view_, 1}, settings_, {.texel_px = 100, .now_s = now_s}, streamed_));
-    for (const fjell::StreamFailure& failure : fjell::stream_failures(world_.stream)) // coarser there from now on
+    ground_.update({&view_, 1}, now_s);
+    for (const fjell::StreamFailure& failure : fjell::stream_failures(ground_.stream())) // coarser there from now on
         std::fprintf(stderr, "vulkan: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
-    must(fjell::update_cut(world_.cut, {&view_, 1}, settings_, report_));
 }
 
 // The coarsest of all, then the whole mesh at once.
@@ -181,15 +138,17 @@ void Flight::load() {
         if (streamed_.failed != 0) throw Failure(1, "the pack's coarsest pages cannot be read; see above");
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    must(fjell::rebuild_cut(world_.cut, {&view_, 1}, settings_, report_));
+    fjell::CutReport report;
+    const fjell::Status s = fjell::rebuild_cut(ground_.cut(), {&view_, 1}, ground_.settings.cut, report);
+    if (!s.ok()) throw Failure(1, std::string(s.field) + ": " + fjell::message(s.code));
 }
 
 void Flight::draw(bool probed) {
     drawer_.wait();
     counting = true;
     Clock::time_point start = Clock::now();
-    const fjell::CutMesh cut = fjell::cut_mesh(world_.cut);
-    const fjell::CutChanges changes = fjell::cut_take_changes(world_.cut); // however many updates they are of
+    const fjell::CutMesh cut = fjell::cut_mesh(ground_.cut());
+    const fjell::CutChanges changes = ground_.take_changes(); // however many updates they are of
     const std::uint64_t bytes = drawer_.stage(cut, changes);
     log_.stage_us.push_back(us_since(start));
     check_.upload(changes, drawer_.index_bytes(), bytes);
@@ -207,8 +166,8 @@ void Flight::draw(bool probed) {
 
 void Flight::compare() {
     drawer_.finish(); // a game never waits like this
-    const fjell::CutMesh cut = fjell::cut_mesh(world_.cut);
-    check_.vertices(world_.terrain, cut, view_, origin_, drawer_.index_bytes(), probe_);
+    const fjell::CutMesh cut = fjell::cut_mesh(ground_.cut());
+    check_.vertices(ground_.terrain(), cut, view_, origin_, drawer_.index_bytes(), probe_);
     check_.picture(cut, report_, view_, probe_);
     if (!check_.broken().empty()) throw Failure(1, check_.broken());
 }
@@ -235,12 +194,7 @@ void Flight::fly(std::uint32_t frames) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
     }
     drawer_.finish();
-    for (std::uint32_t bit = 1; bit <= fjell::cut_budget_time; bit <<= 1)
-        if (report_.exhausted & bit)
-            std::fprintf(stderr, "vulkan: raise %s\n", fjell::budget_field(fjell::CutBudgetBit(bit)));
-    for (std::uint32_t bit = 1; bit <= fjell::stream_requests; bit <<= 1)
-        if (streamed_.exhausted & bit)
-            std::fprintf(stderr, "vulkan: raise %s\n", fjell::budget_field(fjell::StreamBudgetBit(bit)));
+    for (const char* const field : ground_.frame().short_of) std::fprintf(stderr, "vulkan: raise %s\n", field);
 }
 
 void Flight::print(const Gpu& gpu) const {
@@ -248,11 +202,11 @@ void Flight::print(const Gpu& gpu) const {
     std::printf("eye %.17g,%.17g,%.17g looks at %.17g,%.17g,%.17g\n", eye.x, eye.y, eye.z, at.x, at.y, at.z);
     std::printf("converged %d: %u vertices, %u triangles, %u of %u tiles drawn in %u ranges; rebased %u times\n",
                 report_.converged, report_.vertices, report_.triangles, report_.tiles_drawn,
-                world_.terrain.tile_count(), drawer_.draws(), log_.rebased - 1);
+                ground_.terrain().tile_count(), drawer_.draws(), log_.rebased - 1);
     std::printf("%zu bytes a vertex for %zu, %u an index; %.1f MB on the device\n", sizeof(fjell::CompactVertex),
                 sizeof(fjell::MeshVertex) + sizeof(fjell::MorphVertex), drawer_.index_bytes(),
                 double(gpu.device_bytes()) / 1e6);
-    const Check::Copies copies = Check::copies(fjell::cut_mesh(world_.cut));
+    const Check::Copies copies = Check::copies(fjell::cut_mesh(ground_.cut()));
     std::printf("copies of a vertex if each range had its own: %.2f, each tile: %.2f\n", copies.by_range,
                 copies.by_tile);
     std::printf("uploaded %u bytes a frame (median), exactly what had changed\n", median(log_.uploaded_bytes));
@@ -279,25 +233,20 @@ void Flight::write_picture(const std::string& path) const {
 }
 
 // Over a benchmark's path, and nothing is compared with anything.
-void measure(World& world, Gpu& gpu, Measured& times) {
-    Drawer drawer(gpu, world.terrain, world.capacities, {times.width_px, times.height_px});
+void measure(fjell::io::LiveTerrain& ground, Gpu& gpu, Measured& times) {
+    Drawer drawer(gpu, ground.terrain(), ground.options().cut, {times.width_px, times.height_px});
     Origin origin;
-    fjell::CutSettings settings{.max_error_px = TIMES_ERROR_PX, .morph = fjell::Morph::error};
-    fjell::StreamReport streamed;
-    fjell::CutReport report;
+    ground.settings.cut.max_error_px = TIMES_ERROR_PX;
+    ground.settings.cut.max_work = fjell::unlimited_work;
     for (unsigned i = 0; i < times.flown(); ++i) {
         const fjell::View view = times.look(i);
-        (void)origin.follow(from_scene(view.eye_m), world.terrain);
-        settings.now_s = i * frame_s;
+        (void)origin.follow(from_scene(view.eye_m), ground.terrain());
         times.start(i);
-        must(fjell::update_stream(world.stream, {&view, 1}, settings, {.texel_px = 100, .now_s = settings.now_s},
-                                  streamed));
-        must(fjell::update_cut(world.cut, {&view, 1}, settings, report));
+        const fjell::CutMesh cut = ground.update({&view, 1}, i * frame_s).mesh;
         times.done(times_update);
         drawer.wait();
         times.pause();
-        const fjell::CutMesh cut = fjell::cut_mesh(world.cut);
-        (void)drawer.stage(cut, fjell::cut_take_changes(world.cut));
+        (void)drawer.stage(cut, ground.take_changes());
         times.done(times_upload);
         (void)drawer.record(cut, view, origin);
         drawer.submit();
@@ -307,7 +256,7 @@ void measure(World& world, Gpu& gpu, Measured& times) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1)); // where a game waits for the display
     }
     const char* const parts[] = {"update", "upload", "draw", "finish"};
-    times_print(&times, report.vertices, parts);
+    times_print(&times, ground.frame().cut.vertices, parts);
 }
 
 int run(int argc, char** argv) {
@@ -315,17 +264,17 @@ int run(int argc, char** argv) {
     Measured times;
     if (const char* wrong = arguments.views.empty() ? nullptr : times_read(&times, arguments.views.c_str()))
         throw Failure(2, arguments.views + ": " + wrong);
-    World world(arguments);
+    fjell::io::LiveTerrain ground(arguments.pack, options_of(arguments));
     if (!arguments.views.empty()) {
         Gpu gpu;
-        measure(world, gpu, times);
+        measure(ground, gpu, times);
         return 0;
     }
-    const fjell::io::LoadedPack whole = fjell::io::load_pack(world.file, fjell::io::LoadTerrain::yes);
+    const fjell::io::LoadedPack whole = fjell::io::load_pack(*ground.file(), fjell::io::LoadTerrain::yes);
     if (whole.terrain.has_voids())
         throw Failure(1, arguments.pack + ": this host's checks know no holes; give a pack without");
     Gpu gpu;
-    Flight flight(world, gpu, whole.terrain);
+    Flight flight(ground, gpu, whole.terrain);
     std::printf("on %s\n", gpu.name().c_str());
     flight.fly(arguments.frames);
     flight.print(gpu);

@@ -8,6 +8,7 @@
 #include "fjell/gl/renderer.h"
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
 #include "session/methods/method.h"
 #include "session/worker_pool.h"
 
@@ -17,13 +18,6 @@ namespace {
 
 using io::Failure;
 using Clock = std::chrono::steady_clock;
-
-// A tile's last chunk is half empty on average: four chunks a tile keep that to an eighth of the triangles.
-CutBudget suited(CutBudget budget, const Terrain& terrain) {
-    while (budget.segment_triangles > 8 && budget.triangles / budget.segment_triangles < 4 * terrain.tile_count())
-        budget.segment_triangles /= 2;
-    return budget;
-}
 
 const char* name_of(Morph morph) {
     return morph == Morph::error ? "error" : morph == Morph::time ? "time" : "none";
@@ -52,13 +46,7 @@ public:
     [[nodiscard]] bool within_frustum(const Profile&) const override { return true; } // what may be seen is listed
 
     void make_room(const Profile& profile, bool streamed, gl::RendererOptions& slots) const override {
-        slots.vertices = budget_.vertices;
-        slots.indices = 3 * budget_.triangles;
-        slots.ranges = budget_.triangles / budget_.segment_triangles;
-        slots.morph = true;
-        if (streamed) // as without streaming, and what a frame may bring of maps
-            slots.ring_bytes = std::max(4 * budget_.vertices + 2 * budget_.triangles, 1u << 20) +
-                               std::min(profile.stream.map_bytes, 1u << 28);
+        slots = gl::room_for(budget_, streamed ? profile.stream.map_bytes : 0);
     }
     [[nodiscard]] std::string upload(gl::Renderer& renderer) const override {
         return renderer.upload(mesh(), cut_take_changes(cut_));
@@ -143,7 +131,7 @@ std::unique_ptr<RunningMethod> make_incremental(const FlightOptions& options, co
                                   "it with --order planar, or fly it with --method recursive",
                                   options.pack));
     return std::make_unique<Incremental>(options, terrain,
-                                         recorded ? *recorded : suited(options.profile.cut_budget, terrain));
+                                         recorded ? *recorded : io::suited(options.profile.cut_budget, terrain));
 }
 
 } // namespace fjell::session

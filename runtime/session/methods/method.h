@@ -17,10 +17,10 @@
 
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
+#include "fjell/profile/keys.h"
+#include "fjell/profile.h"
 #include "session/log.h"
 #include "session/options.h"
-#include "session/profile.h"
-#include "session/profile_keys.h"
 #include "session/record.h"
 
 namespace fjell::gl {

@@ -30,7 +30,9 @@ struct HeadlessOptions {
 // A context of its own, for tools and tests.
 class Headless {
 public:
+    // Without error it throws io::Failure, 3.
     [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options, std::string& error);
+    [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options = {});
     ~Headless();
     Headless(const Headless&) = delete;
     Headless& operator=(const Headless&) = delete;

@@ -35,8 +35,9 @@
 
 FJELL_API_BEGIN
 namespace fjell::io {
-struct Materials; // fjell/io/materials.h
-}
+class LiveTerrain; // fjell/io/live_terrain.h
+struct Materials;  // fjell/io/materials.h
+} // namespace fjell::io
 namespace fjell::gl {
 
 // What there is room for: fixed at creation.
@@ -62,6 +63,10 @@ struct RendererOptions {
     std::uint64_t material_bytes = std::uint64_t{64} << 20;
     std::uint32_t texture_side = 0; // texels a side that set_heights() uses at most; 0: as many as the driver takes
 };
+
+// Slots for the mesh of a cut of that budget, with morphing. map_bytes: what a frame may bring of streamed maps
+// (StreamSettings::map_bytes); 0: none.
+[[nodiscard]] RendererOptions room_for(const CutBudget& budget, std::uint32_t map_bytes);
 
 // What the picture shows.
 enum class Mode : std::uint8_t {
@@ -126,6 +131,10 @@ public:
     // The terrain must be the pack's. O(texels).
     [[nodiscard]] static std::unique_ptr<Renderer> create(const Terrain& terrain, const Pack& pack,
                                                           const RendererOptions& options, std::string& error);
+    // For a LiveTerrain: room for its mesh, with morphing, and for its streamed maps. Of options only what these do not
+    // say counts: light, anisotropy, material_bytes, texture_side. Throws io::Failure, 3, when the GPU has no room.
+    [[nodiscard]] static std::unique_ptr<Renderer> create(const io::LiveTerrain& terrain,
+                                                          const RendererOptions& options = {});
     ~Renderer();
     Renderer(const Renderer&) = delete;
     Renderer& operator=(const Renderer&) = delete;
@@ -138,6 +147,9 @@ public:
     [[nodiscard]] std::string upload(const CutMesh& mesh, const CutChanges& changes);
     // Carries out the stream's stream_map_commands(), each once and in order: copies within the GPU, and blocks.
     [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
+    // All that the last update of a LiveTerrain has brought: map commands, which tile shows which map, and the mesh.
+    // After every update that is not drawn. Throws io::Failure, 3.
+    void upload(io::LiveTerrain& terrain);
     // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
     // fine stay grey: only what is coarser can be compared. An empty grid frees them.
     [[nodiscard]] std::string set_heights(const HeightGrid& grid);
@@ -160,6 +172,8 @@ public:
                                    const Target& target);
     [[nodiscard]] std::string draw(const CutMesh& mesh, const CutChanges& changes, const View& view,
                                    const DrawOptions& options, const Target& target);
+    // The same of a LiveTerrain: uploads what its last update has brought, and draws it. Throws io::Failure, 3.
+    void draw(io::LiveTerrain& terrain, const View& view, const DrawOptions& options, const Target& target);
     // Without the upload, for hosts that called it after the update. Indices of a mesh that is not a CutMesh's are
     // uploaded all the same.
     [[nodiscard]] std::string draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,

@@ -48,8 +48,9 @@
 
 FJELL_API_BEGIN
 namespace fjell::io {
+class LiveTerrain; // fjell/io/live_terrain.h
 class PackFile;
-}
+} // namespace fjell::io
 namespace fjell::gltf {
 
 // What the mesh is a picture of. take_snapshot() of a method finds it out.
@@ -122,6 +123,8 @@ SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& vi
                              const CutReport& report, Snapshot& snapshot);
 SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                              const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot);
+// Of a LiveTerrain's last update, which was for this view. Writing the copy may be another thread's.
+SnapshotResult take_snapshot(const io::LiveTerrain& terrain, const View& view, Snapshot& snapshot);
 // Of any mesh, list or strips, of which the caller knows what it keeps.
 SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                              Snapshot& snapshot);
@@ -131,6 +134,8 @@ SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const
 SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
 SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
+                              const SnapshotOptions& options = {});
+SnapshotResult write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
 // Both at once.
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,

@@ -11,9 +11,26 @@
 #include <string_view>
 #include <vector>
 
-#include "session/profile.h"
+#include "fjell/export.h"
+#include "fjell/profile.h"
 
-namespace fjell::session {
+FJELL_API_BEGIN
+namespace fjell {
+
+// Of values, for command lines and controls too.
+namespace ranges {
+inline constexpr double least_threshold_px = 0.01, most_threshold_px = 1000;
+inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
+inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
+inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
+inline constexpr std::uint32_t max_triangles = 1u << 29, most_work = unlimited_work - 1;
+inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
+inline constexpr std::uint32_t max_map_mb = 1u << 16, max_material_mb = 1u << 16, max_map_kb = 1u << 20,
+                               min_tail_log2 = 2, most_decoders = 16;
+inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
+inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
+inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, most_time_us = 1e6;
+} // namespace ranges
 
 enum class KeyKind : std::uint8_t { number, whole, flag, choice };
 
@@ -75,4 +92,5 @@ struct ProfileTable {
 // Keys of which the two have different values.
 [[nodiscard]] std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b);
 
-} // namespace fjell::session
+} // namespace fjell
+FJELL_API_END

@@ -1,4 +1,4 @@
-#include "session/profile.h"
+#include "fjell/profile.h"
 
 #include <algorithm>
 #include <optional>
@@ -8,10 +8,10 @@
 #include <toml++/toml.h>
 
 #include "fjell/io/failure.h"
+#include "fjell/profile/keys.h"
 #include "io/file.h"
-#include "session/profile_keys.h"
 
-namespace fjell::session {
+namespace fjell {
 
 namespace {
 
@@ -155,7 +155,32 @@ CutSettings cut_settings(const Profile& profile, double now_s) {
     return settings;
 }
 
-// Profiles as text: what profile_keys.h promises of writing them.
+void set_profile_key(Profile& profile, std::string_view key, std::string_view value) {
+    const ProfileKey* const found = find_profile_key(key);
+    if (!found) throw Failure(1, fmt::format("{}: unknown key; write TABLE.KEY as profiles/laptop.toml has them", key));
+    double number = 0;
+    if (const std::string refusal = parse_value(*found, value, number); !refusal.empty())
+        throw Failure(1, fmt::format("{}: {}", key, refusal));
+    Profile changed = profile;
+    found->set(changed, number);
+    if (const std::string conflict = profile_conflict(changed); !conflict.empty()) throw Failure(1, conflict);
+    profile = changed;
+}
+
+io::LiveOptions live_options(const Profile& profile) {
+    if (profile.method != Method::incremental)
+        throw Failure(1, "refine.method is \"recursive\", which a LiveTerrain is not; set it to \"incremental\"");
+    io::LiveOptions options;
+    options.page_slots = profile.page_slots;
+    options.cut = profile.cut_budget;
+    options.stream = profile.stream_budget;
+    options.stream.horizons = profile.light.shadows;
+    options.reader.threads = profile.stream_budget.decoders;
+    options.settings = {cut_settings(profile, 0), stream_settings(profile, 0)};
+    return options;
+}
+
+// Profiles as text: what keys.h promises of writing them.
 
 namespace {
 
@@ -240,4 +265,4 @@ std::string profile_heading(std::string_view text) {
     return heading == terms ? std::string() : heading;
 }
 
-} // namespace fjell::session
+} // namespace fjell

@@ -1,7 +1,9 @@
-// Profiles: what one kind of machine can afford, as TOML (profiles/*.toml).
+// Profiles: what one kind of machine can afford, as TOML (profiles/*.toml), tuned in the editor, and what a host makes
+// of one.
 //
-// Every key has a default, a unit and a range; the shipped profiles say what each costs. Command-line flags win over
-// the profile, the profile over the defaults. Failure: io::Failure with exit code 1 naming file, line and key.
+// Every key has a default, a unit and a range; the shipped profiles say what each costs. fjell/profile/keys.h has them
+// as data. Ownership: plain values. Thread: any. Failure: io::Failure with exit code 1 naming file, line and key; a key
+// that is not known is one.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +12,19 @@
 #include <vector>
 
 #include "fjell/cut.h"
+#include "fjell/export.h"
 #include "fjell/gl/layers.h"
 #include "fjell/gl/light.h"
+#include "fjell/io/live_terrain.h"
 #include "fjell/recursive.h"
 #include "fjell/stream.h"
 
-namespace fjell::session {
+FJELL_API_BEGIN
+namespace fjell {
 
 enum class Method : std::uint8_t { incremental, recursive };
 
-// Keys of the method that is not chosen are kept for when --method chooses it.
+// Keys of the method that is not chosen are kept for when it is.
 struct Profile {
     Method method = Method::incremental; // [refine] method
     RefineSettings refine;               // [refine] max_error_px, corner_safe; recursive: metric, cull, topology
@@ -37,27 +42,22 @@ struct Profile {
     std::uint64_t material_bytes = 64u << 20;       // [layers] material_mb
 };
 
-// Ranges, for the command line too.
-inline constexpr double least_threshold_px = 0.01, most_threshold_px = 1000;
-inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
-inline constexpr std::uint32_t max_size_px = 16384, max_samples = 16;
-inline constexpr std::uint32_t min_budget = 16, max_vertices = 1u << 27, max_indices = 1u << 30;
-inline constexpr std::uint32_t max_triangles = 1u << 29, most_work = unlimited_work - 1;
-inline constexpr std::uint32_t max_page_slots = 1u << 24, max_page_requests = 256, max_map_requests = 64;
-inline constexpr std::uint32_t max_map_mb = 1u << 16, max_material_mb = 1u << 16, max_map_kb = 1u << 20,
-                               min_tail_log2 = 2, most_decoders = 16;
-inline constexpr std::uint32_t max_stream_pages = 4096, min_stream_tests = 1024;
-inline constexpr double min_texel_px = 0.1, max_texel_px = 100, max_lookahead_s = 10, max_fade_s = 10;
-inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 10, most_time_us = 1e6;
-
-// renamed: gets a line for each key that has the name it had before 0.3.
+// From a file, or from text in memory; name: for messages. renamed: gets a line for each key that has the name it had
+// before 0.3.
 [[nodiscard]] Profile read_profile(const std::string& file, std::vector<std::string>* renamed = nullptr);
 [[nodiscard]] Profile parse_profile(std::string_view text, const std::string& name,
                                     std::vector<std::string>* renamed = nullptr);
+// A key by its name, "refine.max_error_px", and a value as TOML writes it: what a host overrides. Failure (1) for
+// another key, or a value out of its range.
+void set_profile_key(Profile& profile, std::string_view key, std::string_view value);
 
 // What an update of the stream is given.
 [[nodiscard]] StreamSettings stream_settings(const Profile& profile, double now_s);
 // What an update of the incremental method is given.
 [[nodiscard]] CutSettings cut_settings(const Profile& profile, double now_s);
+// What a LiveTerrain is opened with: budgets, and the settings to begin with. Horizon maps where light.shadows are on.
+// Failure (1) for a profile of the recursive method: a LiveTerrain is the incremental one.
+[[nodiscard]] io::LiveOptions live_options(const Profile& profile);
 
-} // namespace fjell::session
+} // namespace fjell
+FJELL_API_END

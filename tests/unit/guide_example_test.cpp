@@ -1,4 +1,4 @@
-// README.md's example: the block there is quoted from here (docs_test compares), and runs.
+// The loop of docs/guides/embedding.md: the block there is quoted from here (docs_test compares), and runs.
 #include <catch2/catch.hpp>
 
 #include "fjell/cut.h"
@@ -47,7 +47,7 @@ int embed(std::span<const std::byte> file) {
     if (!fjell::create_cut(terrain, budget, allocate(fjell::cut_bytes(terrain, budget)), cut).ok())
         return fail("budget", "too small");
     while (next_view(view)) { // every frame: no allocation, no lock, no system call, no exception
-        if (!fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1.0, .max_work = 5'000}, report).ok())
+        if (!fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1.0, .max_time_us = 2'000}, report).ok())
             return fail("view", "not a camera");
         const fjell::CutMesh live = fjell::cut_mesh(cut);
         const fjell::CutChanges changes = fjell::cut_take_changes(cut);                  // written since the last call:
@@ -60,7 +60,7 @@ int embed(std::span<const std::byte> file) {
 
 } // namespace
 
-TEST_CASE("the embedding example of the README compiles, runs and draws") {
+TEST_CASE("the embedding example of the guide compiles, runs and draws") {
     fjell::test::Random random(1);
     auto dem = fjell::test::random_dem(random, 65, 65, fjell::test::Shape::fractal);
     const auto pack = fjell::test::bake_and_load(std::move(dem), fjell::test::small_bake(5));

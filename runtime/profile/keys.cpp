@@ -1,12 +1,10 @@
-#include "session/profile_keys.h"
+#include "fjell/profile/keys.h"
 
 #include <cstdint>
 #include <type_traits>
 #include <vector>
 
-#include "session/methods/method.h"
-
-namespace fjell::session {
+namespace fjell {
 
 namespace {
 
@@ -40,7 +38,9 @@ struct At {
 
 // One key for both methods' vertex buffers: only one of them is made.
 struct Vertices {
-    static double get(const Profile& p) { return facts_of(p).vertices(p); }
+    static double get(const Profile& p) {
+        return p.method == Method::recursive ? p.budget.vertices : p.cut_budget.vertices;
+    }
     static void set(Profile& p, double value) {
         p.budget.vertices = p.cut_budget.vertices = static_cast<std::uint32_t>(value);
     }
@@ -80,13 +80,13 @@ constexpr ProfileTable tables[] = {
     {"layers", "Detail layers"},
 };
 
-constexpr auto whole = KeyKind::whole, flag = KeyKind::flag, choice = KeyKind::choice;
+constexpr auto whole_key = KeyKind::whole, flag_key = KeyKind::flag, choice_key = KeyKind::choice;
 
 constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "method",
      .label = "Method",
-     .kind = choice,
+     .kind = choice_key,
      .choices = methods,
      .about = "How the mesh is updated. \"incremental\": kept from frame to frame, refined all around the eye; costs "
               "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
@@ -100,8 +100,8 @@ constexpr ProfileKey keys[] = {
      .old_name = "error_px",
      .label = "Threshold",
      .unit = "px",
-     .least = least_threshold_px,
-     .most = most_threshold_px,
+     .least = ranges::least_threshold_px,
+     .most = ranges::most_threshold_px,
      .logarithmic = true,
      .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 times the "
               "vertices and the time.",
@@ -110,7 +110,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "corner_safe",
      .label = "Hold in corners",
-     .kind = flag,
+     .kind = flag_key,
      .about =
          "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides it by "
          "1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the vertices.",
@@ -119,7 +119,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "hysteresis",
      .label = "Hysteresis",
-     .most = max_hysteresis,
+     .most = ranges::max_hysteresis,
      .zero = "none",
      .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + hysteresis). No unit, 0 "
               "to 10. "
@@ -144,7 +144,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "morph",
      .label = "Morph",
-     .kind = choice,
+     .kind = choice_key,
      .most = 2,
      .choices = morphs,
      .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the distance; takes a "
@@ -157,8 +157,8 @@ constexpr ProfileKey keys[] = {
      .name = "morph_s",
      .label = "Morph time",
      .unit = "s",
-     .least = min_morph_s,
-     .most = max_morph_s,
+     .least = ranges::min_morph_s,
+     .most = ranges::max_morph_s,
      .logarithmic = true,
      .about = "Time that a vertex activated late takes to morph. Seconds, 0.01 to 10. Costs a write and an upload of "
               "28 bytes for each such vertex. (Incremental.)",
@@ -168,7 +168,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "metric",
      .label = "Metric",
-     .kind = choice,
+     .kind = choice_key,
      .choices = metrics,
      .about = "What an error is divided by: the \"isotropic\" distance to the eye, or the \"depth\" along the view "
               "(thesis 5.4.1; needs cull = true). Depth holds the bound in the image's corners too where the view is "
@@ -179,7 +179,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "cull",
      .label = "Only in view",
-     .kind = flag,
+     .kind = flag_key,
      .about = "Leave out vertices outside the view frustum: true or false. False refines all around, for about four "
               "times the vertices at 45 degrees; turning the head then changes nothing. (Recursive; the incremental "
               "method refines all around and draws the tiles that may be seen.)",
@@ -189,7 +189,7 @@ constexpr ProfileKey keys[] = {
     {.table = "refine",
      .name = "topology",
      .label = "Topology",
-     .kind = choice,
+     .kind = choice_key,
      .choices = topologies,
      .about = "\"list\": an indexed triangle list, three indices a triangle. \"strip\": one strip a tile, as in the "
               "thesis, about 0.6 of the indices. (Recursive.)",
@@ -200,10 +200,10 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "vertices",
      .label = "Vertices",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "vertices",
-     .least = min_budget,
-     .most = max_vertices,
+     .least = ranges::min_budget,
+     .most = ranges::max_vertices,
      .logarithmic = true,
      .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
               "the GPU, and 19.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
@@ -215,10 +215,10 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "triangles",
      .label = "Triangles",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "triangles",
-     .least = min_budget,
-     .most = max_triangles,
+     .least = ranges::min_budget,
+     .most = ranges::max_triangles,
      .logarithmic = true,
      .about =
          "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
@@ -231,7 +231,7 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "views",
      .label = "Views",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "views",
      .least = 1,
      .most = max_cut_views,
@@ -244,7 +244,7 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "workers",
      .label = "Building threads",
-     .kind = whole,
+     .kind = whole_key,
      .least = 1,
      .most = max_cut_workers,
      .about = "Threads that build what the camera sees in the first frame and after a jump, with the frame's own; the "
@@ -257,9 +257,9 @@ constexpr ProfileKey keys[] = {
      .name = "max_work",
      .old_name = "items",
      .label = "Work items a frame",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "items",
-     .most = most_work,
+     .most = ranges::most_work,
      .logarithmic = true,
      .zero = "no limit",
      .about =
@@ -274,7 +274,7 @@ constexpr ProfileKey keys[] = {
      .old_name = "budget_us",
      .label = "Time an update",
      .unit = "us",
-     .most = most_time_us,
+     .most = ranges::most_time_us,
      .logarithmic = true,
      .zero = "no limit",
      .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is read every few "
@@ -286,10 +286,10 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "indices",
      .label = "Indices",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "indices",
-     .least = min_budget,
-     .most = max_indices,
+     .least = ranges::min_budget,
+     .most = ranges::max_indices,
      .logarithmic = true,
      .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, all uploaded in "
               "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
@@ -302,10 +302,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "page_slots",
      .label = "Page slots",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "pages",
      .least = 1,
-     .most = max_page_slots,
+     .most = ranges::max_page_slots,
      .logarithmic = true,
      .about =
          "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When they do "
@@ -317,10 +317,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "page_requests",
      .label = "Page requests",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "pages",
      .least = 1,
-     .most = max_page_requests,
+     .most = ranges::max_page_requests,
      .logarithmic = true,
      .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, more "
               "keep a disk of high latency busy.",
@@ -331,10 +331,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "map_requests",
      .label = "Mip requests",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "mips",
      .least = 1,
-     .most = max_map_requests,
+     .most = ranges::max_map_requests,
      .logarithmic = true,
      .about = "Map requests in flight. Mips, 1 to 64. Each takes the bytes of the pack's largest mip, 525 KB for 1024 "
               "texels of colour.",
@@ -345,10 +345,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "map_mb",
      .label = "Maps on the GPU",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "MB",
      .least = 1,
-     .most = max_map_mb,
+     .most = ranges::max_map_mb,
      .logarithmic = true,
      .about = "Maps on the GPU. MB (1048576 bytes), 1 to 65536; at least the smallest size of all tiles. When they do "
               "not suffice, maps are blurrier where it shows least, and the report says \"map_bytes\".",
@@ -359,8 +359,8 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "tail_log2",
      .label = "Smallest map size, log2",
-     .kind = whole,
-     .least = min_tail_log2,
+     .kind = whole_key,
+     .least = ranges::min_tail_log2,
      .most = max_texture_log2,
      .about = "Map size that every tile always has, read before all others: a power of two texels a side, 2 to 12. One "
               "more takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
@@ -371,9 +371,9 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "decoders",
      .label = "Reading threads",
-     .kind = whole,
+     .kind = whole_key,
      .least = 1,
-     .most = most_decoders,
+     .most = ranges::most_decoders,
      .about = "Threads that read and decompress what the views want, beside the frame's. 1 to 16; one decodes some 400 "
               "million samples a second. 160 KB each.",
      .rebuild = Rebuild::session,
@@ -384,8 +384,8 @@ constexpr ProfileKey keys[] = {
      .name = "texel_px",
      .label = "Texel size",
      .unit = "px",
-     .least = min_texel_px,
-     .most = max_texel_px,
+     .least = ranges::min_texel_px,
+     .most = ranges::max_texel_px,
      .logarithmic = true,
      .about =
          "Pixels that a texel of a map may cover. Pixels, 0.1 to 100. 2 instead of 1 reads a quarter of the bytes.",
@@ -396,7 +396,7 @@ constexpr ProfileKey keys[] = {
      .name = "lookahead_s",
      .label = "Look ahead",
      .unit = "s",
-     .most = max_lookahead_s,
+     .most = ranges::max_lookahead_s,
      .zero = "not at all",
      .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. Prefetches what is on "
               "the way, and some that is never wanted.",
@@ -407,7 +407,7 @@ constexpr ProfileKey keys[] = {
      .name = "fade_s",
      .label = "Fade in",
      .unit = "s",
-     .most = max_fade_s,
+     .most = ranges::max_fade_s,
      .zero = "at once",
      .about = "Time in which a new mip fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
      .used_by = UsedBy::streaming,
@@ -416,10 +416,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "pages",
      .label = "Pages a frame",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "pages",
      .least = 1,
-     .most = max_stream_pages,
+     .most = ranges::max_stream_pages,
      .logarithmic = true,
      .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
               "for the next frame, and the report says \"stream_pages\".",
@@ -429,9 +429,9 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "tests",
      .label = "Pages looked at a frame",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "pages",
-     .least = min_stream_tests,
+     .least = ranges::min_stream_tests,
      .most = 0xffffffff,
      .logarithmic = true,
      .about = "Pages that a frame may test to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
@@ -442,10 +442,10 @@ constexpr ProfileKey keys[] = {
     {.table = "stream",
      .name = "map_kb",
      .label = "Map uploads a frame",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "KB",
      .least = 1,
-     .most = max_map_kb,
+     .most = ranges::max_map_kb,
      .logarithmic = true,
      .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Too much costs a "
               "hitch. The report says \"stream_upload\" when more has arrived.",
@@ -456,20 +456,20 @@ constexpr ProfileKey keys[] = {
     {.table = "view",
      .name = "width_px",
      .label = "Width",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "px",
      .least = 1,
-     .most = max_size_px,
+     .most = ranges::max_size_px,
      .about = "Picture's width. Pixels, 1 to 16384. Drawing costs with the area.",
      .get = At<&Profile::width_px>::get,
      .set = At<&Profile::width_px>::set},
     {.table = "view",
      .name = "height_px",
      .label = "Height",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "px",
      .least = 1,
-     .most = max_size_px,
+     .most = ranges::max_size_px,
      .about = "Picture's height. Pixels, 1 to 16384. Vertices grow with it at an equal threshold; drawing costs with "
               "the area.",
      .get = At<&Profile::height_px>::get,
@@ -478,8 +478,8 @@ constexpr ProfileKey keys[] = {
      .name = "fov_deg",
      .label = "Field of view",
      .unit = "deg",
-     .least = min_fov_deg,
-     .most = max_fov_deg,
+     .least = ranges::min_fov_deg,
+     .most = ranges::max_fov_deg,
      .about = "Vertical field of view. Degrees, 1 to 150. A narrower one magnifies: 30 instead of 45 takes a quarter "
               "more vertices.",
      .get = At<&Profile::fov_deg>::get,
@@ -487,10 +487,10 @@ constexpr ProfileKey keys[] = {
     {.table = "view",
      .name = "samples",
      .label = "Samples a pixel",
-     .kind = whole,
+     .kind = whole_key,
      .unit = "samples",
      .least = 1,
-     .most = max_samples,
+     .most = ranges::max_samples,
      .about = "Samples a pixel that smooth edges (MSAA). Samples, 1 to 16; no more than the GPU has. 4 take 32 bytes a "
               "pixel, and in software nearly twice the time. fjell-fly's pictures and window; the editor's has one.",
      .get = At<&Profile::samples>::get,
@@ -729,7 +729,7 @@ constexpr ProfileKey keys[] = {
      .kind = KeyKind::whole,
      .unit = "MB",
      .least = 1,
-     .most = max_material_mb,
+     .most = ranges::max_material_mb,
      .logarithmic = true,
      .about = "GPU memory for the textures of materials. MB, 1 to 65536: their finest mips are left out until they "
               "fit. Ten materials of 512 texels a side take 7 MB.",
@@ -764,4 +764,4 @@ std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b
     return differing;
 }
 
-} // namespace fjell::session
+} // namespace fjell

@@ -1,0 +1,28 @@
+// The same without a window: one picture, when all is there that will be.   picture PACK PROFILE.toml PICTURE.png
+#include <fjell/gl.h>
+#include <fjell/io.h>
+#include <fjell/profile.h>
+
+int main(int argc, char** argv) {
+    return fjell::io::run_tool("picture", [&] {
+        if (argc != 4) throw fjell::io::Failure(2, "usage: picture PACK PROFILE.toml PICTURE.png");
+        const fjell::Profile profile = fjell::read_profile(argv[2]);
+        fjell::io::LiveTerrain ground(argv[1], fjell::live_options(profile));
+        const auto context = fjell::gl::Headless::create();
+        const auto renderer = fjell::gl::Renderer::create(ground);
+        const auto target = fjell::gl::Target::create({1280, 720});
+        const double wide_m = ground.terrain().extent_x_m(), high_m = ground.pack().header.max_m;
+        const fjell::Vec3 eye_m{0, high_m * 1.2, ground.terrain().extent_z_m() / 2};
+        const fjell::View view = fjell::make_view(eye_m, {1, -0.3, 0}, {0, 1, 0}, 0.8, 1280, 720, 1, 2 * wide_m);
+        for (int frame = 0; !ground.frame().settled; ++frame) {
+            ground.update({&view, 1}, frame / 60.0);
+            renderer->upload(ground);
+        }
+        renderer->draw(ground, view, {.light = profile.light}, *target);
+        fjell::gl::Image picture;
+        target->read_colour(picture);
+        if (const std::string error = fjell::gl::write_png(picture, argv[3]); !error.empty())
+            throw fjell::io::Failure(3, error);
+        return 0;
+    });
+}

@@ -1,0 +1,224 @@
+// A terrain in one object: what it shows is what its parts show, what is forgotten is said, and what fails is one line.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
+#include "fjell/profile.h"
+#include "fjell/query.h"
+#include "io/file.h"
+#include "session/session.h"
+#include "support/mesh_check.h"
+#include "support/program.h"
+#include "support/terrain_fixture.h"
+
+using namespace fjell;
+using namespace fjell::session;
+using namespace fjell::test;
+
+namespace {
+
+// Frames of a sixtieth of a second until nothing is left to do.
+const io::LiveFrame& settle(io::LiveTerrain& terrain, const View& view, double& now_s) {
+    for (int frame = 0; frame < 20'000; ++frame) {
+        const io::LiveFrame& f = terrain.update({&view, 1}, now_s += 1.0 / 60);
+        (void)terrain.take_map_commands();
+        (void)terrain.tile_maps(MapKind::colour);
+        if (f.settled) return f;
+        std::this_thread::yield();
+    }
+    return terrain.frame();
+}
+
+// A pack with maps in a file, and a profile over which it flies.
+struct LivePlace {
+    LivePlace() {
+        Random random(411);
+        baker::BakeOptions bake = small_bake(6);
+        bake.max_texture_log2 = 6;
+        (void)baker::bake(random_dem(random, 200, 150, Shape::fractal), bake, pack);
+        profile = parse_profile(R"([refine]
+max_error_px = 2.5
+morph = "error"
+[budget]
+vertices = 60000
+triangles = 120000
+[stream]
+page_slots = 400
+map_mb = 4
+tail_log2 = 4
+[view]
+width_px = 640
+height_px = 360
+)",
+                                "test.toml");
+    }
+    [[nodiscard]] FlightOptions options() const {
+        FlightOptions o;
+        o.pack = pack;
+        o.streaming = Streaming::off;
+        o.profile = profile;
+        return o;
+    }
+    TemporaryFolder folder;
+    std::string pack = folder / "t.fjell";
+    Profile profile;
+};
+
+std::string opening_refusal(const std::string& pack, const io::LiveOptions& options) {
+    try {
+        const io::LiveTerrain terrain(pack, options);
+    } catch (const io::Failure& failure) {
+        CHECK(failure.exit_code == 1);
+        CHECK(std::string(failure.what()).find('\n') == std::string::npos);
+        return failure.what();
+    }
+    return "opened";
+}
+
+bool has_part(const std::string& text, const std::string& part) {
+    if (text.find(part) != std::string::npos) return true;
+    WARN(text);
+    return false;
+}
+
+} // namespace
+
+TEST_CASE("a terrain in one object, from a file or from memory, shows what fjell-fly shows with the same profile") {
+    const LivePlace place;
+    const FlightOptions options = place.options();
+    Session session;
+    open_session(options, session);
+    const std::vector<std::byte> bytes = io::read_file(place.pack);
+    io::LiveTerrain from_file(place.pack, live_options(place.profile));
+    io::LiveTerrain from_memory(bytes, "memory", live_options(place.profile));
+    double now_s = 0;
+    std::size_t most = 0;
+    for (const Pose& pose : resample(path_of(options), session.ground(), 6)) {
+        const View view = view_of(pose, session.terrain(), place.profile);
+        FrameEntry entry;
+        for (int frame = 0; frame < 60; ++frame) entry = update_frame(session, view, place.profile, now_s += 1.0 / 60);
+        const std::vector<Triangle> expected = triangles_of(session.mesh());
+        most = std::max(most, expected.size());
+        for (io::LiveTerrain* terrain : {&from_file, &from_memory}) {
+            const io::LiveFrame& frame = settle(*terrain, view, now_s);
+            CHECK(frame.converged);
+            CHECK(frame.cut.error_bound_px == entry.error_bound_px);
+            CHECK(frame.cut.triangles_drawn == entry.triangles);
+            CHECK(triangles_of(frame.mesh.mesh) == expected);
+            CHECK(frame.short_of.empty());
+            CHECK(frame.forgotten == 0);
+        }
+    }
+    CHECK(most > 500);
+    CHECK(from_file.file() != nullptr);
+    CHECK(from_memory.file() == nullptr);
+    CHECK(from_file.reader().pages > 0);
+    CHECK(from_file.first_failure().empty());
+    // Queries are any thread's, and are asked of the same ground.
+    float there = 0;
+    std::jthread([&] { there = static_cast<float>(ground_height(from_file.terrain(), 1000, 1000).height_m); }).join();
+    CHECK(there == static_cast<float>(ground_height(from_memory.terrain(), 1000, 1000).height_m));
+}
+
+TEST_CASE("what does not suffice is a list of fields, and what a host has forgotten is a bit") {
+    const LivePlace place;
+    io::LiveOptions options = live_options(place.profile);
+    options.cut.vertices = 300;
+    options.settings.cut.max_error_px = 0.5;
+    io::LiveTerrain terrain(place.pack, options);
+    const double across_m = terrain.terrain().extent_x_m();
+    const View view = make_view({across_m / 2, terrain.pack().header.max_m + across_m / 50, across_m / 2}, {0, -1, 0.1},
+                                {0, 1, 0}, 1, 640, 480, 1, 1e6);
+    bool short_of_vertices = false;
+    for (int frame = 0; frame < 5000 && (terrain.frame().forgotten != 3 || !short_of_vertices); ++frame) {
+        for (const std::string_view field : terrain.update({&view, 1}, frame / 60.0).short_of)
+            short_of_vertices |= field == "CutBudget::vertices";
+        std::this_thread::sleep_for(std::chrono::microseconds(200)); // the reader's turn; no frame depends on it
+    }
+    CHECK(short_of_vertices);
+    CHECK(terrain.frame().forgotten == (io::live_map_commands | io::live_tile_maps));
+}
+
+TEST_CASE("a pack, a budget or a view that cannot be used is one line that names it") {
+    const LivePlace place;
+    io::LiveOptions options = live_options(place.profile);
+    CHECK(opening_refusal(place.pack, options) == "opened");
+    CHECK(has_part(opening_refusal(place.folder / "none.fjell", options), "none.fjell"));
+    spit(place.folder / "text.fjell", std::string(5000, 'x'));
+    CHECK(has_part(opening_refusal(place.folder / "text.fjell", options), "not a Fjell pack"));
+    io::LiveOptions none = options;
+    none.cut.vertices = 0;
+    CHECK(has_part(opening_refusal(place.pack, none), "CutBudget::vertices"));
+    none = options;
+    none.page_slots = 0;
+    CHECK(has_part(opening_refusal(place.pack, none), "page_slots"));
+    none = options;
+    none.stream.map_bytes = 0;
+    CHECK(has_part(opening_refusal(place.pack, none),
+                   "StreamBudget::map_bytes (the smallest mips of all tiles): raise the field, or lower"));
+    io::LiveOptions much = options;
+    much.stream.map_bytes = std::uint64_t{1} << 40;
+    much.page_slots = 0xffff'ffff;
+    CHECK(opening_refusal(place.pack, much) == "opened"); // no more than the pack has is made
+    Random random(412);
+    baker::BakeOptions linear = small_bake(5);
+    linear.order = PageOrder::linear;
+    (void)baker::bake(random_dem(random, 80, 80, Shape::fractal), linear, place.folder / "linear.fjell");
+    CHECK(has_part(opening_refusal(place.folder / "linear.fjell", options), "linear order"));
+    Profile recursive = place.profile;
+    recursive.method = Method::recursive;
+    CHECK_THROWS_WITH(live_options(recursive), Catch::Contains("refine.method"));
+
+    io::LiveTerrain terrain(place.pack, options); // and is closed in its first frame
+    View view = make_view({100, 500, 100}, {1, -0.5, 1}, {0, 1, 0}, 1, 640, 480, 1, 1e6);
+    (void)terrain.update({&view, 1}, 0);
+    view.near_m = -1;
+    CHECK_THROWS_WITH(terrain.update({&view, 1}, 0), Catch::Contains("near_m"));
+    view.near_m = 1;
+    (void)terrain.update({&view, 1}, 0); // and goes on
+}
+
+TEST_CASE("damage that is met in flight is a count, a line and coarser ground, and the frames go on") {
+    const LivePlace place;
+    std::vector<std::byte> bytes = io::read_file(place.pack);
+    Pack pack;
+    REQUIRE(open_pack(bytes, pack).ok());
+    const PackHeader& h = pack.header;
+    for (std::uint64_t i = 0; i < h.directory_count; ++i)
+        if (chunk_id(h, i).kind == ChunkKind::geometry && chunk_id(h, i).item != 0)
+            bytes[pack.entry(i).offset] ^= std::byte{0x40};
+    io::LiveTerrain terrain(bytes, "memory", live_options(place.profile));
+    const double across_m = terrain.terrain().extent_x_m();
+    const View view = make_view({across_m / 2, terrain.pack().header.max_m + across_m / 50, across_m / 2}, {0, -1, 0.1},
+                                {0, 1, 0}, 1, 640, 480, 1, 1e6);
+    double now_s = 0;
+    const io::LiveFrame& frame = settle(terrain, view, now_s);
+    CHECK(frame.settled);
+    CHECK(frame.stream.failed > 0);
+    CHECK_FALSE(frame.converged);
+    CHECK(has_part(terrain.first_failure(), "memory: page "));
+    CHECK(has_part(terrain.first_failure(), "damaged"));
+    CHECK(terrain.update({&view, 1}, now_s).mesh.mesh.tiles.size() > 0);
+}
+
+TEST_CASE("a host overrides a profile by keys, as the editor names them") {
+    Profile profile;
+    set_profile_key(profile, "refine.max_error_px", "3.5");
+    set_profile_key(profile, "refine.morph", "time");
+    set_profile_key(profile, "budget.vertices", "70000");
+    CHECK(profile.refine.max_error_px == 3.5);
+    CHECK(profile.cut.morph == Morph::time);
+    const io::LiveOptions options = live_options(profile);
+    CHECK(options.cut.vertices == 70'000);
+    CHECK(options.settings.cut.max_error_px == 3.5);
+    CHECK_THROWS_WITH(set_profile_key(profile, "refine.px", "1"), Catch::Contains("refine.px: unknown key"));
+    CHECK_THROWS_WITH(set_profile_key(profile, "refine.max_error_px", "-1"),
+                      Catch::Contains("refine.max_error_px: must be a number from 0.01 to 1000"));
+    CHECK(profile.refine.max_error_px == 3.5);
+}
