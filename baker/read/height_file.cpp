@@ -60,7 +60,7 @@ bool is_sequential(GDALDataset& file, const std::string& path) {
                                                  "ENVI",  "HFA", "DTED", "AIG",     "BT",  "JP2OpenJPEG"};
     const std::string name = file.GetDriver() ? file.GetDriver()->GetDescription() : "";
     const bool packed = path.find("/vsigzip/") != std::string::npos || path.find("/vsizip/") != std::string::npos ||
-                        path.find("/vsitar/") != std::string::npos;
+                        path.find("/vsitar/") != std::string::npos || path.ends_with(".gz");
     return packed || std::find(direct.begin(), direct.end(), name) == direct.end();
 }
 
@@ -133,7 +133,7 @@ void to_floats(const std::byte* from, std::size_t count, float* to) {
 
 HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : encoding_(options.encoding) {
     GdalMessages messages;
-    file_ = open_raster(path, "a height field", messages);
+    file_ = open_raster(path, "a height field", messages, options.size);
     check_size(*file_, path);
     GDALRasterBand& first = *file_->GetRasterBand(1);
     const bool coded = encoding_ != Encoding::none;
@@ -167,7 +167,7 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
 
 void HeightFile::refuse(const Window& in_file, const GdalMessages& messages) {
     const std::string_view driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
-    if (driver == "VRT")
+    if (driver == "VRT" && !is_raw(facts_.path))
         throw Failure(1,
                       fmt::format("{}: one of the files that it names is missing or damaged; fetch that one again, or "
                                   "make the mosaic again with gdalbuildvrt{}",
