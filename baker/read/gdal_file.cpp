@@ -85,6 +85,9 @@ void register_drivers() {
         load_gdal();
         // Files of a VRT are opened for it alone, so that every thread has its own.
         if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
+        // And leaves nothing beside what gzip has packed.
+        if (!CPLGetConfigOption("CPL_VSIL_GZIP_WRITE_PROPERTIES", nullptr))
+            CPLSetConfigOption("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
         GDALAllRegister();
     });
     if (const std::int64_t bytes = cache_limit.exchange(-1); bytes >= 0) GDALSetCacheMax64(bytes);
@@ -167,6 +170,7 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
         close(io::open_regular_file(path)); // GDAL would take what may not be read for a format it does not know
         check_length(path, path);
     }
+    hush_hdf5();
     (void)raster_sources(path); // GDAL would wait for what a pipe never brings
     GdalFile file(GDALDataset::Open(name_for_gdal(path, size).c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
     if (!file)
@@ -310,8 +314,9 @@ std::vector<std::string> raster_files(const std::string& path, const char* what)
 
 namespace {
 
-bool near_zero(double v, double beside) {
-    return std::abs(v) <= 1e-9 * std::abs(beside);
+// A rotation that moves no sample by a hundredth of a pixel is what rounding leaves.
+bool is_straight(const double* t, int columns, int rows) {
+    return std::abs(t[2]) * rows <= 0.01 * std::abs(t[1]) && std::abs(t[4]) * columns <= 0.01 * std::abs(t[5]);
 }
 
 // netCDF: an axis in degrees_east, or one that is called a longitude without a unit, as GMT writes both.
@@ -362,7 +367,7 @@ Placement place(GDALDataset& file, const std::string& path) {
     std::array<double, 6> t{};
     if (file.GetGeoTransform(t.data()) != CE_None) return p;
     if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || t[1] == 0 || t[5] == 0 ||
-        !near_zero(t[2], t[1]) || !near_zero(t[4], t[5]))
+        !is_straight(t.data(), p.columns, p.rows))
         throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first with gdalwarp", path));
     const OGRSpatialReference* const crs = file.GetSpatialRef();
     p.axes = Axes::metres;
@@ -439,9 +444,17 @@ double vertical_unit(const OGRSpatialReference* crs, std::string& name) {
     return metres > 0 ? metres : 0;
 }
 
+// As the file calls the band's unit; empty: it does not, or in IDRISI's words that it is not known.
+std::string named_unit(GDALRasterBand& band) {
+    const CPLString named(band.GetUnitType() ? band.GetUnitType() : "");
+    for (const char* const none : {"unspecified", "unknown", "none"})
+        if (EQUAL(named.c_str(), none)) return {};
+    return named;
+}
+
 double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                const std::string& path) {
-    const std::string named = band.GetUnitType() ? band.GetUnitType() : "";
+    const std::string named = named_unit(band);
     const double unit = unit_in_metres(named.c_str());
     std::string axis;
     const double vertical = vertical_unit(crs, axis);
@@ -461,7 +474,7 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
 } // namespace
 
 std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
-    std::string name = band.GetUnitType() ? band.GetUnitType() : "";
+    std::string name = named_unit(band);
     if (name.empty()) (void)vertical_unit(crs, name);
     return name;
 }

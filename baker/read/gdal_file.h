@@ -21,6 +21,7 @@ using io::Failure;
 // Throws Failure 3: GDAL is not installed.
 void load_gdal();
 void register_drivers(); // and loads it
+void hush_hdf5();        // which GDAL uses, and which prints what fails by itself, for this thread; after load_gdal()
 
 // While it lives, this thread's GDAL messages come here: the first error and the first warning are kept, one line each.
 class GdalMessages {
