@@ -213,6 +213,9 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"spacing", Of::reading, &Recipe::spacing,
          "metres between samples: of a file without a georeference, of one in degrees to take it as a square grid, or "
          "to reproject to with --crs CRS"},
+        {"size", Of::reading, &Recipe::size,
+         "COLUMNSxROWS of raw numbers (.raw, .r16, .r32: 16 bits or floats, little-endian), whose file does not say; "
+         "not given: it is square"},
         {"zscale", Of::reading, &Recipe::zscale, "multiplies heights (after the file's own scale)"},
         {"zoffset", Of::reading, &Recipe::zoffset, "metres added to heights after --zscale"},
         {"bbox", Of::reading, &Recipe::bbox,
@@ -336,6 +339,7 @@ ReadOptions read_options(const Recipe& recipe) {
     o.zoffset_m = recipe.zoffset.value_or(0);
     o.crs = recipe.crs.value_or("auto");
     o.bbox = recipe.bbox;
+    if (recipe.size) o.size = parse_size(*recipe.size);
     o.voids = recipe.voids.value_or(DeclaredVoids{});
     constexpr NoData named[] = {NoData::hole, NoData::fill, NoData::refuse};
     if (recipe.nodata) o.nodata = named[word_at(recipe.nodata, "nodata", 0)];
@@ -392,6 +396,18 @@ std::array<double, 4> parse_bbox(const std::string& text) {
         at = next + !last;
     }
     return box;
+}
+
+std::array<int, 2> parse_size(const std::string& text) {
+    std::array<int, 2> size{};
+    const char* const end = text.data() + text.size();
+    const auto [x, first] = std::from_chars(text.data(), end, size[0]);
+    const bool parted = first == std::errc() && x != end && *x == 'x';
+    const auto [stop, second] = parted ? std::from_chars(x + 1, end, size[1]) : std::from_chars_result{x, first};
+    if (!parted || second != std::errc() || stop != end || size[0] < 2 || size[1] < 2 || size[0] > 1 << 30 ||
+        size[1] > 1 << 30)
+        throw Failure(2, fmt::format("--size {}: must be COLUMNSxROWS, as in 1025x513", quoted(text)));
+    return size;
 }
 
 void parse_voids(const std::string& text, std::optional<DeclaredVoids>& to) {

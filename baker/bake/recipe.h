@@ -18,7 +18,7 @@ namespace fjell::baker {
 struct Recipe {
     std::vector<std::string> inputs, texture;
     std::optional<std::string> output, ramp;
-    std::optional<std::string> nodata, crs, encoding, tile, estimate, order, horizons, layers, splat;
+    std::optional<std::string> nodata, crs, encoding, tile, estimate, order, horizons, layers, splat, size;
     std::optional<double> spacing, zscale, zoffset, nesting, quantum;
     std::optional<std::array<double, 4>> bbox; // west, south, east, north
     std::optional<DeclaredVoids> voids;        // key "void"
@@ -78,6 +78,8 @@ struct RecipeKey {
 
 // "WEST,SOUTH,EAST,NORTH" to four numbers. Throws Failure 2.
 [[nodiscard]] std::array<double, 4> parse_bbox(const std::string& text);
+// "COLUMNSxROWS", each from 2 to 2^30. Throws Failure 2.
+[[nodiscard]] std::array<int, 2> parse_size(const std::string& text);
 // "-9999", "none" or several with commas, added to what there is. Throws Failure 2.
 void parse_voids(const std::string& text, std::optional<DeclaredVoids>& to);
 

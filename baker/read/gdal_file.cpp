@@ -40,11 +40,14 @@ std::string one_line(const char* text) {
     return line;
 }
 
-// GDAL knows HGT files by name and size alone.
-const char* naming_hint(const std::string& path) {
-    return path.ends_with(".hgt") || path.ends_with(".HGT")
-               ? "; HGT files must be named like N37W003.hgt and have 1201 or 3601 samples a side"
-               : "";
+// GDAL knows HGT files by name and size alone, and is often built without OpenEXR.
+const char* hint(const std::string& path) {
+    const auto ends = [&](const char* low, const char* high) { return path.ends_with(low) || path.ends_with(high); };
+    if (ends(".hgt", ".HGT") || ends(".hgt.gz", ".HGT.gz"))
+        return "; HGT files must be named like N37W003.hgt and have 1201 or 3601 samples a side";
+    if (ends(".exr", ".EXR"))
+        return "; GDAL here does not read OpenEXR: save the heights as a 32-bit GeoTIFF or as .r32";
+    return "";
 }
 
 // Checks what neither GDAL nor the netCDF library does: see netcdf_length.h. name: a file, of the raster called path.
@@ -82,6 +85,9 @@ void register_drivers() {
         load_gdal();
         // Files of a VRT are opened for it alone, so that every thread has its own.
         if (!CPLGetConfigOption("VRT_SHARED_SOURCE", nullptr)) CPLSetConfigOption("VRT_SHARED_SOURCE", "0");
+        // And leaves nothing beside what gzip has packed.
+        if (!CPLGetConfigOption("CPL_VSIL_GZIP_WRITE_PROPERTIES", nullptr))
+            CPLSetConfigOption("CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO");
         GDALAllRegister();
     });
     if (const std::int64_t bytes = cache_limit.exchange(-1); bytes >= 0) GDALSetCacheMax64(bytes);
@@ -102,7 +108,55 @@ std::string GdalMessages::said() const {
     return text.empty() ? "" : fmt::format(" (GDAL: {})", text);
 }
 
-GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages) {
+bool is_raw(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return !is_gdal_name(path) && (ending == ".raw" || ending == ".r16" || ending == ".r32");
+}
+
+namespace {
+
+// What GDAL takes for a name: of raw numbers a description, of what gzip has packed the way into it.
+std::string name_for_gdal(const std::string& path, const std::optional<std::array<int, 2>>& size) {
+    if (path.ends_with(".gz") && !is_gdal_name(path)) return "/vsigzip/" + path;
+    if (!is_raw(path)) return path;
+    std::error_code none;
+    const std::uint64_t bytes = std::filesystem::file_size(path, none);
+    const auto side = [&](std::uint64_t sample_bytes) { // of a square of such samples; 0: it is none
+        const auto n = static_cast<std::uint64_t>(std::lround(std::sqrt(static_cast<double>(bytes / sample_bytes))));
+        return n * n * sample_bytes == bytes ? static_cast<int>(std::min<std::uint64_t>(n, 1u << 30)) : 0;
+    };
+    const std::string ending = std::filesystem::path(path).extension().string();
+    const bool may_be_16 = ending.back() != '2', may_be_32 = ending.back() != '6';
+    std::array<int, 2> grid = size.value_or(std::array{0, 0});
+    std::uint64_t sample_bytes = 0;
+    for (const std::uint64_t b : {2, 4}) {
+        if (sample_bytes != 0 || (b == 2 ? !may_be_16 : !may_be_32)) continue;
+        if (!size) grid = {side(b), side(b)};
+        const auto samples = static_cast<std::uint64_t>(grid[0]) * static_cast<std::uint64_t>(grid[1]);
+        if (samples != 0 && samples * b == bytes) sample_bytes = b;
+    }
+    if (sample_bytes == 0 && size)
+        throw Failure(1, fmt::format("{}: has {} bytes, which {} x {} numbers of {} are not; give another --size", path,
+                                     bytes, grid[0], grid[1],
+                                     may_be_16 && may_be_32 ? "16 or 32 bits"
+                                     : may_be_16            ? "16 bits"
+                                                            : "32 bits"));
+    if (sample_bytes == 0)
+        throw Failure(1,
+                      fmt::format("{}: {} bytes of raw numbers are no square; give --size COLUMNSxROWS", path, bytes));
+    char* const escaped = CPLEscapeString(path.c_str(), -1, CPLES_XML);
+    const std::string vrt = fmt::format(
+        R"(<VRTDataset rasterXSize="{}" rasterYSize="{}"><VRTRasterBand dataType="{}" band="1" subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="0">{}</SourceFilename><ByteOrder>LSB</ByteOrder></VRTRasterBand></VRTDataset>)",
+        grid[0], grid[1], sample_bytes == 2 ? "UInt16" : "Float32", escaped);
+    CPLFree(escaped);
+    return vrt;
+}
+
+} // namespace
+
+GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages,
+                     const std::optional<std::array<int, 2>>& size) {
     register_drivers();
     std::error_code ignored;
     const auto status = std::filesystem::status(path, ignored);
@@ -116,12 +170,13 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
         close(io::open_regular_file(path)); // GDAL would take what may not be read for a format it does not know
         check_length(path, path);
     }
+    hush_hdf5();
     (void)raster_sources(path); // GDAL would wait for what a pipe never brings
-    GdalFile file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+    GdalFile file(GDALDataset::Open(name_for_gdal(path, size).c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
     if (!file)
         throw Failure(1, fmt::format("{}: cannot be read as {}; give a GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM or "
                                      "netCDF that is whole{}{}",
-                                     path, what, naming_hint(path), messages.said()));
+                                     path, what, hint(path), messages.said()));
     check_files(*file, path);
     if (file->GetRasterCount() == 0) {
         const char* const first = CSLFetchNameValue(file->GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
@@ -242,6 +297,7 @@ std::vector<std::string> raster_sources(const std::string& path) {
 
 std::vector<std::string> raster_files(const std::string& path, const char* what) {
     std::vector<std::string> files = raster_sources(path);
+    if (is_raw(path)) return files; // it may take a size that is not known here
     GdalMessages messages;
     const GdalFile file = open_raster(path, what, messages);
     const CPLStringList listed(file->GetFileList());
@@ -258,8 +314,9 @@ std::vector<std::string> raster_files(const std::string& path, const char* what)
 
 namespace {
 
-bool near_zero(double v, double beside) {
-    return std::abs(v) <= 1e-9 * std::abs(beside);
+// A rotation that moves no sample by a hundredth of a pixel is what rounding leaves.
+bool is_straight(const double* t, int columns, int rows) {
+    return std::abs(t[2]) * rows <= 0.01 * std::abs(t[1]) && std::abs(t[4]) * columns <= 0.01 * std::abs(t[5]);
 }
 
 // netCDF: an axis in degrees_east, or one that is called a longitude without a unit, as GMT writes both.
@@ -310,7 +367,7 @@ Placement place(GDALDataset& file, const std::string& path) {
     std::array<double, 6> t{};
     if (file.GetGeoTransform(t.data()) != CE_None) return p;
     if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || t[1] == 0 || t[5] == 0 ||
-        !near_zero(t[2], t[1]) || !near_zero(t[4], t[5]))
+        !is_straight(t.data(), p.columns, p.rows))
         throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first with gdalwarp", path));
     const OGRSpatialReference* const crs = file.GetSpatialRef();
     p.axes = Axes::metres;
@@ -387,9 +444,17 @@ double vertical_unit(const OGRSpatialReference* crs, std::string& name) {
     return metres > 0 ? metres : 0;
 }
 
+// As the file calls the band's unit; empty: it does not, or in IDRISI's words that it is not known.
+std::string named_unit(GDALRasterBand& band) {
+    const CPLString named(band.GetUnitType() ? band.GetUnitType() : "");
+    for (const char* const none : {"unspecified", "unknown", "none"})
+        if (EQUAL(named.c_str(), none)) return {};
+    return named;
+}
+
 double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                const std::string& path) {
-    const std::string named = band.GetUnitType() ? band.GetUnitType() : "";
+    const std::string named = named_unit(band);
     const double unit = unit_in_metres(named.c_str());
     std::string axis;
     const double vertical = vertical_unit(crs, axis);
@@ -409,7 +474,7 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
 } // namespace
 
 std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
-    std::string name = band.GetUnitType() ? band.GetUnitType() : "";
+    std::string name = named_unit(band);
     if (name.empty()) (void)vertical_unit(crs, name);
     return name;
 }

@@ -1,8 +1,10 @@
 // A raster file through GDAL, with GDAL's messages caught instead of printed. Shared by heights and images.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ using io::Failure;
 // Throws Failure 3: GDAL is not installed.
 void load_gdal();
 void register_drivers(); // and loads it
+void hush_hdf5();        // which GDAL uses, and which prints what fails by itself, for this thread; after load_gdal()
 
 // While it lives, this thread's GDAL messages come here: the first error and the first warning are kept, one line each.
 class GdalMessages {
@@ -48,8 +51,13 @@ using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
 [[nodiscard]] bool is_gdal_name(const std::string& path);
 
 // Opens a raster for reading. Throws Failure 1: no such file, a folder, not a raster GDAL knows, no bands. Names such
-// as NETCDF:"file.nc":variable pass through to GDAL. what: "a height field" or "an image", for the messages.
-[[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages);
+// as NETCDF:"file.nc":variable pass through to GDAL; a file that gzip has packed is read as it was before. what: "a
+// height field" or "an image", for the messages. Raw numbers (.raw, .r16: 16 bits, .r32: floats; little-endian, rows
+// from the north-west) have no header: size gives their columns and rows, and else they must be square.
+[[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages,
+                                   const std::optional<std::array<int, 2>>& size = {});
+// By its name.
+[[nodiscard]] bool is_raw(const std::string& path);
 
 // One row of a band as doubles or bytes. Throws Failure 1 when the file is truncated or damaged; warnings count,
 // because some drivers only warn about missing data and hand out zeros.

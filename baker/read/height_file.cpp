@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include <cpl_string.h>
@@ -48,6 +49,7 @@ void check_grey(GDALDataset& file, const std::string& path) {
 
 void check_coded(GDALDataset& file, const std::string& path) {
     const int bands = file.GetRasterCount();
+    if (bands == 1 && file.GetRasterBand(1)->GetColorTable()) return; // as what makes pictures small stores them
     if ((bands != 3 && bands != 4) || file.GetRasterBand(1)->GetRasterDataType() != GDT_Byte)
         throw Failure(1, fmt::format("{}: has {} bands of {}; --encoding is for pictures of 8-bit red, green and blue, "
                                      "so leave it out",
@@ -60,7 +62,7 @@ bool is_sequential(GDALDataset& file, const std::string& path) {
                                                  "ENVI",  "HFA", "DTED", "AIG",     "BT",  "JP2OpenJPEG"};
     const std::string name = file.GetDriver() ? file.GetDriver()->GetDescription() : "";
     const bool packed = path.find("/vsigzip/") != std::string::npos || path.find("/vsizip/") != std::string::npos ||
-                        path.find("/vsitar/") != std::string::npos;
+                        path.find("/vsitar/") != std::string::npos || path.ends_with(".gz");
     return packed || std::find(direct.begin(), direct.end(), name) == direct.end();
 }
 
@@ -79,7 +81,9 @@ std::string identity_of(GDALDataset& file, const std::string& path) {
     char** const names = file.GetFileList();
     for (char** name = names; name && *name; ++name) {
         VSIStatBufL status{};
-        if (VSIStatL(*name, &status) == 0) // to the nanosecond: scripts make two files in a second
+        // Of a packed file GDAL learns while it reads how long it is inside.
+        const char* const file_name = STARTS_WITH(*name, "/vsigzip/") ? *name + std::strlen("/vsigzip/") : *name;
+        if (VSIStatL(file_name, &status) == 0) // to the nanosecond: scripts make two files in a second
             text +=
                 fmt::format("|{} {} {}.{:09}", *name, status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
     }
@@ -133,7 +137,7 @@ void to_floats(const std::byte* from, std::size_t count, float* to) {
 
 HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : encoding_(options.encoding) {
     GdalMessages messages;
-    file_ = open_raster(path, "a height field", messages);
+    file_ = open_raster(path, "a height field", messages, options.size);
     check_size(*file_, path);
     GDALRasterBand& first = *file_->GetRasterBand(1);
     const bool coded = encoding_ != Encoding::none;
@@ -149,6 +153,14 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
         facts_.decoding.whole = true;
         facts_.step = encoding_ == Encoding::terrarium ? 1.0 / 256 : 0.1;
         if (file_->GetRasterCount() == 4) mask_ = file_->GetRasterBand(4);
+        if (const GDALColorTable* const table = file_->GetRasterCount() == 1 ? first.GetColorTable() : nullptr) {
+            palette_.resize(256, {0, 0, 0});
+            for (int i = 0; i < std::min(table->GetColorEntryCount(), 256); ++i) {
+                const GDALColorEntry& c = *table->GetColorEntry(i);
+                palette_[static_cast<std::size_t>(i)] = {
+                    static_cast<std::uint8_t>(c.c1), static_cast<std::uint8_t>(c.c2), static_cast<std::uint8_t>(c.c3)};
+            }
+        }
         return;
     }
     facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
@@ -167,7 +179,7 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
 
 void HeightFile::refuse(const Window& in_file, const GdalMessages& messages) {
     const std::string_view driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
-    if (driver == "VRT")
+    if (driver == "VRT" && !is_raw(facts_.path))
         throw Failure(1,
                       fmt::format("{}: one of the files that it names is missing or damaged; fetch that one again, or "
                                   "make the mosaic again with gdalbuildvrt{}",
@@ -230,7 +242,10 @@ void HeightFile::read_coded(const Window& in_file) {
     const std::size_t area = in_file.area();
     raw_.resize(area);
     colours_.resize(3 * area);
-    for (int b = 0; b < 3; ++b) band(b + 1, in_file, colours_.data() + static_cast<std::size_t>(b) * area, GDT_Byte);
+    for (int b = 0; b < 3; ++b)
+        band(palette_.empty() ? b + 1 : 1, in_file, colours_.data() + static_cast<std::size_t>(b) * area, GDT_Byte);
+    if (!palette_.empty()) // three times the same places in it
+        for (std::size_t i = 0; i < 3 * area; ++i) colours_[i] = palette_[colours_[i]][i / area];
     const std::uint8_t *const red = colours_.data(), *const green = red + area, *const blue = green + area;
     const bool terrarium = encoding_ == Encoding::terrarium;
     for (std::size_t i = 0; i < area; ++i) {

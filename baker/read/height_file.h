@@ -1,6 +1,7 @@
 // One raster file as heights.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -59,6 +60,7 @@ private:
     Buffer<std::byte> block_;
     std::vector<double> raw_;
     std::vector<std::uint8_t> marks_, colours_;
+    std::vector<std::array<std::uint8_t, 3>> palette_; // of a coded picture that has one; empty: three bands
 };
 
 } // namespace fjell::baker

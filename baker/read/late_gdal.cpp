@@ -5,6 +5,7 @@
 // derive from, is a copy, as the linker would have made one.
 #include "baker/read/gdal_file.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -25,11 +26,15 @@ extern char fjell_gdal_table[];
 
 namespace fjell::baker {
 
+namespace {
+void* gdal = nullptr;
+}
+
 void load_gdal() {
     static std::once_flag once;
     std::call_once(once, [] {
-        void* const gdal = dlopen(FJELL_GDAL, RTLD_LAZY);
-        const auto find = [&](const char* name) {
+        gdal = dlopen(FJELL_GDAL, RTLD_LAZY);
+        const auto find = [](const char* name) {
             if (void* const found = gdal ? dlsym(gdal, name) : nullptr) return found;
             const char* const why = dlerror();
             throw Failure(3, fmt::format("GDAL cannot be loaded ({}); install " FJELL_GDAL, why ? why : "not found"));
@@ -42,6 +47,12 @@ void load_gdal() {
 #undef FUNCTION
 #undef TYPEINFO
     });
+}
+
+void hush_hdf5() {
+    using SetAuto = int (*)(std::int64_t stack, void* function, void* data);
+    static const auto set_auto = reinterpret_cast<SetAuto>(dlsym(gdal, "H5Eset_auto2")); // GDAL may be without
+    if (set_auto) (void)set_auto(0, nullptr, nullptr);
 }
 
 } // namespace fjell::baker

@@ -44,6 +44,8 @@ struct ReadOptions {
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
     std::optional<double> zscale;
     double zoffset_m = 0; // added after zscale
+    // Columns and rows of raw numbers (open_raster()), whose file does not say. Not given: square.
+    std::optional<std::array<int, 2>> size;
     NoData nodata = NoData::automatic;
     DeclaredVoids voids;
 };

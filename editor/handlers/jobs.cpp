@@ -10,6 +10,7 @@
 #include "editor/handlers/handlers.h"
 #include "editor/jobs/threshold_search.h"
 #include "editor/jobs/work.h"
+#include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
 #include "fjell/profile/keys.h"
 #include "session/snapshots.h"
@@ -63,6 +64,8 @@ void handle(const RunBenchmark& c, HandlerContext context) {
 
 void handle(const ExportMesh& c, HandlerContext context) {
     if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
+    if (!gltf::is_snapshot_name(c.path))
+        throw io::Failure(2, c.path + ": a snapshot is binary glTF; give it a name that ends in .glb");
     refuse_overwriting_open_files(context.state, c.path);
     context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }

@@ -92,6 +92,8 @@ void draw_edit(const State& state, Commands& commands) {
     (void)std::snprintf(label, sizeof label, "Redo %s###redo", redo_label(state));
     item("redo", label, "Ctrl+Shift+Z", document.redo_steps() + state.route.redo_steps() > 0, commands, Redo{});
     ImGui::Separator();
+    if (ImGui::MenuItem("Copy profile as C++")) ImGui::SetClipboardText(profile_as_cpp(document.profile()).c_str());
+    ui::mark("menu", "copy-cpp");
     item("defaults", "Reset all values", "", true, commands, ResetProfile{});
     if (ImGui::MenuItem("Lower threshold", "[")) change_threshold(state, 1 / threshold_step, commands);
     ui::mark("menu", "lower");

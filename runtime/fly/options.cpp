@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
 #include "fjell/profile/keys.h"
@@ -219,6 +220,8 @@ Export parse_export(const std::string& text, std::size_t frames) {
     const auto frame = whole(std::string_view(text).substr(0, colon));
     if (!frame || colon + 1 >= text.size())
         throw Failure(2, fmt::format("--export {}: must be FRAME:OUT.glb, e.g. 0:terrain.glb", text));
+    if (!gltf::is_snapshot_name(text.substr(colon + 1)))
+        throw Failure(2, fmt::format("--export {}: a snapshot is binary glTF; give it a name that ends in .glb", text));
     if (*frame >= frames) throw Failure(2, fmt::format("--export {}: the flight has frames 0 to {}", text, frames - 1));
     return {*frame, text.substr(colon + 1)};
 }

@@ -1,8 +1,10 @@
 #include "fjell/gltf/snapshot.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <numbers>
@@ -279,6 +281,8 @@ SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const st
         if (content == nullptr) throw io::Failure(2, "the snapshot is empty; take one with take_snapshot");
         if (path.empty() && options.write)
             throw io::Failure(2, "the snapshot has no file name; give one that ends in .glb");
+        if (options.write && !is_snapshot_name(path))
+            throw io::Failure(2, fmt::format("{}: a snapshot is binary glTF; give it a name that ends in .glb", path));
         if (pack.header.header_hash != content->header.header_hash)
             throw io::Failure(2,
                               "the pack is not the one that the snapshot was taken of; open that one, or take it anew");
@@ -305,6 +309,15 @@ SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const st
 }
 
 } // namespace
+
+bool is_snapshot_name(const std::string& path) {
+    const std::filesystem::path name(path);
+    std::string ending = name.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::error_code none;
+    const std::filesystem::file_status there = std::filesystem::status(name, none);
+    return ending == ".glb" || (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there));
+}
 
 SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options) {

@@ -252,6 +252,16 @@ std::string profile_text(const Profile& profile, std::string_view heading) {
     return text;
 }
 
+std::string profile_as_cpp(const Profile& profile) {
+    std::string text = "fjell::Profile profile;\n";
+    for (const ProfileKey* const key : differing_keys(Profile{}, profile)) {
+        std::string value = value_text(*key, profile);
+        if (key->kind == KeyKind::choice) value = value.substr(1, value.size() - 2); // without TOML's quotes
+        text += fmt::format("fjell::set_profile_key(profile, \"{}.{}\", \"{}\");\n", key->table, key->name, value);
+    }
+    return text;
+}
+
 std::string profile_heading(std::string_view text) {
     std::string heading;
     while (text.starts_with("# ")) {

@@ -63,7 +63,7 @@ struct Tally {
 FJELL_COLD inline void abort_if(const Violation& found, const char* file, int line) {
     if (!found) return;
     char what[200]; // and where
-    (void)std::snprintf(what, sizeof what, "%s (%d, %d)", found.what, found.at.x, found.at.y);
+    (void)std::snprintf(what, sizeof what, "%s (%d, %d)", found.what, found.at.column, found.at.row);
     fail_assert(file, line, what);
 }
 // Aborts with what a walk finds after an event; events are numbered from 1 on.

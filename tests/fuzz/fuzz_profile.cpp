@@ -8,7 +8,6 @@
 #include "input.h"
 
 using namespace fjell;
-using namespace fjell::session;
 using fuzz::must;
 
 extern "C" int fuzz_profile(const std::uint8_t* data, std::size_t size) {

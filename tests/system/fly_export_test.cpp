@@ -207,7 +207,9 @@ TEST_CASE("pictures overwrite pictures, but no other file that has the name of o
     fs::create_symlink("../small.fjell", folder / "pictures/frame_00000.png");
     const std::string pack = slurp(folder / "small.fjell");
     refuses_export(flight, 2, "would overwrite the input small.fjell");
-    refuses_export("small.fjell --headless --frames 1 --export 0:pictures/frame_00000.png", 2, "the input");
+    fs::create_symlink("small.fjell", folder / "link.glb");
+    refuses_export("small.fjell --headless --frames 1 --export 0:link.glb", 2, "the input");
+    fs::remove(folder / "link.glb");
     CHECK(slurp(folder / "small.fjell") == pack);
     fs::remove_all(folder / "pictures");
 }

@@ -437,6 +437,8 @@ TEST_CASE("wrong usage is one line and exit code 2") {
     refuses("small.fjell --headless --fov 180", 2, "--fov");
     refuses("small.fjell --headless --hz nan", 2, "--hz");
     refuses("small.fjell --headless --export out.glb", 2, "FRAME:OUT.glb");
+    for (const char* const name : {"x.gltf", "x.obj", "x", "x.glb.zip"})
+        refuses(std::string("small.fjell --headless --export 0:") + name, 2, "give it a name that ends in .glb");
     refuses("small.fjell --headless --frames 10 --export 10:out.glb", 2, "frames 0 to 9");
     refuses("small.fjell --headless --csv same --json same", 2, "would overwrite the output same");
     refuses("small.fjell --headless --seed 1 --path p.json", 2, "exclude each other");

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <regex>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/profile.h"
+#include "fjell/profile/keys.h"
 #include "fjell/query.h"
 #include "io/file.h"
 #include "session/session.h"
@@ -217,6 +220,19 @@ TEST_CASE("a host overrides a profile by keys, as the editor names them") {
     const io::LiveOptions options = live_options(profile);
     CHECK(options.cut.vertices == 70'000);
     CHECK(options.settings.cut.max_error_px == 3.5);
+    // What the editor copies as C++ makes the same profile.
+    std::istringstream lines(profile_as_cpp(profile));
+    Profile made;
+    int keys = 0;
+    for (std::string line; std::getline(lines, line); ++keys) {
+        std::smatch call;
+        if (std::regex_match(line, call, std::regex(R"x(fjell::set_profile_key\(profile, "([^"]+)", "([^"]*)"\);)x")))
+            set_profile_key(made, call[1].str(), call[2].str());
+        else
+            CHECK(line == "fjell::Profile profile;");
+    }
+    CHECK(keys == 4);
+    CHECK(differing_keys(made, profile).empty());
     CHECK_THROWS_WITH(set_profile_key(profile, "refine.px", "1"), Catch::Contains("refine.px: unknown key"));
     CHECK_THROWS_WITH(set_profile_key(profile, "refine.max_error_px", "-1"),
                       Catch::Contains("refine.max_error_px: must be a number from 0.01 to 1000"));

@@ -74,6 +74,7 @@ TEST_CASE("a snapshot into a folder that is missing is refused", "[gltf]") {
     f.require_refused(f.write(f.folder / "terrain.fjell/out.glb"), 1, "folder does not exist");
     f.require_refused(f.write(f.folder / "."), 1, "is a folder");
     f.require_refused(f.write(""), 2, "no file name");
+    f.require_refused(f.write(f.folder / "out.gltf"), 2, "ends in .glb");
 }
 
 TEST_CASE("a full disk leaves nothing behind and the older file as it was", "[gltf]") {

@@ -129,8 +129,11 @@ SnapshotResult take_snapshot(const io::LiveTerrain& terrain, const View& view, S
 SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                              Snapshot& snapshot);
 
-// Writes path beside its place and renames it. pack: the terrain's, with its bytes; or the file that has them, which
-// is read meanwhile.
+// A file of that name is what its ending says: .glb, or a device or a pipe (or a folder, which is
+// refused as one).
+[[nodiscard]] bool is_snapshot_name(const std::string& path);
+// Writes path, which ends in .glb, beside its place and renames it. pack: the terrain's, with its bytes; or the file
+// that has them, which is read meanwhile.
 SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
 SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,

@@ -87,6 +87,8 @@ struct ProfileTable {
 // The whole profile as TOML, every key under what it is and costs, in lines of up to 120 characters. parse_profile()
 // reads every key back to the last bit. heading: what the profile is for, one paragraph.
 [[nodiscard]] std::string profile_text(const Profile& profile, std::string_view heading);
+// The profile as C++ that makes it: a line for each key that is not at its default.
+[[nodiscard]] std::string profile_as_cpp(const Profile& profile);
 // The paragraph that a profile's text begins with, for writing it again; empty where there is none.
 [[nodiscard]] std::string profile_heading(std::string_view text);
 // Keys of which the two have different values.

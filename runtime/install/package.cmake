@@ -1,0 +1,31 @@
+# ./dev package: programs, library, headers, profiles, content and guides as a .deb and a .tar.gz.
+include(GNUInstallDirs)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON) # ./dev builds what is packed, and nothing else
+install(TARGETS fjell-bake fjell-fly fjell-editor RUNTIME COMPONENT fjell-tools)
+install(DIRECTORY profiles content docs DESTINATION ${CMAKE_INSTALL_DATADIR}/fjell COMPONENT fjell-tools)
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT fjell-tools)
+
+set(CPACK_PACKAGE_NAME fjell)
+set(CPACK_PACKAGE_VENDOR "Fjell")
+set(CPACK_PACKAGE_CONTACT "the authors of Fjell <fjell@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_COMPONENTS_ALL fjell fjell-tools)
+set(CPACK_COMPONENTS_GROUPING ALL_COMPONENTS_IN_ONE)
+set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_GENERATOR DEB TGZ)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON) # what the programs link; GDAL is loaded when a file asks for it
+get_target_property(gdal GDAL::GDAL IMPORTED_LOCATION)
+if(NOT gdal)
+  get_target_property(gdal GDAL::GDAL IMPORTED_LOCATION_NONE)
+endif()
+file(REAL_PATH "${gdal}" gdal)
+if(gdal MATCHES "libgdal.so.([0-9]+)")
+  set(CPACK_DEBIAN_PACKAGE_DEPENDS libgdal${CMAKE_MATCH_1})
+endif()
+# What a host of the static libraries links besides.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libzstd-dev, libhwy-dev, libxxhash-dev, libfmt-dev, libtomlplusplus-dev, libepoxy-dev, libstb-dev, libtinygltf-dev")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+include(CPack)

@@ -1,0 +1,122 @@
+// Files that are common and need a little help: raw numbers, what gzip has packed, pictures with a palette, units that
+// say nothing, rotations that rounding leaves.
+#include <bit>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <cpl_vsi.h>
+
+#include "read_support.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+// Little-endian numbers, row by row from the north-west.
+template <typename T>
+void write_raw(const std::string& path, int columns, int rows) {
+    std::ofstream file(path, std::ios::binary);
+    for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+            const T number = static_cast<T>(slope(x, y));
+            file.write(reinterpret_cast<const char*>(&number), sizeof number);
+        }
+}
+
+ReadOptions sized(int columns, int rows) {
+    ReadOptions o = spaced(10);
+    o.size = {columns, rows};
+    return o;
+}
+
+std::string bytes_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+} // namespace
+
+TEST_CASE("raw numbers of 16 bits and floats are heights, of the size that is given or else square") {
+    static_assert(std::endian::native == std::endian::little);
+    const TempDir dir;
+    for (const char* const name : {"a.raw", "a.r16", "A.R16", "with & and <.raw"}) {
+        write_raw<std::uint16_t>(dir / name, 41, 41);
+        check_slope(read_dem(dir / name, spaced(10)), 41, 41);
+        write_raw<std::uint16_t>(dir / name, 41, 31);
+        check_slope(read_dem(dir / name, sized(41, 31)), 41, 31);
+        CHECK(refused(dir / name, spaced(10)).says("2542 bytes of raw numbers are no square"));
+        CHECK(refused(dir / name, spaced(10)).says("--size COLUMNSxROWS"));
+        CHECK(refused(dir / name, sized(41, 30)).says("has 2542 bytes"));
+        CHECK(refused(dir / name, sized(41, 30)).says("give another --size"));
+    }
+    for (const char* const name : {"f.raw", "f.r32"}) {
+        write_raw<float>(dir / name, 41, 41);
+        check_slope(read_dem(dir / name, spaced(10)), 41, 41);
+        write_raw<float>(dir / name, 20, 31);
+        check_slope(read_dem(dir / name, sized(20, 31)), 20, 31);
+    }
+    CHECK(refused(dir / "f.r32", sized(40, 31)).says("40 x 31 numbers of 32 bits")); // of 16 bits they are
+    std::ofstream(dir / "none.exr") << "v/1";
+    CHECK(refused(dir / "none.exr").says("does not read OpenEXR"));
+    CHECK(refused(dir / "none.exr").says(".r32"));
+}
+
+TEST_CASE("a file that gzip has packed is read as it was before") {
+    const TempDir dir;
+    const std::string plain = write(raster(41, 31, slope), dir / "a.tif");
+    const std::string bytes = bytes_of(plain);
+    VSILFILE* const to = VSIFOpenL(("/vsigzip/" + (dir / "a.tif.gz")).c_str(), "wb");
+    REQUIRE(to);
+    REQUIRE(VSIFWriteL(bytes.data(), 1, bytes.size(), to) == bytes.size());
+    REQUIRE(VSIFCloseL(to) == 0);
+    check_slope(read_dem(dir / "a.tif.gz", {}), 41, 31);
+    const std::string packed = bytes_of(dir / "a.tif.gz");
+    std::ofstream(dir / "cut.tif.gz", std::ios::binary) << packed.substr(0, packed.size() / 2);
+    CHECK(refused(dir / "cut.tif.gz").says("cut.tif.gz"));
+}
+
+TEST_CASE("a Terrarium picture that was stored with a palette is the picture that it was") {
+    const TempDir dir;
+    // 16 heights: 100 + 20 * (i mod 16), and their colours.
+    const auto place = [](int x, int y) { return (x + 3 * y) % 16; };
+    Raster r = raster(40, 30, [&](int x, int y) { return place(x, y); });
+    r.type = GDT_Byte;
+    r.geotransform.clear();
+    r.more = [](GDALDataset& file) {
+        GDALColorTable table;
+        for (int i = 0; i < 16; ++i) {
+            const int packed = (100 + 20 * i + 32768) * 256;
+            const GDALColorEntry entry{static_cast<short>(packed >> 16), static_cast<short>(packed >> 8 & 255),
+                                       static_cast<short>(packed & 255), 255};
+            table.SetColorEntry(i, &entry);
+        }
+        file.GetRasterBand(1)->SetColorTable(&table);
+    };
+    ReadOptions options = spaced(10);
+    options.encoding = Encoding::terrarium;
+    const Dem dem = read_dem(write(r, dir / "t.png", "PNG"), options);
+    int wrong = 0;
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) wrong += dem.at(x, y) != static_cast<float>(100 + 20 * place(x, y));
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("a unit that says nothing counts as none, and a rotation that moves nothing as none") {
+    const TempDir dir;
+    for (const char* const word : {"unspecified", "Unknown", "none"}) {
+        Raster r = raster(41, 31, slope);
+        r.more = [=](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType(word); };
+        check_slope(read_dem(write(r, dir / "u.tif"), {}), 41, 31);
+    }
+    Raster furlongs = raster(41, 31, slope);
+    furlongs.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("furlongs"); };
+    CHECK(refused(write(furlongs, dir / "f.tif")).says("furlongs"));
+    CHECK(refused(write(furlongs, dir / "f.tif")).says("--zscale"));
+    Raster turned = raster(41, 31, slope);
+    turned.geotransform[2] = turned.geotransform[4] = 1e-7;
+    check_slope(read_dem(write(turned, dir / "r.tif"), {}), 41, 31);
+    turned.geotransform[2] = 0.01; // a thirtieth of a pixel at the last row
+    CHECK(refused(write(turned, dir / "r2.tif")).says("rotated or sheared"));
+}
