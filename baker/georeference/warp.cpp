@@ -145,7 +145,8 @@ Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& opt
     settings.SetNameValue("NUM_THREADS", "1");
     settings.SetNameValue("SAMPLE_GRID", "YES");
     settings.SetNameValue("SOURCE_EXTRA", "4");
-    const std::string scale = fmt::format("{}", ratio(transformer_, from.at, to));
+    ratio_ = ratio(transformer_, from.at, to);
+    const std::string scale = fmt::format("{}", ratio_);
     settings.SetNameValue("XSCALE", scale.c_str());
     settings.SetNameValue("YSCALE", scale.c_str());
     o->papszWarpOptions = settings.StealList();
@@ -163,6 +164,7 @@ void Warp::ApproximateFree::operator()(void* transformer) const {
 void Warp::fetch(const Window& window, float* to) {
     ReadStatistics statistics;
     mosaic_.read(window, to, statistics);
+    fetched_.push_back({window, {to, to + window.area()}});
     ends_.add(statistics.ends);
     const bool ask = options_.nodata == NoData::automatic || options_.nodata == NoData::refuse;
     if (ask && statistics.implausible.count)
@@ -178,11 +180,61 @@ void Warp::fetch(const Window& window, float* to) {
                                      from_.files.front().facts.path, statistics.voids.column, statistics.voids.row));
 }
 
+void Warp::add_range(const Window& samples, float& least, float& most) const {
+    for (const auto& [window, heights] : fetched_) {
+        const std::int32_t right = std::min(samples.x + samples.columns, window.x + window.columns);
+        const std::int32_t bottom = std::min(samples.y + samples.rows, window.y + window.rows);
+        for (std::int32_t y = std::max(samples.y, window.y); y < bottom; ++y) {
+            const float* const row = heights.data() + static_cast<std::ptrdiff_t>(y - window.y) * window.columns;
+            for (std::int32_t x = std::max(samples.x, window.x); x < right; ++x) {
+                const float height = row[x - window.x]; // NaN changes neither
+                if (height < least) least = height;
+                if (height > most) most = height;
+            }
+        }
+    }
+}
+
+// Cubic interpolation overshoots: beside a cliff it digs a trench into level ground. No height may lie outside those of
+// the samples that its place lies between: four, and more where a sample of the target is wider than one of the source.
+void Warp::keep_in_range(const Window& window) {
+    constexpr double widest = 4; // beyond it means are taken over so much that all that was fetched bounds them
+    const double more = 1 / ratio_ - 1 + place_error;
+    const bool means = 1 / ratio_ > widest;
+    float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+    if (means)
+        for (const auto& fetched : fetched_) add_range(fetched.first, lowest, highest);
+    const auto columns = static_cast<std::size_t>(window.columns);
+    std::vector<double> x(columns), y(columns), z(columns);
+    std::vector<int> there(columns);
+    const auto index = [](double place) { return static_cast<std::int32_t>(std::floor(place)); };
+    for (std::int32_t row = 0; row < window.rows; ++row) {
+        for (std::size_t i = 0; i < columns; ++i) {
+            x[i] = window.x + static_cast<double>(i) + 0.5;
+            y[i] = window.y + row + 0.5;
+            z[i] = 0;
+        }
+        (void)GDALApproxTransform(approximate_.get(), TRUE, window.columns, x.data(), y.data(), z.data(), there.data());
+        float* const heights = block_.data() + static_cast<std::size_t>(row) * columns;
+        for (std::size_t i = 0; i < columns; ++i) {
+            if (there[i] == 0 || std::isnan(heights[i])) continue;
+            float least = lowest, most = highest;
+            if (!means) {
+                const double u = x[i] - 0.5, v = y[i] - 0.5; // counted in samples
+                const std::int32_t left = index(u - more), top = index(v - more);
+                add_range({left, top, index(u + more) + 2 - left, index(v + more) + 2 - top}, least, most);
+            }
+            if (least <= most) heights[i] = std::clamp(heights[i], least, most);
+        }
+    }
+}
+
 void Warp::load(std::int32_t block_x, std::int32_t block_y) {
     const std::int32_t x = block_x * warp_block, y = block_y * warp_block;
     const Window window{x, y, std::min(warp_block, to_.columns - x), std::min(warp_block, to_.rows - y)};
     if (window == held_) return;
     held_ = {};
+    fetched_.clear();
     block_.assign(window.area(), nothing);
     // GDAL calls a block that no place of the source falls in an error.
     constexpr int probes = 8;
@@ -202,6 +254,7 @@ void Warp::load(std::int32_t block_x, std::int32_t block_y) {
             throw Failure(3, fmt::format("{}: could not be reprojected at columns {} to {}, rows {} to {}{}",
                                          from_.files.front().facts.path, x, x + window.columns - 1, y,
                                          y + window.rows - 1, messages.said()));
+        keep_in_range(window);
     }
     held_ = window;
 }

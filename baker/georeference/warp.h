@@ -58,6 +58,8 @@ public:
 private:
     void fetch(const Window& window, float* to);
     void load(std::int32_t block_x, std::int32_t block_y);
+    void add_range(const Window& samples, float& least, float& most) const; // of what was fetched
+    void keep_in_range(const Window& window);
 
     const MosaicLayout& from_;
     const Placement& to_;
@@ -71,7 +73,9 @@ private:
     std::unique_ptr<void, ApproximateFree> approximate_;
     std::unique_ptr<GDALWarpOperation> operation_;
     RangeEnds ends_;
-    std::vector<float> block_; // the last one
+    double ratio_ = 1;                                           // target samples per source sample, at most 1
+    std::vector<std::pair<Window, std::vector<float>>> fetched_; // for the last block
+    std::vector<float> block_;                                   // the last one
     Window held_;
 };
 

@@ -98,6 +98,35 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
     CHECK(static_cast<double>(holes) < 0.1 * dem.columns * dem.rows);
 }
 
+TEST_CASE("reprojection digs no trench beside a cliff and builds no wall on it, whatever the spacing") {
+    const TempDir dir;
+    // An island, level and 300 m high, in a level sea.
+    const auto island = [](double longitude, double latitude) {
+        return std::hypot((longitude - 8.63) * 0.5, latitude - 60.8) < 0.1 ? 300.0 : 0.0;
+    };
+    const std::string file = write(degrees(island), dir / "island.tif");
+    for (const double spacing_m : {0.0, 20.0, 90.0, 300.0, 900.0}) { // 0: the source's own, 47 by 95 m
+        ReadOptions options;
+        if (spacing_m > 0) {
+            options.crs = "EPSG:32632";
+            options.spacing_m = spacing_m;
+        }
+        const Dem dem = read_dem(file, options);
+        std::size_t outside = 0, sea = 0, land = 0;
+        for (std::size_t i = 0; i < dem.heights_m.size(); ++i) {
+            if (!dem.voids.empty() && dem.voids[i] != 0) continue;
+            const float height = dem.heights_m[i];
+            outside += height < 0 || height > 300;
+            sea += height == 0;
+            land += height == 300;
+        }
+        CAPTURE(spacing_m, outside, sea, land, dem.heights_m.size());
+        CHECK(outside == 0);
+        CHECK(sea > dem.heights_m.size() / 3);
+        CHECK(land > 100);
+    }
+}
+
 TEST_CASE("what is reprojected is the same bit for bit in any windows, orders, readers, threads and caches") {
     const TempDir dir;
     Raster r = degrees([](double x, double y) { return x > 8.4 && x < 8.42 && y < 60.8 ? -9999 : rough(x, y); });
