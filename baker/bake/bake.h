@@ -57,8 +57,9 @@ struct BakeSummary {
     float ground_error_m = 0; // how far ground lies from a triangle that could be drawn over it, at most
     std::string crs_wkt;      // empty: none
     SourceFacts source;
-    std::uint64_t voids = 0;        // samples that are holes
-    RepeatedHeight lowest, highest; // that many samples share; share 0: no such height
+    std::vector<std::string> images; // an account of each texture (ImageSource::accounts)
+    std::uint64_t voids = 0;         // samples that are holes
+    RepeatedHeight lowest, highest;  // that many samples share; share 0: no such height
     std::uint64_t file_bytes = 0, geometry_bytes = 0, directory_bytes = 0, texture_bytes = 0,
                   horizon_bytes = 0, // those of the textures that are horizon maps
         splat_bytes = 0;             // and splat maps

@@ -110,6 +110,7 @@ BakeSummary summary_of(const BakeContext& context, const CheckpointState& found,
     s.voids = header.voids;
     s.crs_wkt = context.source.crs_wkt;
     s.source = context.source.facts;
+    if (context.image) s.images = context.image->accounts;
     s.lowest = found.lowest;
     s.highest = found.highest;
     return s;

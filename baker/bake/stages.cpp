@@ -730,7 +730,7 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
 // The last stage: the pack's chunks, in the order in which a reader wants them.
 
 std::string notes_of(const BakeContext& context, const BakeSummary& summary) {
-    return notes_text({context.options.reading, context.source.facts, summary.ground_error_m});
+    return notes_text({context.options.reading, context.source.facts, summary.images, summary.ground_error_m});
 }
 
 void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary) {

@@ -141,7 +141,9 @@ std::string describe(const BakeSummary& s) {
     if (!f.reprojected_from.empty())
         text += fmt::format("; reprojected from {}, where they are {} {} apart", f.reprojected_from,
                             spacing_text(f.from_step), f.from_unit);
-    return text + "\n";
+    text += "\n";
+    for (const std::string& image : s.images) text += "image " + image + "\n";
+    return text;
 }
 
 void add_description(json& to, const BakeSummary& s) {
@@ -151,15 +153,17 @@ void add_description(json& to, const BakeSummary& s) {
     to["spacing_m"] = {s.spacing_m[0], s.spacing_m[1]};
     to["crs_name"] = crs.name.empty() ? json() : json(crs.name);
     to["epsg"] = crs.epsg ? json(crs.epsg) : json();
+    to["images"] = s.images;
     add_source(to, s.source);
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key : {"ground_error_m", "read", "height_unit", "height_unit_m", "reprojected_from"})
+    for (const char* key : {"images", "ground_error_m", "read", "height_unit", "height_unit_m", "reprojected_from"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;
     if (!notes->read.empty()) to["read"] = io::parse_json(notes->read, "notes");
+    to["images"] = notes->images;
     add_source(to, notes->source);
 }
 

@@ -1,11 +1,14 @@
 #include "baker/maps/image.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <gdal_alg.h>
 #include <gdal_utils.h>
 #include <ogr_spatialref.h>
 
@@ -38,6 +41,8 @@ struct Recipe {
     std::string path;
     std::string warp_to; // WKT; empty: as it is
     RasterUse use = RasterUse::picture;
+    std::uint32_t white = 65535, opaque = 65535; // of 16 bits
+    bool by_points = false, thin_plate = false;  // warped by control points: by a polynomial or through each point
 };
 
 void check_kind(GDALDataset& file, const Recipe& recipe) {
@@ -54,8 +59,9 @@ void check_kind(GDALDataset& file, const Recipe& recipe) {
     if ((type != GDT_Byte && type != GDT_UInt16) || count > 4 || first->GetColorInterpretation() == GCI_CyanBand)
         throw Failure(1,
                       fmt::format("{}: is no grey, palette or red-green-blue image of 8 or 16 bits ({} bands of {}); "
-                                  "convert it with gdal_translate -ot Byte",
-                                  path, count, GDALGetDataTypeName(type)));
+                                  "convert it with gdal_translate -ot Byte{}",
+                                  path, count, GDALGetDataTypeName(type),
+                                  GDALDataTypeIsFloating(type) ? " -scale 0 WHITE 0 255" : ""));
 }
 
 GdalFile checked(GDALDatasetH made, const Recipe& recipe, const char* what, const GdalMessages& messages) {
@@ -77,9 +83,16 @@ GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessa
 GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
     const char* const how = recipe.use == RasterUse::picture ? "bilinear" : "near";
     const char* const words[] = {
-        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r",   how, "-dstalpha", "-et", "0.125", "-wm", "64",
-        "-ovr", "NONE", "-wo",    "NUM_THREADS=1",        nullptr};
-    GDALWarpAppOptions* const options = GDALWarpAppOptionsNew(const_cast<char**>(words), nullptr);
+        "-of",  "VRT",  "-t_srs", recipe.warp_to.c_str(), "-r", how, "-dstalpha", "-et", "0.125", "-wm", "64",
+        "-ovr", "NONE", "-wo",    "NUM_THREADS=1"};
+    CPLStringList all;
+    for (const char* const word : words) all.AddString(word);
+    if (recipe.thin_plate) all.AddString("-tps");
+    if (recipe.by_points && !file.GetGCPSpatialRef()) { // as coordinates without a CRS: the terrain's
+        all.AddString("-s_srs");
+        all.AddString(recipe.warp_to.c_str());
+    }
+    GDALWarpAppOptions* const options = GDALWarpAppOptionsNew(all.List(), nullptr);
     GDALDatasetH from = GDALDataset::ToHandle(&file);
     GDALDatasetH made = GDALWarp("", nullptr, 1, &from, options, nullptr);
     GDALWarpAppOptionsFree(options);
@@ -111,9 +124,9 @@ public:
         GdalMessages messages;
         if (!open_[layer]) open_[layer] = std::make_unique<Opened>(open_image(recipes_[layer], messages));
         const Opened& file = *open_[layer];
-        const std::string& path = recipes_[layer].path;
-        classes_ = recipes_[layer].use == RasterUse::classes;
-        if (!file.warped) return read_window(file.top(), pixels, pixels, rgba, path, messages);
+        const Recipe& recipe = recipes_[layer];
+        classes_ = recipe.use == RasterUse::classes;
+        if (!file.warped) return read_window(file.top(), pixels, pixels, rgba, recipe, messages);
         // Whole blocks, so that what is warped at once is always the same.
         int across = 0, down = 0;
         file.top().GetRasterBand(1)->GetBlockSize(&across, &down);
@@ -122,13 +135,13 @@ public:
             for (std::int32_t x = pixels.x / across * across; x < pixels.x + pixels.columns; x += across) {
                 const Window block{x, y, std::min(across, all.columns - x), std::min(down, all.rows - y)};
                 block_.resize(block.area() * 4);
-                read_window(file.top(), block, block, block_.data(), path, messages);
+                read_window(file.top(), block, block, block_.data(), recipe, messages);
                 copy_common(block, pixels, rgba);
             }
     }
 
 private:
-    void read_window(GDALDataset& file, const Window& w, const Window& to, std::uint8_t* rgba, const std::string& path,
+    void read_window(GDALDataset& file, const Window& w, const Window& to, std::uint8_t* rgba, const Recipe& recipe,
                      const GdalMessages& messages) {
         GDALRasterBand* const first = file.GetRasterBand(1);
         const bool grey = file.GetRasterCount() < 3, wide = first->GetRasterDataType() == GDT_UInt16;
@@ -136,24 +149,30 @@ private:
         if (classes_) result = read_classes(*first, w, rgba);
         for (int c = 0; c < 3 && result == CE_None && !classes_; ++c) {
             GDALRasterBand* const band = grey ? first : file.GetRasterBand(c + 1);
-            result = wide ? read_wide(*band, w, rgba + c)
+            result = wide ? read_wide(*band, w, recipe.white, rgba + c)
                           : band->RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, rgba + c, w.columns, w.rows, GDT_Byte,
                                            4, 4 * static_cast<GSpacing>(w.columns), nullptr);
         }
-        if (result == CE_None)
+        const bool thin = wide && recipe.opaque != 65535 && (first->GetMaskFlags() & GMF_ALPHA);
+        if (result == CE_None && thin) {
+            result = read_wide(*file.GetRasterBand(file.GetRasterCount()), w, recipe.opaque, rgba + 3);
+        } else if (result == CE_None)
             result = first->GetMaskBand()->RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, rgba + 3, w.columns, w.rows,
                                                     GDT_Byte, 4, 4 * static_cast<GSpacing>(w.columns), nullptr);
         if (result != CE_None || messages.failed() || messages.warned())
-            throw Failure(1, fmt::format("{}: damaged or cut short at rows {}..{} of {}; fetch the file again{}", path,
-                                         to.y, to.y + to.rows - 1, file.GetRasterYSize(), messages.said()));
+            throw Failure(1,
+                          fmt::format("{}: damaged or cut short at rows {}..{} of {}; fetch the file again{}",
+                                      recipe.path, to.y, to.y + to.rows - 1, file.GetRasterYSize(), messages.said()));
     }
 
-    // 16 bits to the nearest of 8.
-    CPLErr read_wide(GDALRasterBand& band, const Window& w, std::uint8_t* to) {
+    // 16 bits to the nearest of 8; white becomes 255.
+    CPLErr read_wide(GDALRasterBand& band, const Window& w, std::uint32_t white, std::uint8_t* to) {
         wide_.resize(w.area());
         const CPLErr result = band.RasterIO(GF_Read, w.x, w.y, w.columns, w.rows, wide_.data(), w.columns, w.rows,
                                             GDT_UInt16, 0, 0, nullptr);
-        for (std::size_t i = 0; i < wide_.size(); ++i) to[4 * i] = static_cast<std::uint8_t>((wide_[i] + 128u) / 257);
+        for (std::size_t i = 0; i < wide_.size(); ++i)
+            to[4 * i] =
+                static_cast<std::uint8_t>((std::min<std::uint32_t>(wide_[i], white) * 255u + white / 2) / white);
         return result;
     }
 
@@ -187,8 +206,57 @@ private:
     bool classes_ = false;
 };
 
-// ---- where an image lies
-// ---------------------------------------------------------------------------------------------
+// ---- which numbers are white ---------------------------------------------------------------------------------------
+
+// The largest number of a band's pixels that are not masked; looks no further than the first that needs 13 bits.
+std::uint32_t largest_number(GDALRasterBand& band, const std::string& path, const GdalMessages& messages) {
+    const int columns = band.GetXSize();
+    std::vector<double> row(static_cast<std::size_t>(columns));
+    std::vector<std::uint8_t> marks(row.size(), 255);
+    const bool masked = (band.GetMaskFlags() & (GMF_ALL_VALID | GMF_ALPHA)) == 0;
+    double largest = 0;
+    for (int y = 0; y < band.GetYSize() && largest < 4096; ++y) {
+        read_row(band, y, row.data(), path, messages);
+        if (masked) read_row(*band.GetMaskBand(), y, marks.data(), path, messages);
+        for (std::size_t i = 0; i < row.size(); ++i)
+            if (marks[i] != 0) largest = std::max(largest, row[i]);
+    }
+    return static_cast<std::uint32_t>(largest);
+}
+
+// NBITS of the file; 0: it does not say, or not less than 16.
+int bits_of(GDALRasterBand& band) {
+    const char* const text = band.GetMetadataItem("NBITS", "IMAGE_STRUCTURE");
+    const int bits = text ? std::atoi(text) : 0;
+    return bits > 0 && bits < 16 ? bits : 0;
+}
+
+// Sets what is white, and says it.
+std::string find_white(GDALDataset& file, Recipe& recipe, const GdalMessages& messages) {
+    const int count = file.GetRasterCount(), colours = count < 3 ? 1 : 3;
+    if (recipe.use == RasterUse::classes || file.GetRasterBand(1)->GetRasterDataType() != GDT_UInt16) return "8 bits";
+    const auto range = [](std::uint32_t largest) { // of the fewest bits that hold it
+        std::uint32_t white = 255;
+        while (white < largest) white = 2 * white + 1;
+        return white > 4095 ? 65535 : white;
+    };
+    const bool alpha = file.GetRasterBand(count)->GetColorInterpretation() == GCI_AlphaBand;
+    if (const int bits = bits_of(*file.GetRasterBand(1))) {
+        recipe.white = (1u << bits) - 1;
+        if (alpha) recipe.opaque = recipe.white;
+        return fmt::format("{} bits, so that {} is white", bits, recipe.white);
+    }
+    if (recipe.use == RasterUse::paint) return "16 bits"; // weights, of which the largest need not be all
+    std::uint32_t largest = 0;
+    for (int b = 1; b <= colours && largest < 4096; ++b)
+        largest = std::max(largest, largest_number(*file.GetRasterBand(b), recipe.path, messages));
+    recipe.white = range(largest);
+    if (recipe.white == 65535) return "16 bits, so that 65535 is white";
+    if (alpha) recipe.opaque = range(largest_number(*file.GetRasterBand(count), recipe.path, messages));
+    return fmt::format("numbers up to {} of 16 bits, so that {} is taken as white", largest, recipe.white);
+}
+
+// ---- where an image lies -------------------------------------------------------------------------------------------
 
 bool same_crs(const OGRSpatialReference& a, const OGRSpatialReference& b) {
     const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", nullptr};
@@ -204,13 +272,49 @@ OGRSpatialReference crs_of(const std::string& wkt) {
 
 struct Georeference {
     bool there = false, upright = false;
+    bool by_points = false; // by control points or arrays of coordinates: only a warp can place it
     double t[6] = {0, 1, 0, 0, 0, 1};
 };
 Georeference georeference(GDALDataset& file) {
     Georeference g;
     g.there = file.GetGeoTransform(g.t) == CE_None && g.t[1] * g.t[5] != g.t[2] * g.t[4];
     g.upright = g.t[2] == 0 && g.t[4] == 0 && g.t[1] > 0 && g.t[5] < 0;
+    if (g.there) return g;
+    g.by_points = file.GetGCPCount() >= 3 || file.GetMetadata("GEOLOCATION");
+    g.there = g.by_points;
+    g.upright = false;
     return g;
+}
+
+// How far the polynomial that GDAL lays through control points is off the worst of them; infinite where there is none.
+double worst_point_px(GDALDataset& file) {
+    const int count = file.GetGCPCount();
+    const GDAL_GCP* const points = file.GetGCPs();
+    void* const polynomial = GDALCreateGCPTransformer(count, points, 0, FALSE);
+    if (!polynomial) return std::numeric_limits<double>::infinity();
+    double worst = 0;
+    for (int i = 0; i < count; ++i) {
+        double x = points[i].dfGCPX, y = points[i].dfGCPY, z = 0;
+        int ok = FALSE;
+        GDALGCPTransform(polynomial, TRUE, 1, &x, &y, &z, &ok);
+        worst = std::max(worst, ok ? std::hypot(x - points[i].dfGCPPixel, y - points[i].dfGCPLine)
+                                   : std::numeric_limits<double>::infinity());
+    }
+    GDALDestroyGCPTransformer(polynomial);
+    return worst;
+}
+
+// How control points place an image, and what to say of it.
+std::string place_by_points(GDALDataset& file, Recipe& recipe) {
+    recipe.by_points = true;
+    const int count = file.GetGCPCount();
+    if (count < 3) return "placed by its arrays of coordinates";
+    constexpr int most_bent = 1000; // points that a thin-plate spline can be solved for at once
+    const double off_px = worst_point_px(file);
+    recipe.thin_plate = !(off_px <= 1) && count <= most_bent;
+    return recipe.thin_plate
+               ? fmt::format("placed by its {} control points, through each of them", count)
+               : fmt::format("placed by its {} control points, off the worst by {:.2g} pixels", count, off_px);
 }
 
 // Coordinates of an image without a CRS are taken to be the terrain's.
@@ -263,11 +367,45 @@ ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& pat
     return layer;
 }
 
+// A sensor's model places an image only over the ground that it saw.
+void refuse_rpc(GDALDataset& file, const Georeference& g, const Frame& ground, const std::string& path) {
+    if (g.there || ground.crs_wkt.empty() || !file.GetMetadata("RPC")) return;
+    throw Failure(1,
+                  fmt::format("{}: has no coordinates but a sensor's model (RPC); place it over the heights: gdalwarp "
+                              "-rpc -to RPC_DEM=DEM -t_srs CRS {} OUT.tif",
+                              path, path));
+}
+
+std::string crs_text(GDALDataset& file, const Frame& ground) {
+    const OGRSpatialReference* const crs = file.GetSpatialRef();
+    const bool other = crs && !same_crs(*crs, crs_of(ground.crs_wkt));
+    return !other ? "a grid that is not upright" : crs->GetName() ? crs->GetName() : "its CRS";
+}
+
 std::string file_identity(const std::string& path) {
     std::error_code unknown;
     const auto bytes = std::filesystem::file_size(path, unknown);
     const auto time = std::filesystem::last_write_time(path, unknown).time_since_epoch().count();
     return fmt::format("{} {} {}", path, unknown ? 0 : bytes, unknown ? 0 : time);
+}
+
+std::string extent_text(const double (&t)[6], int columns, int rows) {
+    return fmt::format("x {:.10g}..{:.10g}, y {:.10g}..{:.10g}", t[0], t[0] + columns * t[1], t[3] + rows * t[5], t[3]);
+}
+
+// Both extents, of what nobody has compared.
+std::string stretched_text(GDALDataset& file, const Georeference& g, const Frame& ground) {
+    const bool east_north = g.there && !g.by_points;
+    std::string text = fmt::format(
+        "stretched over the terrain, because {}: {} x {} pixels{} over {} x {} samples",
+        g.there ? "the terrain has no CRS" : "it has no coordinates", file.GetRasterXSize(), file.GetRasterYSize(),
+        east_north ? " at " + extent_text(g.t, file.GetRasterXSize(), file.GetRasterYSize()) : "", ground.columns,
+        ground.rows);
+    if (ground.step[0] > 0)
+        text += fmt::format(" at x {:.10g}..{:.10g}, y {:.10g}..{:.10g}", ground.origin[0],
+                            ground.origin[0] + (ground.columns - 1) * ground.step[0],
+                            ground.origin[1] - (ground.rows - 1) * ground.step[1], ground.origin[1]);
+    return text;
 }
 
 class Images final : public ImageSource {
@@ -280,9 +418,10 @@ public:
         std::string text;
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const ImageLayer& l = layers[i];
-            text += fmt::format("image {}; {} x {} at {} {} by {} {}{}\n", file_identity(recipes_[i].path), l.columns,
+            text += fmt::format("image {}; {} x {} at {} {} by {} {}{}{}\n", file_identity(recipes_[i].path), l.columns,
                                 l.rows, l.first_px[0], l.first_px[1], l.per_sample[0], l.per_sample[1],
-                                recipes_[i].warp_to.empty() ? "" : " warped");
+                                recipes_[i].warp_to.empty() ? "" : " warped",
+                                recipes_[i].white == 65535 ? "" : fmt::format(" white {}", recipes_[i].white));
         }
         return text;
     }
@@ -293,21 +432,28 @@ private:
         const std::string path = recipe.path;
         std::unique_ptr<Opened> opened = std::make_unique<Opened>(open_image(recipe, messages));
         const Georeference g = georeference(opened->top());
+        const std::string numbers = find_white(opened->top(), recipe, messages);
+        std::string where = "placed by its coordinates";
         if (!g.there || ground.crs_wkt.empty() || ground.step[0] <= 0) {
             if (count > 1)
                 throw Failure(1, fmt::format("{}: several images need georeferences, and a terrain with a CRS; give "
                                              "one image, or place all with gdalwarp",
                                              path));
+            refuse_rpc(opened->top(), g, ground, path);
             if (recipe.use != RasterUse::picture) check_proportions(opened->top(), ground, path);
+            where = stretched_text(opened->top(), g, ground);
             layers.push_back(stretched(opened->top(), ground));
         } else {
             if (needs_warp(opened->top(), g, ground)) {
+                where = g.by_points ? place_by_points(opened->top(), recipe)
+                                    : where + ", warped from " + crs_text(opened->top(), ground);
                 recipe.warp_to = ground.crs_wkt;
                 opened.reset();
                 opened = std::make_unique<Opened>(open_image(recipe, messages));
             }
             layers.push_back(placed(opened->top(), ground, path));
         }
+        accounts.push_back(fmt::format("{}: {}; {}", path, numbers, where));
         recipes_.push_back(recipe);
     }
 

@@ -1,10 +1,11 @@
 // Ortho-images of any size, kind and CRS, read by windows: never a whole one in memory.
 //
 // Where an image lies: georeferenced, over a terrain with a CRS: by its coordinates, warped to the terrain's CRS where
-// its own is another; whole turns of longitude do not count. Without georeference, or over a terrain without:
-// stretched, its outer edge on the outermost samples. Several are laid on top of each other, the last one uppermost;
-// each must be georeferenced. Kinds: grey, palette, red-green-blue, each with or without alpha, mask or no-data value;
-// 8 bits, or 16 scaled down.
+// its own is another; whole turns of longitude do not count. Control points and arrays of coordinates count as such.
+// Without any, or over a terrain without: stretched, its outer edge on the outermost samples. Several are laid on top
+// of each other, the last one uppermost; each must be georeferenced. Kinds: grey, palette, red-green-blue, each with or
+// without alpha, mask or no-data value; 8 bits, or 16 scaled down. Of 16 bits white is what NBITS says, or without it
+// the largest number of 8 to 12 bits when all numbers have so few.
 //
 // An image is read by rows from its full resolution, never through overviews: what a pixel is does not depend on who
 // asks. A warped one is computed in blocks of one fixed grid for the same reason. A format that is not tiled (PNG,
@@ -47,7 +48,8 @@ public:
     ImageSource& operator=(const ImageSource&) = delete;
     virtual ~ImageSource() = default;
 
-    std::vector<ImageLayer> layers; // the last one uppermost
+    std::vector<ImageLayer> layers;    // the last one uppermost
+    std::vector<std::string> accounts; // a line for each: kind, numbers, and how it was placed
 
     [[nodiscard]] virtual std::unique_ptr<ImageReader> reader() const = 0;
     // Names, sizes and times of the files and how they are laid: equal identities, equal pixels.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "baker/read/source.h"
 #include "fjell/io/pack_file.h"
@@ -17,6 +18,7 @@ struct PackNotes {
     // A JSON object: keys of a recipe (bake/recipe.h) that say how files became heights. Empty: not known.
     std::string read;
     SourceFacts source;
+    std::vector<std::string> images;      // an account of each texture: its numbers, and how it was placed
     std::optional<double> ground_error_m; // BakeSummary::ground_error_m
 };
 

@@ -3,6 +3,8 @@
 #include <bit>
 #include <cmath>
 
+#include <cpl_string.h>
+
 #include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
 #include "baker/maps/image.h"
@@ -318,6 +320,133 @@ TEST_CASE("an image in another CRS is warped, and its pixels do not depend on ho
     }
 }
 
+TEST_CASE("of 16 bits as many count as NBITS says, or without it as the largest number has") {
+    const TempDir dir;
+    // 40 x 30 pixels of a quarter of white; one of them white, unless the file says its bits. The second file is turned
+    // by a hair, so that it is warped.
+    struct Case {
+        int bits;
+        bool says;
+        int quarter; // what a quarter of white is of 255
+    };
+    for (const Case& c : {Case{10, true, 64},
+                          {11, true, 64},
+                          {12, true, 64},
+                          {10, false, 64},
+                          {11, false, 64},
+                          {12, false, 64},
+                          {8, false, 64},
+                          {16, false, 64},
+                          {13, false, 8}})
+        for (const double turn : {0.0, 1.0})
+            for (const int bands : {1, 3, 4}) {
+                const int white = (1 << c.bits) - 1, quarter = (white + 1) / 4;
+                const std::string path = dir / "a.tif";
+                Raster r = raster(40, 30, [&](int x, int y) { return !c.says && x == 3 && y == 29 ? white : quarter; });
+                r.type = GDT_UInt16;
+                r.bands = bands;
+                r.crs = "EPSG:32632";
+                r.geotransform = {900, 5, turn, 2100, -turn, -5};
+                r.more = [&](GDALDataset& file) {
+                    if (bands == 4) {
+                        file.GetRasterBand(4)->SetColorInterpretation(GCI_AlphaBand);
+                        file.GetRasterBand(4)->Fill(white);
+                    }
+                    for (int b = 1; b <= bands && c.says; ++b)
+                        file.GetRasterBand(b)->SetMetadataItem("NBITS", std::to_string(c.bits).c_str(),
+                                                               "IMAGE_STRUCTURE");
+                };
+                write(r, path);
+                const double spacing[2] = {5, 5}, origin[2] = {950, 2050};
+                const auto image = open_images({path}, over(9, 9, spacing, origin, utm()));
+                const auto at = static_cast<std::int32_t>(image->layers[0].first_px[0]) + 4;
+                const auto row = static_cast<std::int32_t>(image->layers[0].first_px[1]) + 4;
+                const auto rgba = pixels(*image, {at, row, 1, 1});
+                INFO(c.bits << " bits, said " << c.says << ", turned " << turn << ", " << bands << " bands");
+                CHECK(static_cast<int>(rgba[0]) == c.quarter);
+                if (c.bits != 13) CHECK(static_cast<int>(rgba[3]) == 255);
+                CHECK(image->accounts.at(0).find(std::to_string(c.bits == 13 ? 65535 : white)) != std::string::npos);
+            }
+}
+
+TEST_CASE("an image with control points lies where they are") {
+    const TempDir dir;
+    // Pixels of 5 m, turned by a quarter: columns run north, rows east. Column 20 to 40 is bright.
+    const auto east = [](double, double line) { return 900 + 5 * line; };
+    const auto north = [](double pixel, double) { return 1900 + 5 * pixel; };
+    const auto write_points = [&](const std::string& path, double bent, bool with_crs) {
+        Raster r = raster(40, 60, [](int x, int) { return x < 20 ? 50 : 200; });
+        r.type = GDT_Byte;
+        r.geotransform.clear();
+        r.more = [&](GDALDataset& file) {
+            std::vector<GDAL_GCP> points(9);
+            GDALInitGCPs(9, points.data());
+            for (int i = 0; i < 9; ++i) {
+                GDAL_GCP& p = points[static_cast<std::size_t>(i)];
+                p.dfGCPPixel = i % 3 * 20, p.dfGCPLine = i / 3 * 30;
+                p.dfGCPX = east(p.dfGCPPixel, p.dfGCPLine) + (i % 2 ? bent : 0);
+                p.dfGCPY = north(p.dfGCPPixel, p.dfGCPLine);
+            }
+            OGRSpatialReference crs;
+            crs.SetFromUserInput("EPSG:32632");
+            REQUIRE(file.SetGCPs(9, points.data(), with_crs ? &crs : nullptr) == CE_None);
+            GDALDeinitGCPs(9, points.data());
+        };
+        return write(r, path);
+    };
+    const double spacing[2] = {10, 10}, origin[2] = {950, 2090}; // its row 9 is at 2000, where column 20 is
+    const Frame ground = over(20, 19, spacing, origin, utm());
+    for (const bool with_crs : {true, false}) {
+        const auto image = open_images({write_points(dir / "a.tif", 0, with_crs)}, ground);
+        const ImageLayer& l = image->layers.at(0);
+        const auto grey = [&](int x, int y) {
+            const auto px = static_cast<std::int32_t>(std::floor(l.first_px[0] + x * l.per_sample[0]));
+            const auto py = static_cast<std::int32_t>(std::floor(l.first_px[1] + y * l.per_sample[1]));
+            return static_cast<int>(pixels(*image, {px, py, 1, 1})[0]);
+        };
+        for (int x = 1; x < 19; ++x) {
+            CHECK(grey(x, 7) == 200);
+            CHECK(grey(x, 11) == 50);
+        }
+        CHECK(image->accounts[0].find("placed by its 9 control points, off the worst by") != std::string::npos);
+    }
+    // Points that no polynomial goes through.
+    const auto image = open_images({write_points(dir / "b.tif", 40, true)}, ground);
+    CHECK(image->accounts[0].find("placed by its 9 control points, through each of them") != std::string::npos);
+}
+
+TEST_CASE("what has no coordinates is stretched and says so, with both extents; a sensor's model is refused") {
+    const TempDir dir;
+    const double spacing[2] = {10, 20}, origin[2] = {1000, 2000};
+    Raster r = raster(40, 30, [](int x, int y) { return 5 * x + y; });
+    r.type = GDT_Byte;
+    r.geotransform.clear();
+    const std::string plain_image = write(r, dir / "a.tif");
+    CHECK(open_images({plain_image}, over(9, 3, spacing, origin, utm()))->accounts[0] ==
+          plain_image +
+              ": 8 bits; stretched over the terrain, because it has no coordinates: 40 x 30 pixels over 9 x 3 "
+              "samples at x 1000..1080, y 1960..2000");
+    r.more = [](GDALDataset& file) {
+        CPLStringList rpc;
+        for (const char* const key : {"LINE_OFF", "SAMP_OFF", "LAT_OFF", "LONG_OFF", "HEIGHT_OFF"})
+            rpc.SetNameValue(key, "0");
+        for (const char* const key : {"LINE_SCALE", "SAMP_SCALE", "LAT_SCALE", "LONG_SCALE", "HEIGHT_SCALE"})
+            rpc.SetNameValue(key, "1");
+        for (const char* const key : {"LINE_NUM_COEFF", "LINE_DEN_COEFF", "SAMP_NUM_COEFF", "SAMP_DEN_COEFF"})
+            rpc.SetNameValue(key, "1 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0");
+        file.SetMetadata(rpc.List(), "RPC");
+    };
+    const std::string sensor = write(r, dir / "rpc.tif");
+    check_refusal(refusal([&] { (void)open_images({sensor}, over(9, 3, spacing, origin, utm())); }), 1, sensor,
+                  {"RPC", "gdalwarp -rpc -to RPC_DEM=DEM"});
+    r.more = {};
+    r.geotransform = {900, 5, 0, 2100, 0, -5};
+    const std::string placed_image = write(r, dir / "g.tif");
+    CHECK(open_images({placed_image}, plain(9, 3))->accounts[0] ==
+          placed_image + ": 8 bits; stretched over the terrain, because the terrain has no CRS: 40 x 30 pixels at x "
+                         "900..1100, y 1950..2100 over 9 x 3 samples");
+}
+
 TEST_CASE("what is no image is refused with what to do") {
     const TempDir dir;
     const auto refused = [](const std::string& path) {
@@ -328,7 +457,7 @@ TEST_CASE("what is no image is refused with what to do") {
     write_text(dir / "text.jpg", "no picture");
     check_refusal(refused(dir / "text.jpg"), 1, dir / "text.jpg", {"cannot be read as an image"});
     const std::string heights = write(raster(5, 5, hills), dir / "a.tif");
-    check_refusal(refused(heights), 1, heights, {"Float32", "gdal_translate -ot Byte"});
+    check_refusal(refused(heights), 1, heights, {"Float32", "gdal_translate -ot Byte -scale 0 WHITE 0 255"});
 }
 
 TEST_CASE("an image that is cut short is refused while it is read") {
