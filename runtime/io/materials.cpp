@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#define XXH_INLINE_ALL // as runtime/src/shared/hash.cpp does
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"

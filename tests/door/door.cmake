@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DBAKE=FJELL-BAKE -DRECIPE=FILE] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON|ALWAYS] [-DFULL=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DOWN=hash|zstd] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DBAKE=FJELL-BAKE -DRECIPE=FILE] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON|ALWAYS] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
@@ -22,7 +22,7 @@ if(LINK STREQUAL "pkg-config")
     -Wl,-rpath,${PREFIX}/lib)
 else()
   set(options "")
-  foreach(option LINK FJELL ENGINE)
+  foreach(option LINK FJELL ENGINE OWN)
     if(${option})
       list(APPEND options -D${option}=${${option}})
     endif()

@@ -67,6 +67,15 @@ must_fail("an unknown component" "no component physics: there are runtime, io, p
 find("0.3 REQUIRED" ${STATIC} -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
 must_fail("a library that is missing" "component runtime needs hwy: install it" ${command})
 
+# A host in C, whose languages are the links' too.
+set(languages "(a static Fjell needs the C\\+\\+ linker|Fjell is compiled as C\\+\\+): write project\\(host LANGUAGES C CXX\\)")
+foreach(way "find_package(fjell 0.3 REQUIRED)" "add_subdirectory(${FJELL} fjell)")
+  file(WRITE ${FOLDER}/c/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(host LANGUAGES C)\n${way}\n")
+  file(REMOVE_RECURSE ${FOLDER}/c/build)
+  must_fail("a host in C: ${way}" "${languages}" ${CMAKE_COMMAND} -S ${FOLDER}/c -B ${FOLDER}/c/build -G Ninja
+    -DCMAKE_C_COMPILER=${CC} -DCMAKE_PREFIX_PATH=${STATIC})
+endforeach()
+
 full_rounds_only("asking an installation for what it was built without")
 find("0.3 REQUIRED COMPONENTS gl" ${SHARED})
 must_fail("a component that was not built" "component gl was not built: configure Fjell with -DFJELL_GL=ON" ${command})

@@ -43,14 +43,6 @@ void load_some_pages(Random& random, const Pack& pack, const Terrain& terrain) {
             if (uniform(random, 0, 1) < share) (void)load_page(pack, terrain, tile, page); // some lack a coarser one
 }
 
-// As the vertex shader places them.
-std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& live) {
-    std::vector<MeshVertex> drawn(live.mesh.vertices.begin(), live.mesh.vertices.end());
-    for (std::size_t i = 0; i < drawn.size(); ++i)
-        drawn[i].height_m = morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame);
-    return drawn;
-}
-
 bool is_building(const Cut& cut) {
     return find_cut(cut.cut)->bulk.phase != BulkPhase::idle;
 }

@@ -470,10 +470,10 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
             refused(good, settings, name);
         }
     };
-    setting(&CutSettings::max_error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::error_px");
+    setting(&CutSettings::max_error_px, {0, -1, 1e-4, 1e7, nan}, "CutSettings::max_error_px");
     setting(&CutSettings::hysteresis, {-1e-9, 11, nan}, "CutSettings::hysteresis");
     setting(&CutSettings::offscreen_factor, {0.99, 101, nan}, "CutSettings::offscreen_factor");
-    setting(&CutSettings::max_time_us, {-1, nan}, "CutSettings::budget_us");
+    setting(&CutSettings::max_time_us, {-1, nan}, "CutSettings::max_time_us");
     setting(&CutSettings::morph_s, {0, 0.001, 11, nan}, "CutSettings::morph_s");
     setting(&CutSettings::now_s, {nan, 1.0 / 0.0}, "CutSettings::now_s");
     REQUIRE(cut.update({&good, 1}, {}).work == 0);
@@ -482,6 +482,6 @@ TEST_CASE("a bad view or setting is refused by name and changes nothing") {
 TEST_CASE("every bit names its field") {
     REQUIRE(std::string(budget_field(cut_budget_vertices)) == "CutBudget::vertices");
     REQUIRE(std::string(budget_field(cut_budget_triangles)) == "CutBudget::triangles");
-    REQUIRE(std::string(budget_field(cut_budget_work)) == "CutSettings::items");
-    REQUIRE(std::string(budget_field(cut_budget_time)) == "CutSettings::budget_us");
+    REQUIRE(std::string(budget_field(cut_budget_work)) == "CutSettings::max_work");
+    REQUIRE(std::string(budget_field(cut_budget_time)) == "CutSettings::max_time_us");
 }

@@ -470,7 +470,7 @@ TEST_CASE("a bad view or setting is refused by name and leaves the mesh as it wa
     refused(bad, {}, "View::bottom, top");
     RefineSettings settings;
     settings.max_error_px = 0;
-    refused(good, settings, "RefineSettings::error_px");
+    refused(good, settings, "RefineSettings::max_error_px");
     settings = {};
     settings.metric = Metric::depth;
     settings.cull = false;

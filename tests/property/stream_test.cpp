@@ -9,17 +9,6 @@ using namespace fjell::test;
 
 namespace {
 
-// Terrains of several pages a tile and several tiles.
-io::LoadedPack paged_terrain(Random& random, bool with_holes = true) {
-    const int log2 = pick(random, 6, 8), most = (512 >> pick(random, 0, 2)) + pick(random, 0, 70);
-    baker::Dem dem = random_dem(random, pick(random, 70, most), pick(random, 70, most),
-                                pick(random, 0, 3) ? Shape::fractal : Shape::noise);
-    if (with_holes && pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
-    baker::BakeOptions options = small_bake(log2);
-    options.order = pick(random, 0, 2) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
-    return bake_and_load(std::move(dem), options);
-}
-
 std::uint32_t random_slots(Random& random, const Terrain& full) {
     const auto least = static_cast<int>(full.tile_count()), all = static_cast<int>(full.page_count());
     switch (pick(random, 0, 5)) {
@@ -64,7 +53,7 @@ Seen fly(std::uint32_t seed, const Flight& flight) {
     Random random(seed);
     Seen seen;
     for (int round = 0; round < flight.rounds; ++round) {
-        const auto pack = paged_terrain(random);
+        const auto pack = streamed_terrain(random);
         StreamBudget budget;
         budget.page_requests = static_cast<std::uint32_t>(pick(random, 1, 40));
         const std::uint32_t slots = random_slots(random, pack.terrain);

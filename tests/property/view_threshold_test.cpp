@@ -189,7 +189,7 @@ TEST_CASE("a view's threshold beyond its range is refused by name by both method
         for (const Status refused : {update_cut(cut.cut, views, {}, report), rebuild_cut(cut.cut, views, {}, report),
                                      update_recursive(method.method, views[1], {}, frame)}) {
             CHECK(refused.code == StatusCode::out_of_range);
-            CHECK(std::string(refused.field) == "View::error_px (0, or 0.001 to 1e6)");
+            CHECK(std::string(refused.field) == "View::max_error_px (0, or 0.001 to 1e6)");
         }
         CHECK((triangles_of(cut.mesh()) == before));
         CHECK((triangles_of(method.mesh()) == recursive_before));

@@ -84,6 +84,14 @@ inline CutReport settle(Cut& cut, std::span<const View> views, const CutSettings
     return triangles_of(method.mesh());
 }
 
+// As the vertex shader places them.
+[[nodiscard]] inline std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& live) {
+    std::vector<MeshVertex> drawn(live.mesh.vertices.begin(), live.mesh.vertices.end());
+    for (std::size_t i = 0; i < drawn.size(); ++i)
+        drawn[i].height_m = morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame);
+    return drawn;
+}
+
 // Everything that must hold after any frame whatever.
 [[nodiscard]] inline std::string check_frame(Cut& cut, const Terrain& full, const CutReport& report,
                                              const CutSettings& settings) {

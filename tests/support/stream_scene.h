@@ -11,6 +11,17 @@
 
 namespace fjell::test {
 
+// Terrains of several pages a tile and several tiles.
+[[nodiscard]] inline io::LoadedPack streamed_terrain(Random& random, bool with_holes = true) {
+    const int log2 = pick(random, 6, 8), most = (512 >> pick(random, 0, 2)) + pick(random, 0, 70);
+    baker::Dem dem = random_dem(random, pick(random, 70, most), pick(random, 70, most),
+                                pick(random, 0, 3) ? Shape::fractal : Shape::noise);
+    if (with_holes && pick(random, 0, 3) == 0) add_random_holes(random, dem, log2);
+    baker::BakeOptions options = small_bake(log2);
+    options.order = pick(random, 0, 2) == 0 ? PageOrder::hierarchical_z : PageOrder::planar;
+    return bake_and_load(std::move(dem), options);
+}
+
 // What a client does with requests, in shares of 1; the rest is answered well.
 struct ClientScript {
     double fails = 0, garbage = 0, short_reads = 0, never = 0;

@@ -129,7 +129,7 @@ std::vector<Bad> bad_inputs() {
          "morph.rec:2: not a recording: \"morph\" must be one of none, error, time"},
         {"{fly} p.fjell --headless --replay twice.rec", 1, "twice.rec:2: \"morph\" is there twice"},
         {"{fly} p.fjell --headless --replay other.rec", 1, "other.rec"},
-        {"{fly} p.fjell --headless --replay error.rec", 1, "error.rec: CutSettings::error_px"},
+        {"{fly} p.fjell --headless --replay error.rec", 1, "error.rec: CutSettings::max_error_px"},
         {"{fly} p.fjell --headless --frames 1 --csv none/f.csv", 1, "the output folder does not exist"},
         {"{fly} p.fjell --headless --frames 1 --json folder.fjell", 1, "folder.fjell: is a folder"},
         {"{fly} p.fjell --headless --frames 1 --csv /dev/full", 3, "No space left on device"},

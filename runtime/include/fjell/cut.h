@@ -162,7 +162,7 @@ Status destroy_cut(LiveCut cut);
 // and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
 // After a jump of 32 cells or more, and in the first frame, what the views see is built beside what is drawn, which
 // stays until it stands: in as many frames as the time budget makes of it, with what is not seen to follow. That takes
-// slots that are free, a quarter of those in use at least, and CutSettings::items unlimited; otherwise the cut is
+// slots that are free, a quarter of those in use at least, and CutSettings::max_work unlimited; otherwise the cut is
 // refined vertex by vertex, worst first.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 

@@ -63,6 +63,17 @@ void advance_clock(Morphing& morphing, const Frame& frame, bool first) {
     const auto host = static_cast<std::int64_t>(std::floor(exact + 0.5));
     if (!first) c.ticks += std::clamp<std::int64_t>(host - c.host_ticks, 0, longest_gap_ticks);
     c.host_ticks = host;
+    if (frame.settings.morph == Morph::none) {
+        c.arrived_ticks = c.timed_ticks; // all have
+        morphing.now.morph_s = static_cast<float>(frame.settings.morph_s);
+        return;
+    }
+    c.ticks += c.ticks == c.arrived_ticks ? 1 : 0; // a step at least, or what was activated just now would be moved
+    const auto wanted = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)),
+               taken = std::min(wanted, c.ticks - c.arrived_ticks);
+    morphing.now.morph_s = taken == wanted ? static_cast<float>(frame.settings.morph_s)
+                                           : static_cast<float>(taken) / static_cast<float>(ticks_a_second);
+    c.arrived_ticks = c.ticks - taken;
 }
 
 void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before) {

@@ -20,6 +20,8 @@ struct MorphClock {
     std::int64_t host_ticks;  // of the last update
     std::int64_t ticks;       // since the first update; an int64 lasts 17 million years
     std::int64_t timed_ticks; // when a vertex last began to morph by time
+    // What was activated until then has reached its height, and stays there when the settings change.
+    std::int64_t arrived_ticks;
     [[nodiscard]] float now_s() const {
         return static_cast<float>(ticks % clock_ticks) / static_cast<float>(ticks_a_second);
     }
@@ -89,7 +91,9 @@ void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot);
 void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all);
 void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // it loses its state
 
-// Moves the clock on to the host's time.
+// Moves the clock on to the host's time. Sets how long vertices take in this frame: CutSettings::morph_s, or less after
+// that was raised, or morphing was switched off and on again: no more than the time since the last vertex arrived, so
+// that none of those that have arrived is moved back.
 void advance_clock(Morphing& morphing, const Frame& frame, bool first);
 // Before the clock's numbers return, what was activated the last time round becomes activated_long_ago_s: a cursor
 // passes over all slots in half a turn of the clock, a few in a frame. It leaves alone what any morph_s could still

@@ -278,7 +278,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     s.views.evaluate = evaluate;
     s.views.worst_px = worst_px;
     s.views.criterion = s.views.offscreen_criterion = criterion_for(terrain);
-    s.morphing.clock.timed_ticks = -clock_ticks; // never
+    s.morphing.clock.timed_ticks = s.morphing.clock.arrived_ticks = -clock_ticks; // never
     for (std::uint32_t i = 0; i < s.pages.group_count; ++i) s.pages.groups[i].queue = unqueued;
     for (std::uint32_t i = 0; i < terrain.page_count(); ++i) s.pages.page_groups[i] = no_index;
     for (std::uint32_t i = 0; i < s.pages.count; ++i) s.pages.state[i].page = no_index;

@@ -8,6 +8,7 @@
 #include "cut/refine.h"
 #include "cut/state.h"
 #include "fjell/measure.h"
+#include "fjell/pages.h"
 #include "validate.h"
 
 namespace fjell {
@@ -79,6 +80,14 @@ double report_use(const Pages& pages, Mesh& mesh, CutReport& r) {
                      may_lack_pages(pages) ? static_cast<double>(pages.busy) / pages.count : 0.0});
 }
 
+// Missing pages that no view wants at the threshold of the stream's search hide no more than that; a rebuild may refine
+// to a lower one.
+void claim_unsought_pages(const Grid& grid, double threshold_px) {
+    const TerrainData& t = *grid.terrain;
+    if (t.pages_missing != 0 && t.sought_px > threshold_px)
+        (void)set_missing_px(grid.handle, std::max(t.missing_px, t.sought_px));
+}
+
 // What is left to do. overlooking: a view may see what nobody has looked at for it yet.
 void report_waiting(CutState& s, bool overlooking) {
     CutReport& r = s.frame.report;
@@ -102,6 +111,7 @@ void report_waiting(CutState& s, bool overlooking) {
 void finish(CutState& s) {
     CutReport& r = s.frame.report;
     list_ranges(s.mesh, s.views, s.frame);
+    claim_unsought_pages(s.pages.grid, r.threshold_px);
     const double use = report_use(s.pages, s.mesh, r);
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = s.mesh.corner_count + s.bulk.taken;
     const bool overlooking = s.bulk.phase == BulkPhase::idle && is_overlooking(s.pages, s.views, s.visibility);
@@ -167,8 +177,8 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     retire_times(s.mesh, s.morphing, ticks_before);
     s.frame.item_limit = settings.max_work;
     CutReport& r = s.frame.report;
-    s.governor.effective_px = std::max(s.governor.effective_px, settings.max_error_px);
-    if (s.governor.cause == 0) s.governor.effective_px = s.governor.aim_px = settings.max_error_px;
+    s.governor.effective_px = next_threshold_px(s.governor, settings.max_error_px);
+    if (s.governor.cause == 0) s.governor.aim_px = settings.max_error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
     if (run_bulk(s)) {
@@ -302,10 +312,10 @@ const char* budget_field(CutBudgetBit bit) {
     switch (bit) {
     case cut_budget_vertices: return "CutBudget::vertices";
     case cut_budget_triangles: return "CutBudget::triangles";
-    case cut_budget_work: return "CutSettings::items";
+    case cut_budget_work: return "CutSettings::max_work";
     case cut_budget_time: break;
     }
-    return "CutSettings::budget_us";
+    return "CutSettings::max_time_us";
 }
 
 } // namespace fjell

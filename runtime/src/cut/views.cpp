@@ -10,12 +10,13 @@
 namespace fjell {
 
 Status validate(const CutSettings& c) {
-    if (!(c.max_error_px >= 1e-3 && c.max_error_px <= 1e6)) return {StatusCode::out_of_range, "CutSettings::error_px"};
+    if (!(c.max_error_px >= 1e-3 && c.max_error_px <= 1e6))
+        return {StatusCode::out_of_range, "CutSettings::max_error_px"};
     if (!(c.hysteresis >= 0 && c.hysteresis <= 10))
         return {StatusCode::out_of_range, "CutSettings::hysteresis (0 to 10)"};
     if (!(c.offscreen_factor >= 1 && c.offscreen_factor <= max_offscreen_factor))
         return {StatusCode::out_of_range, "CutSettings::offscreen_factor (1 to 100)"};
-    if (!(c.max_time_us >= 0)) return {StatusCode::out_of_range, "CutSettings::budget_us"};
+    if (!(c.max_time_us >= 0)) return {StatusCode::out_of_range, "CutSettings::max_time_us"};
     if (c.morph > Morph::time) return {StatusCode::out_of_range, "CutSettings::morph"};
     if (!(c.morph_s >= 0.01 && c.morph_s <= 10)) return {StatusCode::out_of_range, "CutSettings::morph_s (0.01 to 10)"};
     if (!std::isfinite(c.now_s)) return {StatusCode::out_of_range, "CutSettings::now_s"};
@@ -105,7 +106,6 @@ void take_views(const Grid& grid, Views& views, Morphing& morphing, const Frame&
     morphing.now.morph = settings.morph;
     morphing.now.views = static_cast<std::uint32_t>(taken.size());
     morphing.now.now_s = morphing.clock.now_s();
-    morphing.now.morph_s = static_cast<float>(settings.morph_s);
     views.largest_ratio = 0;
     for (std::size_t i = 0; i < taken.size(); ++i) {
         const View& view = taken[i];

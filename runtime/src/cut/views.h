@@ -1,6 +1,7 @@
 // The views of the last update, what follows from them, and what threshold they get.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -98,6 +99,11 @@ struct Governor {
 
 // At the requested threshold, as if nothing had ever failed.
 void begin_governing(Governor& governor, double requested_px);
+
+// The threshold that an update at the requested one begins with.
+[[nodiscard]] inline double next_threshold_px(const Governor& governor, double requested_px) {
+    return governor.cause == 0 ? requested_px : std::max(governor.effective_px, requested_px);
+}
 
 // The threshold of the next frame. use: share of the scarcest capacity.
 void govern(const Grid& grid, const Views& views, Governor& governor, const Frame& frame, double use);

@@ -8,10 +8,10 @@
 #include <cstring>
 #include <limits>
 
-#include <xxhash.h>
 #include <zstd.h>
 
 #include "fjell/texture.h"
+#include "shared/hash.h"
 #include "shared/order.h"
 #include "shared/record.h"
 
@@ -221,7 +221,7 @@ Status read_header(std::span<const std::byte> header, std::uint64_t file_bytes, 
     if (h.version != pack_version) return failed(StatusCode::wrong_version, "version");
     if (h.layout_hash != pack_layout_hash || h.header_bytes != sizeof(PackHeader))
         return failed(StatusCode::wrong_layout, "layout_hash");
-    if (h.header_hash != XXH3_64bits(header.data(), offsetof(PackHeader, header_hash)))
+    if (h.header_hash != hash_of(header.data(), offsetof(PackHeader, header_hash)))
         return failed(StatusCode::corrupt, "header");
     if (file_bytes < h.file_bytes) return failed(StatusCode::truncated, "file_bytes");
     if (file_bytes > h.file_bytes) return failed(StatusCode::corrupt, "file_bytes");
@@ -249,7 +249,7 @@ Status open_index(std::span<const std::byte> header, std::span<const std::byte> 
     const std::uint64_t bytes = directory_bytes(h);
     if (directory.size() < bytes) return failed(StatusCode::truncated, "directory");
     opened.directory = directory.data();
-    if (h.directory_hash != XXH3_64bits(opened.directory, static_cast<std::size_t>(bytes)))
+    if (h.directory_hash != hash_of(opened.directory, static_cast<std::size_t>(bytes)))
         return failed(StatusCode::corrupt, "directory");
     if (Status s = check_directory(opened); !s.ok()) return s;
     for (std::uint64_t tile = 0, least = 0; tile < h.tiles_held; ++tile) {
@@ -265,7 +265,7 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
     PackHeader h;
     if (Status s = read_header(file, file.size(), h); !s.ok()) return s;
     if (h.notes_bytes != 0 &&
-        h.notes_hash != XXH3_64bits(file.data() + h.notes_offset, static_cast<std::size_t>(h.notes_bytes)))
+        h.notes_hash != hash_of(file.data() + h.notes_offset, static_cast<std::size_t>(h.notes_bytes)))
         return failed(StatusCode::corrupt, "notes");
     const std::span<const std::byte> directory = file.subspan(static_cast<std::size_t>(h.directory_offset));
     if (Status s = open_index(file, directory, file.size(), pack); !s.ok()) return s;
@@ -275,7 +275,7 @@ Status open_pack(std::span<const std::byte> file, Pack& pack) {
 
 Status decode_chunk(const ChunkEntry& e, std::span<const std::byte> stored, std::span<std::byte> out) {
     if (out.size() != e.raw_bytes) return failed(StatusCode::memory_too_small, "out");
-    if (stored.size() != e.stored_bytes || XXH3_64bits(stored.data(), stored.size()) != e.hash)
+    if (stored.size() != e.stored_bytes || hash_of(stored.data(), stored.size()) != e.hash)
         return failed(StatusCode::corrupt, "chunk");
     const std::size_t written = ZSTD_decompress(out.data(), out.size(), stored.data(), stored.size());
     if (ZSTD_isError(written) || written != e.raw_bytes) return failed(StatusCode::corrupt, "chunk");

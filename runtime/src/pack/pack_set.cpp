@@ -7,9 +7,8 @@
 #include <cmath>
 #include <cstring>
 
-#include <xxhash.h>
-
 #include "block_layout.h"
+#include "shared/hash.h"
 #include "shared/order.h"
 
 namespace fjell {
@@ -298,7 +297,7 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     write_frame(at + l.raw, l.raw_bytes, at + l.corners);
     const std::size_t stored = l.directory - l.corners;
     const ChunkEntry corners{end,
-                             XXH3_64bits(at + l.corners, stored),
+                             hash_of(at + l.corners, stored),
                              static_cast<std::uint32_t>(stored),
                              static_cast<std::uint32_t>(l.raw_bytes),
                              {}};
@@ -310,8 +309,8 @@ Status make_set_index(const SetShape& shape, std::span<const SetPart> parts, std
     }
     h.directory_offset = end + stored;
     h.file_bytes = h.directory_offset + directory_bytes(h);
-    h.directory_hash = XXH3_64bits(at + l.directory, static_cast<std::size_t>(directory_bytes(h)));
-    h.header_hash = XXH3_64bits(&h, offsetof(PackHeader, header_hash));
+    h.directory_hash = hash_of(at + l.directory, static_cast<std::size_t>(directory_bytes(h)));
+    h.header_hash = hash_of(&h, offsetof(PackHeader, header_hash));
     std::memcpy(at + l.header, &h, sizeof h);
     const std::size_t tail = stored + static_cast<std::size_t>(directory_bytes(h));
     index = {{at + l.header, sizeof h},

@@ -38,6 +38,7 @@ Status set_missing_px(const Terrain& terrain, double missing_px) {
     if (t == nullptr) return {StatusCode::invalid_handle, "terrain"};
     if (!(missing_px >= 0)) return {StatusCode::out_of_range, "missing_px"};
     t->missing_px = missing_px;
+    t->sought_px = 0;
     return {};
 }
 

@@ -8,13 +8,13 @@
 #include <utility>
 
 #define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
-#include <xxhash.h>
 #include <zstd.h>
 
 #include "block_layout.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
+#include "shared/hash.h"
 #include "validate.h"
 
 namespace fjell {
@@ -74,7 +74,7 @@ Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<cons
     if (pack.directory == nullptr) return {StatusCode::wrong_pack, "pack"};
     const ChunkEntry e = pack.entry(chunk_index(pack.header, id));
     const std::byte* const stored = pack.bytes.data() + e.offset;
-    if (e.raw_bytes > memory.raw_bytes || XXH3_64bits(stored, e.stored_bytes) != e.hash)
+    if (e.raw_bytes > memory.raw_bytes || hash_of(stored, e.stored_bytes) != e.hash)
         return {StatusCode::corrupt, "geometry page"};
     const std::size_t written = ZSTD_decompressDCtx(memory.zstd, memory.raw, e.raw_bytes, stored, e.stored_bytes);
     if (ZSTD_isError(written) || written != e.raw_bytes) return {StatusCode::corrupt, "geometry page"};

@@ -183,7 +183,7 @@ Status update_recursive(RecursiveMethod method, const View& view, const RefineSe
     RecursiveState& s = *found;
     if (Status v = validate(view); !v.ok()) return v;
     if (!(settings.max_error_px >= 1e-3 && settings.max_error_px <= 1e6))
-        return {StatusCode::out_of_range, "RefineSettings::error_px"};
+        return {StatusCode::out_of_range, "RefineSettings::max_error_px"};
     if (settings.metric == Metric::depth && !settings.cull)
         return {StatusCode::out_of_range,
                 "RefineSettings::cull (the depth metric needs it: behind the eye depth means nothing)"};

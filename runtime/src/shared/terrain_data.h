@@ -51,6 +51,7 @@ struct TerrainData {
     std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
     const std::uint32_t* changed_slots = nullptr;
     double missing_px = 0; // Terrain::missing_px()
+    double sought_px = 0;  // the threshold at which a stream last looked for missing pages; 0: whoever loads pages says
     TerrainMemory* memory = nullptr;
 
     [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }

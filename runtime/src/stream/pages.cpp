@@ -298,6 +298,7 @@ void request_pages(StreamState& s) {
     }
     evict_pages(s);
     s.terrain->missing_px = s.report.missing_px;
+    s.terrain->sought_px = s.threshold_px;
 }
 
 void forget_failed_pages(StreamState& s) {

@@ -1,7 +1,7 @@
 #include "stream/requests.h"
+#include "shared/hash.h"
 
 #define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
-#include <xxhash.h>
 #include <zstd.h>
 
 #include <thread>
@@ -138,7 +138,7 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
     for (std::uint32_t i = 0; i < r->chunks; ++i) {
         const ChunkEntry e = s.pack->entry(r->first_chunk + i);
         const auto bytes = stored.subspan(static_cast<std::size_t>(e.offset - r->offset), e.stored_bytes);
-        if (e.raw_bytes > r->raw_bytes - raw || XXH3_64bits(bytes.data(), bytes.size()) != e.hash) return damaged();
+        if (e.raw_bytes > r->raw_bytes - raw || hash_of(bytes.data(), bytes.size()) != e.hash) return damaged();
         const std::size_t written =
             ZSTD_decompressDCtx(decoder.zstd(), r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());
         if (ZSTD_isError(written) || written != e.raw_bytes) return damaged();

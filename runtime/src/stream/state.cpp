@@ -278,7 +278,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     s.failure_count = s.arrival_count = s.command_count = 0;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
-    set_views(s, views, cut, s.cut_state ? s.cut_state->governor.effective_px : 0);
+    set_views(s, views, cut, s.cut_state ? next_threshold_px(s.cut_state->governor, cut.max_error_px) : 0);
     insert_pages(s);
     upload_maps(s);
     request_pages(s);

@@ -61,7 +61,7 @@ Status validate(const View& view) {
     if (!(view.near_m > 0 && view.near_m < view.far_m)) return bad("View::near_m");
     if (!(view.far_m <= 1e9)) return bad("View::far_m");
     if (view.max_error_px != 0 && !(view.max_error_px >= 1e-3 && view.max_error_px <= 1e6))
-        return bad("View::error_px (0, or 0.001 to 1e6)");
+        return bad("View::max_error_px (0, or 0.001 to 1e6)");
     if (const double lambda = focal_length_px(view); !(lambda > 1e-3 && lambda < 1e9))
         return bad("View::width_px, height_px (pixels a unit of tangent: 1e-3 to 1e9)");
     return {};

@@ -144,9 +144,9 @@ SnapshotResult write_snapshot(const io::LiveTerrain& terrain, const Snapshot& sn
 SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options = {});
 
-// Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px (or View::error_px, if set)
-// by a recursive method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8 bytes
-// a terrain vertex and what the mesh needs.
+// Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px (or View::max_error_px, if
+// set) by a recursive method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8
+// bytes a terrain vertex and what the mesh needs.
 SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
 // The same without the file, to be written by write_snapshot().
