@@ -213,6 +213,9 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"spacing", Of::reading, &Recipe::spacing,
          "metres between samples: of a file without a georeference, of one in degrees to take it as a square grid, or "
          "to reproject to with --crs CRS"},
+        {"band", Of::reading, &Recipe::band,
+         "of a file with several bands, the one that holds heights: its number, from 1, or its name (default: the one "
+         "that is named as elevation)"},
         {"size", Of::reading, &Recipe::size,
          "COLUMNSxROWS of raw numbers (.raw, .r16, .r32: 16 bits or floats, little-endian), whose file does not say; "
          "not given: it is square"},
@@ -339,6 +342,7 @@ ReadOptions read_options(const Recipe& recipe) {
     o.zoffset_m = recipe.zoffset.value_or(0);
     o.crs = recipe.crs.value_or("auto");
     o.bbox = recipe.bbox;
+    o.band = recipe.band.value_or("");
     if (recipe.size) o.size = parse_size(*recipe.size);
     o.voids = recipe.voids.value_or(DeclaredVoids{});
     constexpr NoData named[] = {NoData::hole, NoData::fill, NoData::refuse};

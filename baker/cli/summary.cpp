@@ -117,6 +117,7 @@ std::string spacing_text(const double (&step)[2]) {
 }
 
 void add_source(json& to, const SourceFacts& f) {
+    to["band"] = f.band.empty() ? json() : json(f.band);
     to["height_unit"] = f.height_unit.empty() ? json() : json(f.height_unit);
     to["height_unit_m"] = f.height_unit_m;
     to["reprojected_from"] = json();
@@ -130,6 +131,7 @@ void add_source(json& to, const SourceFacts& f) {
 std::string describe(const BakeSummary& s) {
     const SourceFacts& f = s.source;
     std::string text = fmt::format("heights {:.6g} to {:.6g} m (", s.min_m, s.max_m);
+    if (!f.band.empty()) text += "band " + f.band + "; ";
     text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
     text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
     const double samples = static_cast<double>(s.columns) * s.rows;
@@ -158,7 +160,8 @@ void add_description(json& to, const BakeSummary& s) {
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key : {"images", "ground_error_m", "read", "height_unit", "height_unit_m", "reprojected_from"})
+    for (const char* key :
+         {"images", "ground_error_m", "read", "band", "height_unit", "height_unit_m", "reprojected_from"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;

@@ -172,6 +172,7 @@ private:
 SourceFacts facts_of(const ReadPlan& plan) {
     SourceFacts f;
     const FileFacts& first = plan.layout.files.front().facts;
+    f.band = first.band;
     f.height_unit = first.height_unit;
     f.height_unit_m = first.decoding.scaling.file_scale * first.decoding.scaling.zscale;
     if (!plan.warped) return f;

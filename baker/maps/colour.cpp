@@ -35,6 +35,8 @@ struct SrgbTable {
 };
 
 void scale_heights(std::vector<Ramp::Stop>& stops, double least_m, double most_m) {
+    if (!(most_m > least_m) && !stops.empty())
+        stops.erase(stops.begin() + 1, stops.end()); // level ground has one colour, however heights round
     for (Ramp::Stop& stop : stops) stop.height_m = least_m + stop.height_m * (most_m - least_m);
 }
 

@@ -21,6 +21,7 @@ using nlohmann::json;
 
 SourceFacts source_of(const json& j) {
     SourceFacts f;
+    if (j.contains("band")) f.band = j.at("band").get<std::string>();
     f.height_unit = j.at("height_unit").get<std::string>();
     f.height_unit_m = j.at("height_unit_m").get<double>();
     if (!j.contains("reprojected_from")) return f;
@@ -35,6 +36,7 @@ SourceFacts source_of(const json& j) {
 std::string notes_text(const PackNotes& notes) {
     const SourceFacts& f = notes.source;
     json source = {{"height_unit", f.height_unit}, {"height_unit_m", f.height_unit_m}};
+    if (!f.band.empty()) source["band"] = f.band;
     if (!f.reprojected_from.empty()) {
         source["reprojected_from"] = f.reprojected_from;
         source["from_step"] = {f.from_step[0], f.from_step[1]};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -30,21 +31,101 @@ void check_size(GDALDataset& file, const std::string& path) {
                       fmt::format("{}: has {} x {} samples; a height field needs at least 2 x 2", path, columns, rows));
 }
 
-void check_grey(GDALDataset& file, const std::string& path) {
-    GDALRasterBand& band = *file.GetRasterBand(1);
+// "1 \"slope\", 2 \"elevation\"".
+std::string named_bands(GDALDataset& file) {
+    constexpr int most = 20;
+    std::string text;
+    for (int b = 1; b <= std::min(file.GetRasterCount(), most); ++b) {
+        const char* const name = file.GetRasterBand(b)->GetDescription();
+        text += fmt::format("{}{}{}", b == 1 ? "" : ", ", b, name && *name ? fmt::format(" \"{}\"", name) : "");
+    }
+    return text + (file.GetRasterCount() > most ? ", ..." : "");
+}
+
+// By what people and programs call it.
+bool named_as_elevation(const char* name) {
+    const CPLString text(name ? name : "");
+    for (const char* const word :
+         {"elev", "height", "altitude", "topo", "bathy", "terrain", "relief", "dem", "dtm", "dsm", "orog"})
+        if (text.ifind(word) != std::string::npos) return true;
+    return false;
+}
+
+bool says_where(GDALRasterBand& band) { // and holds no numbers of its own
+    return band.GetColorInterpretation() == GCI_AlphaBand;
+}
+
+// Which band holds heights. Throws Failure where only the user can tell.
+int choose_band(GDALDataset& file, const std::string& wanted, const std::string& path) {
+    const int count = file.GetRasterCount();
+    if (!wanted.empty()) {
+        int number = 0;
+        const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+        if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= count)
+            return number;
+        for (int b = 1; b <= count; ++b)
+            if (wanted == file.GetRasterBand(b)->GetDescription()) return b;
+        throw Failure(1, fmt::format("{}: has no band {}; it has {}", path, wanted, named_bands(file)));
+    }
+    std::vector<int> heights, named;
+    for (int b = 1; b <= count; ++b) {
+        if (says_where(*file.GetRasterBand(b))) continue;
+        heights.push_back(b);
+        if (named_as_elevation(file.GetRasterBand(b)->GetDescription())) named.push_back(b);
+    }
+    if (heights.empty()) return 1;
+    if (heights.size() == 1) return heights[0];
+    if (named.size() == 1) return named[0];
+    throw Failure(1, fmt::format("{}: has {} bands, {}; say which holds heights with --band N or --band NAME", path,
+                                 count, named_bands(file)));
+}
+
+// Whether three bands hold the same everywhere: grey heights, saved as an image.
+bool is_grey(GDALDataset& file, const std::string& path) {
+    GdalMessages messages;
+    const auto columns = static_cast<std::size_t>(file.GetRasterXSize());
+    std::vector<std::uint8_t> first(columns), other(columns);
+    for (int y = 0; y < file.GetRasterYSize(); ++y) {
+        read_row(*file.GetRasterBand(1), y, first.data(), path, messages);
+        for (const int b : {2, 3}) {
+            read_row(*file.GetRasterBand(b), y, other.data(), path, messages);
+            if (first != other) return false;
+        }
+    }
+    return true;
+}
+
+// The band that holds heights of a file that is not coded.
+int grey_band(GDALDataset& file, const std::string& wanted, const std::string& path) {
+    GDALRasterBand& first = *file.GetRasterBand(1);
+    const bool colours = (file.GetRasterCount() >= 3 && first.GetRasterDataType() == GDT_Byte) ||
+                         first.GetColorInterpretation() == GCI_RedBand;
+    int number = 1;
+    if (wanted.empty() && colours) {
+        if (file.GetRasterCount() < 3 || first.GetRasterDataType() != GDT_Byte || !is_grey(file, path))
+            throw Failure(1, fmt::format("{}: has {} bands of colour; if they are Terrarium or Mapbox heights, give "
+                                         "--encoding terrarium or terrain-rgb, if it is an image, make it one band of "
+                                         "heights first",
+                                         path, file.GetRasterCount()));
+    } else {
+        number = choose_band(file, wanted, path);
+    }
+    GDALRasterBand& band = *file.GetRasterBand(number);
     const GDALDataType type = band.GetRasterDataType();
     if (GDALDataTypeIsComplex(type))
         throw Failure(1, fmt::format("{}: holds complex numbers, not heights; extract one part first", path));
-    const bool bytes_rgb = file.GetRasterCount() >= 3 && type == GDT_Byte;
-    if (bytes_rgb || band.GetColorInterpretation() == GCI_RedBand)
-        throw Failure(1, fmt::format("{}: has {} bands of colour; if they are Terrarium or Mapbox heights, give "
-                                     "--encoding terrarium or terrain-rgb, if it is an image, make it one band of "
-                                     "heights first",
-                                     path, file.GetRasterCount()));
-    const GDALColorTable* const table = band.GetColorTable();
+    // Of more than 8 bits a table of colours is for looking at: GRASS and Imagine write one beside heights.
+    const GDALColorTable* const table = type == GDT_Byte ? band.GetColorTable() : nullptr;
     if (table && !is_grey_table(*table))
         throw Failure(
             1, fmt::format("{}: is a palette image, whose numbers are no heights; convert it to grey first", path));
+    return number;
+}
+
+// Bytes that count from -128 to 127. GDAL has had a type of its own for them since 3.7.
+bool is_signed_byte(GDALRasterBand& band) {
+    const char* const type = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+    return band.GetRasterDataType() == GDT_Byte && type && EQUAL(type, "SIGNEDBYTE");
 }
 
 void check_coded(GDALDataset& file, const std::string& path) {
@@ -66,9 +147,9 @@ bool is_sequential(GDALDataset& file, const std::string& path) {
     return packed || std::find(direct.begin(), direct.end(), name) == direct.end();
 }
 
-Blocks blocks_of(GDALDataset& file, const Placement& at) {
+Blocks blocks_of(GDALRasterBand& band, const Placement& at) {
     Blocks b;
-    file.GetRasterBand(1)->GetBlockSize(&b.columns, &b.rows);
+    band.GetBlockSize(&b.columns, &b.rows);
     b.columns = std::clamp(b.columns, 1, at.columns);
     b.rows = std::clamp(b.rows, 1, at.rows);
     if (at.flip_x) b.x = at.columns % b.columns;
@@ -139,12 +220,12 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     GdalMessages messages;
     file_ = open_raster(path, "a height field", messages, options.size);
     check_size(*file_, path);
-    GDALRasterBand& first = *file_->GetRasterBand(1);
     const bool coded = encoding_ != Encoding::none;
-    coded ? check_coded(*file_, path) : check_grey(*file_, path);
+    coded ? check_coded(*file_, path) : void(band_ = grey_band(*file_, options.band, path));
+    GDALRasterBand& first = *file_->GetRasterBand(band_);
     facts_.path = path;
     facts_.at = place(*file_, path);
-    facts_.blocks = blocks_of(*file_, facts_.at);
+    facts_.blocks = blocks_of(first, facts_.at);
     facts_.sequential = is_sequential(*file_, path);
     facts_.identity = identity_of(*file_, path);
     find_voids_of(first, options, facts_.decoding);
@@ -168,7 +249,9 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     int tagged = 0;
     (void)first.GetNoDataValue(&tagged);
     tagged_ = tagged != 0;
+    facts_.band = file_->GetRasterCount() == 1 ? "" : fmt::format("{} {}", band_, first.GetDescription());
     facts_.decoding.whole = GDALDataTypeIsInteger(first.GetRasterDataType()) != 0;
+    signed_byte_ = is_signed_byte(first);
     floats_ = fits_float(first.GetRasterDataType());
     first.GetBlockSize(&block_columns_, &block_rows_);
     by_blocks_ = floats_ && reads_by_blocks(*file_, path, block_columns_, block_rows_);
@@ -206,7 +289,7 @@ bool HeightFile::is_whole_blocks(const Window& w) const {
 
 void HeightFile::read_blocks(const Window& in_file, float* to) {
     const GdalMessages messages;
-    GDALRasterBand& band = *file_->GetRasterBand(1);
+    GDALRasterBand& band = *file_->GetRasterBand(band_);
     const GDALDataType type = band.GetRasterDataType();
     const auto sample_bytes = static_cast<std::size_t>(GDALGetDataTypeSizeBytes(type));
     block_.resize(static_cast<std::size_t>(block_columns_) * static_cast<std::size_t>(block_rows_) * sample_bytes);
@@ -235,7 +318,7 @@ void HeightFile::read_blocks(const Window& in_file, float* to) {
 // Numbers that floats hold, straight into place.
 void HeightFile::floats(const Window& in_file, float* to) {
     if (by_blocks_ && is_whole_blocks(in_file)) return read_blocks(in_file, to);
-    band(1, in_file, to, GDT_Float32);
+    band(band_, in_file, to, GDT_Float32);
 }
 
 void HeightFile::read_coded(const Window& in_file) {
@@ -294,8 +377,8 @@ bool HeightFile::covers(const Window& window) const {
     if (facts_.at.flip_x) in_file.x = facts_.at.columns - window.x - window.columns;
     if (facts_.at.flip_y) in_file.y = facts_.at.rows - window.y - window.rows;
     const GdalMessages messages; // what a file cannot say about itself is no failure
-    return file_->GetRasterBand(1)->GetDataCoverageStatus(in_file.x, in_file.y, in_file.columns, in_file.rows, 0,
-                                                          nullptr) != GDAL_DATA_COVERAGE_STATUS_EMPTY;
+    return file_->GetRasterBand(band_)->GetDataCoverageStatus(in_file.x, in_file.y, in_file.columns, in_file.rows, 0,
+                                                              nullptr) != GDAL_DATA_COVERAGE_STATUS_EMPTY;
 }
 
 void HeightFile::read(const Window& window, float* to, ReadStatistics& statistics, const std::uint8_t* wanted) {
@@ -305,12 +388,14 @@ void HeightFile::read(const Window& window, float* to, ReadStatistics& statistic
     read_marks(in_file, wanted);
     if (floats_) {
         floats(in_file, to);
+        if (signed_byte_)
+            for (std::size_t i = 0; i < in_file.area(); ++i) to[i] -= to[i] > 127 ? 256.0f : 0.0f;
         read_as(in_file, window, to, to, statistics);
         return;
     }
     if (encoding_ == Encoding::none) {
         raw_.resize(in_file.area());
-        band(1, in_file, raw_.data(), GDT_Float64);
+        band(band_, in_file, raw_.data(), GDT_Float64);
     } else {
         read_coded(in_file);
     }

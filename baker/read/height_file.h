@@ -21,6 +21,7 @@ struct FileFacts {
     Blocks blocks;           // seen from the north-west
     bool sequential = false; // its format is decoded from the start
     std::string height_unit; // as the file calls it; empty: it does not
+    std::string band;        // of several: "2 elevation"
     double step = 1;         // raw numbers are multiples of this, unless they have a fraction
     std::string identity;    // names, sizes and times of everything it is read from
 };
@@ -52,6 +53,8 @@ private:
     GdalFile file_;
     FileFacts facts_;
     Encoding encoding_ = Encoding::none;
+    int band_ = 1;                   // that holds heights
+    bool signed_byte_ = false;       // its numbers above 127 are below 0
     bool tagged_ = false;            // what it has no data for is no height
     bool floats_ = false;            // float holds every raw number
     GDALRasterBand* mask_ = nullptr; // none: all are valid

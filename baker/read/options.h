@@ -44,6 +44,9 @@ struct ReadOptions {
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
     std::optional<double> zscale;
     double zoffset_m = 0; // added after zscale
+    // Of a file with several bands the one that holds heights, by its number (from 1) or its name. Empty: the only one,
+    // or the only one whose name says so.
+    std::string band;
     // Columns and rows of raw numbers (open_raster()), whose file does not say. Not given: square.
     std::optional<std::array<int, 2>> size;
     NoData nodata = NoData::automatic;

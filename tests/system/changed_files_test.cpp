@@ -66,18 +66,20 @@ TEST_CASE("a pack that shrinks, is rewritten or fails while it is read ends a pr
 
 TEST_CASE("a pack that another is renamed over is read to its end, as it was") {
     const TwoPacks& place = two_packs();
-    for (const std::string& command :
-         {baker_tool + "heights p.fjell -o h.tif",
-          fly_tool + "p.fjell --headless --frames 2 --stream on --wait --verify 1 --error-px 1 --export 1:h.tif"}) {
+    const std::string flight = "p.fjell --headless --frames 2 --stream on --wait --verify 1 --error-px 1 --export 1:";
+    for (const auto& [start, name] :
+         {std::pair{baker_tool + "heights p.fjell -o ", "h.tif"}, {fly_tool + flight, "h.glb"}}) {
+        const std::string command = start + name;
         const Run undisturbed = place.run(command, "none", "1");
-        const std::string whole = slurp(place.folder.path / "h.tif");
+        const std::string whole = slurp(place.folder.path / name);
+        REQUIRE(!whole.empty());
         CAPTURE(command, undisturbed.err);
         REQUIRE(undisturbed.code == 0);
         const Run r = place.run(command, "replace", "6");
         CAPTURE(r.err);
         CHECK(r.code == 0);
         // Of a flight its length alone: what streams in first stands first in the mesh. --verify measures it.
-        const std::string written = slurp(place.folder.path / "h.tif");
+        const std::string written = slurp(place.folder.path / name);
         CHECK(written.size() == whole.size());
         if (command.starts_with(baker_tool)) CHECK((written == whole));
         CHECK(slurp(place.folder.path / "p.fjell") == slurp(place.folder.path / "two"));

@@ -117,6 +117,12 @@ TEST_CASE("an image is not taken for heights") {
     r.type = GDT_Byte;
     r.bands = 3;
     r.geotransform.clear();
+    check_slope(read_dem(write(r, dir / "grey.png", "PNG"), spaced(60)), 8, 8); // grey heights that were saved as one
+    r.more = [](GDALDataset& file) {                                            // but for one sample
+        std::uint8_t other = 1;
+        REQUIRE(file.GetRasterBand(3)->RasterIO(GF_Write, 7, 7, 1, 1, &other, 1, 1, GDT_Byte, 0, 0, nullptr) ==
+                CE_None);
+    };
     const std::string path = write(r, dir / "a.png", "PNG");
     check_refusal(refused(path, spaced(60)), 1, path, {"3 bands", "--encoding terrarium or terrain-rgb", "first"});
     r.bands = 1;

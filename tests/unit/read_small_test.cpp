@@ -120,3 +120,71 @@ TEST_CASE("a unit that says nothing counts as none, and a rotation that moves no
     turned.geotransform[2] = 0.01; // a thirtieth of a pixel at the last row
     CHECK(refused(write(turned, dir / "r2.tif")).says("rotated or sheared"));
 }
+
+TEST_CASE("of several bands the one that is named as elevation is read, or the one that is asked for, or none") {
+    const TempDir dir;
+    const auto two = [&](const char* first, const char* second) {
+        Raster r = raster(41, 31, slope);
+        r.bands = 2;
+        r.more = [=](GDALDataset& file) {
+            std::vector<float> steep(41 * 31, 7);
+            REQUIRE(file.GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 41, 31, steep.data(), 41, 31, GDT_Float32, 0, 0,
+                                                    nullptr) == CE_None);
+            file.GetRasterBand(1)->SetDescription(first);
+            file.GetRasterBand(2)->SetDescription(second);
+        };
+        return write(r, dir / "two.tif");
+    };
+    ReadOptions second;
+    second.band = "2";
+    for (const char* const name : {"elevation", "Elevation (m)", "DEM", "surface height"}) {
+        const std::string path = two("slope", name);
+        check_slope(read_dem(path, {}), 41, 31);
+        check_slope(read_dem(path, second), 41, 31);
+        ReadOptions by_name;
+        by_name.band = name;
+        check_slope(read_dem(path, by_name), 41, 31);
+    }
+    for (const auto& [a, b] : {std::pair{"slope", "aspect"}, {"", ""}, {"elevation", "elevation of the sea"}}) {
+        const std::string path = two(a, b);
+        CHECK(refused(path).says("--band N or --band NAME"));
+        CHECK(refused(path).says("has 2 bands, 1"));
+        check_slope(read_dem(path, second), 41, 31);
+    }
+    ReadOptions third;
+    third.band = "3";
+    CHECK(refused(two("slope", "elevation"), third).says("has no band 3; it has 1 \"slope\", 2 \"elevation\""));
+}
+
+TEST_CASE("bytes with a sign and 16 bits beside a table of colours are the numbers that they are") {
+    const TempDir dir;
+    register_drivers();
+    const char* const kind[] = {"PIXELTYPE=SIGNEDBYTE", nullptr};
+    const std::string path = dir / "s.tif";
+    const GdalFile file(
+        GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), 16, 16, 1, GDT_Byte, kind));
+    std::vector<std::uint8_t> bytes(256);
+    for (std::size_t i = 0; i < 256; ++i) bytes[i] = static_cast<std::uint8_t>(i);
+    std::array<double, 6> t{};
+    std::copy_n(metres(10, 10).begin(), 6, t.begin());
+    file->SetGeoTransform(t.data());
+    REQUIRE(file->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 16, 16, bytes.data(), 16, 16, GDT_Byte, 0, 0, nullptr) ==
+            CE_None);
+    file->FlushCache();
+    const Dem dem = read_dem(path, {});
+    int wrong = 0;
+    for (int i = 0; i < 256; ++i) wrong += dem.at(i % 16, i / 16) != static_cast<float>(i < 128 ? i : i - 256);
+    CHECK(wrong == 0);
+
+    Raster table = raster(41, 31, slope);
+    table.type = GDT_UInt16;
+    table.more = [](GDALDataset& written) {
+        GDALColorTable colours;
+        for (int i = 0; i < 500; ++i) {
+            const GDALColorEntry entry{static_cast<short>(i % 256), 10, 10, 255};
+            colours.SetColorEntry(i, &entry);
+        }
+        written.GetRasterBand(1)->SetColorTable(&colours);
+    };
+    check_slope(read_dem(write(table, dir / "t.tif"), {}), 41, 31);
+}
