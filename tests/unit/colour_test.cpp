@@ -353,10 +353,8 @@ TEST_CASE("of 16 bits as many count as NBITS says, or without it as the largest 
                         file.GetRasterBand(4)->SetColorInterpretation(GCI_AlphaBand);
                         file.GetRasterBand(4)->Fill(white);
                     }
-                    for (int b = 1; b <= bands && c.says; ++b)
-                        file.GetRasterBand(b)->SetMetadataItem("NBITS", std::to_string(c.bits).c_str(),
-                                                               "IMAGE_STRUCTURE");
                 };
+                if (c.says) r.creation = {"NBITS=" + std::to_string(c.bits)};
                 write(r, path);
                 const double spacing[2] = {5, 5}, origin[2] = {950, 2050};
                 const auto image = open_images({path}, over(9, 9, spacing, origin, utm()));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <catch2/catch.hpp>
+#include <cpl_string.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 #include <unistd.h>
@@ -35,6 +36,7 @@ struct Raster {
     std::vector<double> geotransform; // empty: no georeference
     std::string crs;                  // as "EPSG:32632"; empty: none
     std::function<void(GDALDataset&)> more;
+    std::vector<std::string> creation = {}; // options of the format
 };
 
 // Metres, north up, sample (0, 0) at (1000, 2000).
@@ -53,8 +55,11 @@ inline std::string write(const Raster& r, const std::string& path, const char* f
     baker::register_drivers();
     auto* const manager = GetGDALDriverManager();
     const bool direct = std::string(format) == "GTiff";
+    CPLStringList creation;
+    for (const std::string& option : r.creation) creation.AddString(option.c_str());
     GDALDataset* const file = manager->GetDriverByName(direct ? "GTiff" : "MEM")
-                                  ->Create(direct ? path.c_str() : "", r.columns, r.rows, r.bands, r.type, nullptr);
+                                  ->Create(direct ? path.c_str() : "", r.columns, r.rows, r.bands, r.type,
+                                           direct ? creation.List() : nullptr);
     REQUIRE(file);
     if (!r.geotransform.empty()) {
         std::array<double, 6> t{};
