@@ -462,10 +462,29 @@ void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::v
     }
 }
 
+// Places where there is a tile, or a border or a corner of one. tiles: by place; no_tile: there is none.
+std::uint64_t vertex_count(const Tree& tree, const std::vector<std::uint32_t>& tiles) {
+    const auto there = [&](std::int32_t x, std::int32_t y) {
+        return x >= 0 && y >= 0 && x < tree.tiles_x && y < tree.tiles_y &&
+               tiles[static_cast<std::size_t>(y) * static_cast<std::size_t>(tree.tiles_x) +
+                     static_cast<std::size_t>(x)] != no_tile;
+    };
+    const auto inside = static_cast<std::uint64_t>(tree.side()) - 1; // of a side, without its ends
+    std::uint64_t count = 0;
+    for (std::int32_t y = 0; y <= tree.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= tree.tiles_x; ++x) {
+            const bool here = there(x, y), west = there(x - 1, y), north = there(x, y - 1);
+            count += here ? inside * inside : 0;
+            count += (here || north ? inside : 0) + (here || west ? inside : 0);
+            count += here || west || north || there(x - 1, y - 1) ? 1 : 0;
+        }
+    return count;
+}
+
 VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights) {
     VerifyReport all;
-    all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
     const std::vector<std::uint32_t> tiles = pages.tiles(tree);
+    all.vertices = vertex_count(tree, tiles);
     const auto across = static_cast<std::size_t>(tree.tiles_x);
     std::vector<Borders> row, above;
     std::vector<VerifyReport> reports;

@@ -199,6 +199,8 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
     declare_shards(app, a, c);
+    for (CLI::App* const command : {c.verify, c.heights, c.split, c.join, c.synth, c.materials, c.plan})
+        command->add_flag("--quiet", a.quiet, "no progress, no summary");
     app.require_subcommand(0, 1);
     return c;
 }

@@ -18,6 +18,7 @@
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/check/second_reading.h"
 #include "baker/check/verify.h"
 #include "baker/check/verify_maps.h"
 #include "baker/cli/arguments.h"
@@ -250,11 +251,14 @@ int run_verify(const Arguments& a) {
     if (!seam.empty()) r.first = seam;
     r.chunks = check_all_chunks(pack);
     const MapsReport maps = check_maps(pack);
-    const bool ok = r.ok() && maps.ok(), prints = a.verify_json_path != "-";
+    const bool ok = r.ok() && maps.ok(), prints = !a.quiet && a.verify_json_path != "-";
     report.write(verify_json(r, maps));
     if (prints) print_verify(r, maps, source.inputs);
     if (!seam.empty()) throw Failure(1, seam);
     if (!ok) throw Failure(1, verdict(r, maps, a.pack, source));
+    if (against)
+        if (const std::string differs = second_reading(source, against->facts, pack); !differs.empty())
+            throw Failure(1, differs);
     if (prints) fmt::print("ok\n");
     return 0;
 }
@@ -276,12 +280,13 @@ int run_split(const Arguments& a) {
     ProgressBar bar(a.quiet);
     const SetSummary s = split_pack(a.pack, a.set_folder, a.packs.value_or(SetGrid{}),
                                     [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
-    print_set(s, a.set_folder);
+    if (!a.quiet) print_set(s, a.set_folder);
     return 0;
 }
 
 int run_join(const Arguments& a) {
     const JoinSummary s = join_packs(a.set_folder);
+    if (a.quiet) return 0;
     print_set(s.set, a.set_folder);
     fmt::print("{} vertices where packs meet: heights, holes, errors and radii agree; {:.1f} MB of pages were read\n",
                s.borders.vertices, static_cast<double>(s.borders.bytes_read) / 1e6);

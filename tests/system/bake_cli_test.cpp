@@ -462,3 +462,21 @@ TEST_CASE("undeclared voids are refused, and baked as the user says, from the co
     refused(folder, bake + "sea.asc -o other.fjell --quantum 0.01", 2,
             "m within one tile of 64 cells; give at least 0.0");
 }
+
+TEST_CASE("outputs that must be files, heights that nobody can believe and quiet commands are said plainly") {
+    const TemporaryFolder folder;
+    spit(folder / "a.asc", ascii_grid(9, 9, "12"));
+    spit(folder / "high.asc", ascii_grid(9, 9, "1000000"));
+    refused(folder, bake + "a.asc -o -", 2, "-: this output cannot go to standard output");
+    refused(folder, bake + "high.asc -o high.fjell", 1, "--zoffset M if they count from elsewhere, --void none");
+    REQUIRE(run_in(folder.path, bake + "a.asc -o a.fjell --quiet").code == 0);
+    for (const char* const command :
+         {"verify a.fjell --against a.asc --quiet", "heights a.fjell -o h.tif --quiet",
+          "split a.fjell -o set --packs 1x1 --quiet", "join set --quiet", "plan a.asc -o plan --shards 1 --quiet"}) {
+        const Run r = run_in(folder.path, bake + command);
+        CAPTURE(command, r.out, r.err);
+        CHECK(r.code == 0);
+        CHECK(r.out.empty());
+        CHECK(r.err.empty());
+    }
+}

@@ -7,6 +7,8 @@
 
 #include <cpl_vsi.h>
 
+#include "baker/bake/bake.h"
+#include "baker/check/second_reading.h"
 #include "read_support.h"
 
 using namespace fjell;
@@ -187,4 +189,30 @@ TEST_CASE("bytes with a sign and 16 bits beside a table of colours are the numbe
         written.GetRasterBand(1)->SetColorTable(&colours);
     };
     check_slope(read_dem(write(table, dir / "t.tif"), {}), 41, 31);
+}
+
+TEST_CASE("a second reading, by GDAL alone, finds what both halves of a comparison would read alike") {
+    const TempDir dir;
+    Raster r = raster(41, 31, slope);
+    r.bands = 2;
+    r.more = [](GDALDataset& file) {
+        std::vector<float> other(41 * 31, 7);
+        REQUIRE(file.GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 41, 31, other.data(), 41, 31, GDT_Float32, 0, 0,
+                                                nullptr) == CE_None);
+        file.GetRasterBand(2)->SetDescription("elevation");
+    };
+    Recipe recipe;
+    recipe.inputs = {write(r, dir / "two.tif")};
+    const auto source = open_source(recipe.inputs, {});
+    (void)bake(*source, {}, dir / "two.fjell");
+    const io::PackFile pack(dir / "two.fjell");
+    CHECK(second_reading(recipe, source->facts, pack).empty());
+    SourceFacts wrong = source->facts; // as if the other band had been read
+    wrong.band = "1";
+    CHECK(second_reading(recipe, wrong, pack).find("read by GDAL alone the height at column 20, row 15 is 7 m") !=
+          std::string::npos);
+    recipe.zscale = 2; // which the pack was not baked with
+    wrong = source->facts;
+    wrong.height_unit_m = 2;
+    CHECK_FALSE(second_reading(recipe, wrong, pack).empty());
 }
