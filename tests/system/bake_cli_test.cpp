@@ -470,9 +470,9 @@ TEST_CASE("outputs that must be files, heights that nobody can believe and quiet
     refused(folder, bake + "a.asc -o -", 2, "-: this output cannot go to standard output");
     refused(folder, bake + "high.asc -o high.fjell", 1, "--zoffset M if they count from elsewhere, --void none");
     REQUIRE(run_in(folder.path, bake + "a.asc -o a.fjell --quiet").code == 0);
-    for (const char* const command :
-         {"verify a.fjell --against a.asc --quiet", "heights a.fjell -o h.tif --quiet",
-          "split a.fjell -o set --packs 1x1 --quiet", "join set --quiet", "plan a.asc -o plan --shards 1 --quiet"}) {
+    for (const char* const command : {"verify a.fjell --against a.asc --quiet", "heights a.fjell -o h.tif --quiet",
+                                      "split a.fjell -o set --packs 1x1 --quiet", "join set --quiet",
+                                      "plan a.asc -o plan --shards 1 --tile 64 --quiet"}) {
         const Run r = run_in(folder.path, bake + command);
         CAPTURE(command, r.out, r.err);
         CHECK(r.code == 0);
