@@ -197,7 +197,9 @@ const std::vector<RecipeKey>& recipe_keys() {
          std::numeric_limits<double>::infinity(),
          "control"},
         {"crs", Of::reading, &Recipe::crs,
-         "auto (default: what is in degrees is reprojected to a projection that suits it), none, or a projected CRS to "
+         "auto (default: what is in degrees, or in a CRS whose metres are not the ground's, is reprojected to a "
+         "projection "
+         "that suits it), keep (as it is), none (the same), or a projected CRS to "
          "reproject to, such as EPSG:32633"},
         {"encoding",
          Of::reading,
@@ -212,7 +214,7 @@ const std::vector<RecipeKey>& recipe_keys() {
          {"hole", "fill", "refuse"}},
         {"spacing", Of::reading, &Recipe::spacing,
          "metres between samples: of a file without a georeference, of one in degrees to take it as a square grid, or "
-         "to reproject to with --crs CRS"},
+         "to resample to where there is a projected CRS"},
         {"band", Of::reading, &Recipe::band,
          "of a file with several bands, the one that holds heights: its number, from 1, or its name (default: the one "
          "that is named as elevation)"},

@@ -120,6 +120,7 @@ void add_source(json& to, const SourceFacts& f) {
     to["band"] = f.band.empty() ? json() : json(f.band);
     to["height_unit"] = f.height_unit.empty() ? json() : json(f.height_unit);
     to["height_unit_m"] = f.height_unit_m;
+    to["ground_scale"] = f.ground_scale[0] > 0 ? json{f.ground_scale[0], f.ground_scale[1]} : json();
     to["reprojected_from"] = json();
     if (!f.reprojected_from.empty())
         to["reprojected_from"] = {
@@ -143,6 +144,8 @@ std::string describe(const BakeSummary& s) {
     if (!f.reprojected_from.empty())
         text += fmt::format("; reprojected from {}, where they are {} {} apart", f.reprojected_from,
                             spacing_text(f.from_step), f.from_unit);
+    const auto& [least, most] = f.ground_scale;
+    if (least > 0) text += fmt::format("; a metre of ground is {:.4f} to {:.4f} m in it", least, most);
     text += "\n";
     for (const std::string& image : s.images) text += "image " + image + "\n";
     return text;
@@ -160,8 +163,8 @@ void add_description(json& to, const BakeSummary& s) {
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key :
-         {"images", "ground_error_m", "read", "band", "height_unit", "height_unit_m", "reprojected_from"})
+    for (const char* key : {"images", "ground_error_m", "read", "band", "height_unit", "height_unit_m", "ground_scale",
+                            "reprojected_from"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "baker/georeference/crs_label.h"
+#include "baker/georeference/ground_scale.h"
 #include "baker/georeference/projection.h"
 #include "baker/georeference/warp.h"
 #include "baker/read/gdal_file.h"
@@ -175,6 +176,17 @@ SourceFacts facts_of(const ReadPlan& plan) {
     f.band = first.band;
     f.height_unit = first.height_unit;
     f.height_unit_m = first.decoding.scaling.file_scale * first.decoding.scaling.zscale;
+    const Placement& at = plan.target;
+    const Window& crop = plan.crop;
+    if (const OGRSpatialReference crs = source_crs(at); at.axes == Axes::metres && crs.IsProjected()) {
+        const GdalMessages quiet;
+        const CrsBox box{at.east(crop.x), at.north(crop.y + crop.rows - 1), at.east(crop.x + crop.columns - 1),
+                         at.north(crop.y)};
+        if (const auto scale = ground_scale(crs, box.nine_places())) {
+            f.ground_scale[0] = scale->least;
+            f.ground_scale[1] = scale->most;
+        }
+    }
     if (!plan.warped) return f;
     const Placement& from = plan.layout.at;
     const bool metres = from.axes == Axes::metres;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <gdal_alg.h>
 
+#include "baker/georeference/ground_scale.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {
@@ -51,6 +52,9 @@ std::unique_ptr<OGRSpatialReference> named_crs(const std::string& text) {
                                      "one like EPSG:32633, or auto",
                                      text.substr(0, 200)));
     crs->StripVertical();
+    if (!points_east_and_north(*crs))
+        throw Failure(2, fmt::format("--crs {}: its axes do not point east and north; give another, or auto",
+                                     text.substr(0, 200)));
     return crs;
 }
 
@@ -116,6 +120,85 @@ ReprojectionTarget automatic_target(const Placement& from, const ReadOptions& op
         throw Failure(1, fmt::format("{}: --bbox {},{},{},{} cannot be projected; choose another{}", path, box.west,
                                      box.south, box.east, box.north, messages.said()));
     return {std::move(crs), placed};
+}
+
+// Lengths may be wrong by this much: more shows in slopes, and survey maps stay below it.
+constexpr double most_off = 0.005;
+
+struct TruePlane {
+    std::unique_ptr<OGRSpatialReference> crs; // null: the CRS is true enough, or there is none that is truer
+    OGRSpatialReference degrees;              // of the same datum
+    std::unique_ptr<OGRCoordinateTransformation> to_degrees;
+};
+
+// A CRS whose metres are the ground's in a box of another one's.
+TruePlane truer_plane(const OGRSpatialReference& own, const CrsBox& box) {
+    TruePlane plane;
+    const bool turned = !points_east_and_north(own);
+    const std::optional<GroundScale> scale = ground_scale(own, box.nine_places());
+    if (!turned && (!scale || scale->off() <= most_off)) return plane;
+    plane.degrees.CopyGeogCSFrom(&own);
+    plane.degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    plane.to_degrees.reset(OGRCreateCoordinateTransformation(&own, &plane.degrees));
+    Degrees d{};
+    constexpr int points_an_edge = 21;
+    if (!plane.to_degrees || !plane.to_degrees->TransformBounds(box.west, box.south, box.east, box.north, &d.west,
+                                                                &d.south, &d.east, &d.north, points_an_edge))
+        return plane;
+    if (d.east < d.west) d.east += 360;
+    auto crs = crs_for(plane.degrees, d.west, d.south, d.east, d.north);
+    if (!crs || turned || !scale) {
+        plane.crs = std::move(crs);
+        return plane;
+    }
+    const std::unique_ptr<OGRCoordinateTransformation> there(OGRCreateCoordinateTransformation(&own, crs.get()));
+    std::vector<CrsPlace> placed;
+    for (CrsPlace& at : box.nine_places())
+        if (there && there->Transform(1, &at[0], &at[1])) placed.push_back(at);
+    const std::optional<GroundScale> truer = ground_scale(*crs, placed);
+    if (truer && truer->off() < scale->off() / 2) plane.crs = std::move(crs);
+    return plane;
+}
+
+bool same_steps(const Placement& from, double spacing_m) {
+    return std::abs(from.step[0] * from.unit_m / spacing_m - 1) < 1e-6 &&
+           std::abs(from.step[1] * from.unit_m / spacing_m - 1) < 1e-6;
+}
+
+// Of a field in a projected CRS: one that is true there, its own for another spacing, or none.
+ReprojectionTarget target_of_projected(const Placement& from, const ReadOptions& options, const std::string& path) {
+    const OGRSpatialReference own = source_crs(from);
+    if (!own.IsProjected()) return {};
+    const bool keep = options.crs == "none" || options.crs == "keep", turned = !points_east_and_north(own);
+    constexpr const char* remedy = "give a projected CRS to reproject to, such as --crs EPSG:32633";
+    if (turned && keep)
+        throw Failure(1, fmt::format("{}: the axes of its CRS do not point east and north; leave out --crs {}", path,
+                                     options.crs));
+    CrsBox box{from.east(-0.5), from.north(from.rows - 0.5), from.east(from.columns - 0.5), from.north(-0.5)};
+    if (options.bbox) {
+        check_box(options);
+        const auto& [west, south, east, north] = *options.bbox;
+        box = {std::max(box.west, west), std::max(box.south, south), std::min(box.east, east),
+               std::min(box.north, north)};
+        if (!(box.west < box.east && box.south < box.north)) return {}; // said when it is cut out
+    }
+    if (!keep) {
+        TruePlane plane = truer_plane(own, box);
+        if (plane.crs && !options.bbox) return {std::move(plane.crs), {}};
+        if (plane.crs) { // the box is in units of the field's own CRS
+            const std::unique_ptr<OGRCoordinateTransformation> there(
+                OGRCreateCoordinateTransformation(&own, plane.crs.get()));
+            std::array<double, 4> placed{};
+            constexpr int points_an_edge = 65;
+            if (there && there->TransformBounds(box.west, box.south, box.east, box.north, &placed[0], &placed[1],
+                                                &placed[2], &placed[3], points_an_edge))
+                return {std::move(plane.crs), placed};
+        }
+        if (turned)
+            throw Failure(1, fmt::format("{}: the axes of its CRS do not point east and north; {}", path, remedy));
+    }
+    if (!options.spacing_m || same_steps(from, *options.spacing_m)) return {};
+    return {std::unique_ptr<OGRSpatialReference>(own.Clone()), options.bbox};
 }
 
 // To three digits: what a source has in its middle is no round number.
@@ -213,7 +296,7 @@ std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geograph
 }
 
 ReprojectionTarget choose_target(const Placement& from, const ReadOptions& options, const std::string& path) {
-    const bool automatic = options.crs == "auto", none = options.crs == "none";
+    const bool automatic = options.crs == "auto", none = options.crs == "none" || options.crs == "keep";
     if (!automatic && !none) {
         auto crs = named_crs(options.crs);
         if (from.axes == Axes::none)
@@ -229,13 +312,15 @@ ReprojectionTarget choose_target(const Placement& from, const ReadOptions& optio
         check_box(options);
         return {std::move(crs), options.bbox};
     }
+    if (from.axes == Axes::metres && !from.crs_wkt.empty()) return target_of_projected(from, options, path);
     if (options.spacing_m || from.axes == Axes::metres) return {};
     if (from.axes == Axes::none)
         throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
     if (none)
-        throw Failure(1, fmt::format("{}: is in degrees; give --spacing M (metres between samples), or leave out --crs "
-                                     "none to reproject it",
-                                     path));
+        throw Failure(1,
+                      fmt::format("{}: is in degrees; give --spacing M (metres between samples), or leave out --crs {} "
+                                  "to reproject it",
+                                  path, options.crs));
     if (from.axes == Axes::perhaps_degrees)
         throw Failure(1,
                       fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "

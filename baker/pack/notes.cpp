@@ -24,6 +24,8 @@ SourceFacts source_of(const json& j) {
     if (j.contains("band")) f.band = j.at("band").get<std::string>();
     f.height_unit = j.at("height_unit").get<std::string>();
     f.height_unit_m = j.at("height_unit_m").get<double>();
+    if (j.contains("ground_scale"))
+        for (std::size_t end = 0; end < 2; ++end) f.ground_scale[end] = j["ground_scale"].at(end).get<double>();
     if (!j.contains("reprojected_from")) return f;
     f.reprojected_from = j.at("reprojected_from").get<std::string>();
     for (std::size_t axis = 0; axis < 2; ++axis) f.from_step[axis] = j.at("from_step").at(axis).get<double>();
@@ -37,6 +39,7 @@ std::string notes_text(const PackNotes& notes) {
     const SourceFacts& f = notes.source;
     json source = {{"height_unit", f.height_unit}, {"height_unit_m", f.height_unit_m}};
     if (!f.band.empty()) source["band"] = f.band;
+    if (f.ground_scale[0] > 0) source["ground_scale"] = {f.ground_scale[0], f.ground_scale[1]};
     if (!f.reprojected_from.empty()) {
         source["reprojected_from"] = f.reprojected_from;
         source["from_step"] = {f.from_step[0], f.from_step[1]};

@@ -462,6 +462,13 @@ double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadO
         throw Failure(1,
                       fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
                                   path, named));
+    // Whoever counts feet across may count feet upwards, and a third of the height is no small mistake.
+    const double across_m = crs && crs->IsProjected() ? crs->GetLinearUnits() : 1;
+    if (named.empty() && vertical == 0 && !options.zscale && std::abs(across_m - 1) > 0.01)
+        throw Failure(1,
+                      fmt::format("{}: its CRS counts in units of {:.7g} m and its heights name no unit; give --zscale "
+                                  "{:.7g} if they are in the same, --zscale 1 if they are in metres",
+                                  path, across_m, across_m));
     if (unit == 0) return 1;                                                // --zscale says what a unit is
     if (vertical == 0 || std::abs(vertical / unit - 1) < 1e-5) return unit; // feet of two kinds differ by 2e-6
     if (named.empty()) return vertical;

@@ -30,16 +30,17 @@ struct DeclaredVoids {
 enum class Encoding : std::uint8_t { none, terrarium, terrain_rgb };
 
 struct ReadOptions {
-    // Overrides the file's; decides what to do with degrees (they count as a square grid) or without a georeference.
-    // With a crs that is named, the spacing to reproject to.
+    // Of a file without a CRS, and of one in degrees to take them as a square grid. What has a projected CRS, or gets
+    // one by a crs that is named, is resampled to it.
     std::optional<double> spacing_m;
-    // automatic ("auto"): what is in degrees is reprojected to metres (projection.h), the rest stays as it is. "none":
+    // automatic ("auto"): reprojected to metres (projection.h) is what is in degrees, or in a projected CRS whose
+    // metres are off the ground's by more than 0.5% or whose axes do not point east and north. "keep" and "none":
     // nothing is reprojected. Else a projected CRS as GDAL understands it ("EPSG:25832", WKT, PROJ) to reproject to.
     std::string crs = "auto";
     Encoding encoding = Encoding::none;
-    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; degrees, when there is
-    // no automatic CRS for all of the field; columns and rows, counted from the north-west, when there is no
-    // georeference.
+    // West, south, east, north: only samples inside. In the units of the CRS after reprojection; of the file's own,
+    // when that is projected and crs is automatic; degrees, when there is no automatic CRS for all of the field;
+    // columns and rows, counted from the north-west, when there is no georeference.
     std::optional<std::array<double, 4>> bbox;
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
     std::optional<double> zscale;

@@ -59,12 +59,13 @@ struct SourceProperties {
 
 // What the samples were before they were metres on this grid: told in summaries and kept in the pack.
 struct SourceFacts {
-    std::string reprojected_from; // the name of the CRS that they were reprojected from; empty: they were not
-    double from_step[2] = {0, 0}; // between samples there, in from_unit
-    std::string from_unit;        // "degrees" or "m"
-    std::string band;             // of several that the file has: "2 elevation"
-    std::string height_unit;      // as the file says; empty: it does not, so that they count as metres
-    double height_unit_m = 1;     // metres that 1 in the file counts for, with its own scale and --zscale
+    std::string reprojected_from;    // the name of the CRS that they were reprojected from; empty: they were not
+    double from_step[2] = {0, 0};    // between samples there, in from_unit
+    std::string from_unit;           // "degrees" or "m"
+    double ground_scale[2] = {0, 0}; // least and most metres of the grid that a metre of ground is; 0: not known
+    std::string band;                // of several that the file has: "2 elevation"
+    std::string height_unit;         // as the file says; empty: it does not, so that they count as metres
+    double height_unit_m = 1;        // metres that 1 in the file counts for, with its own scale and --zscale
 };
 
 class HeightSource {

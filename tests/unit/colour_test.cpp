@@ -273,17 +273,22 @@ TEST_CASE("an image lies by its coordinates whatever --spacing makes of a height
     heights.geotransform = {500000, 300, 0, 5000000, 0, -300};
     for (const auto& [crs, unit_m] : {std::pair{"EPSG:32632", 1.0}, {"EPSG:2225", 1200.0 / 3937}}) {
         heights.crs = crs;
+        ReadOptions as_it_is;
+        as_it_is.zscale = 1; // what counts feet across is asked about
         const std::string path = write(heights, dir / "projected.tif");
-        const auto own = open_source({path}, {});
+        const auto own = open_source({path}, as_it_is);
         CHECK(own->spacing_m[1] == Approx(300 * unit_m));
         CHECK(own->crs_step[1] == 300);
-        CHECK(open_source({path}, o)->crs_step[1] == 300);
-        CHECK(frame_of(*open_source({path}, o)).step[0] == 300);
-        CHECK(DemSource(read_dem(path, {})).crs_step[0] == 300);
-        Dem made = read_dem(path, {});
+        ReadOptions wider; // resampled
+        wider.spacing_m = 600;
+        wider.zscale = 1;
+        CHECK(open_source({path}, wider)->crs_step[1] == Approx(600 / unit_m));
+        CHECK(frame_of(*open_source({path}, wider)).step[0] == Approx(600 / unit_m));
+        CHECK(DemSource(read_dem(path, as_it_is)).crs_step[0] == 300);
+        Dem made = read_dem(path, as_it_is);
         made.crs_step[0] = made.crs_step[1] = 0;
         CHECK(DemSource(made).crs_step[0] == Approx(300)); // follows from the spacing
-        CHECK(DemSource(read_dem(path, o)).crs_step[0] == 300);
+        CHECK(DemSource(read_dem(path, wider)).crs_step[0] == Approx(600 / unit_m));
     }
 }
 

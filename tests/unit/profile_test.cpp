@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
-#include "fjell/profile/keys.h"
 #include "fjell/profile.h"
+#include "fjell/profile/keys.h"
 #include "io/file.h"
 #include "session/log.h"
 

@@ -26,7 +26,8 @@ TEST_CASE("real files of every format read as GDAL reads them") {
         if (path.empty()) continue;
         INFO(path);
         ReadOptions options = filling();
-        options.spacing_m = 60;
+        if (path.find("norway") == std::string::npos && path.find("Helens") == std::string::npos)
+            options.spacing_m = 60; // what is projected would be resampled
         const Dem dem = read_dem(path, options);
         for (int k = 0; k < 50; ++k) {
             const int x = k * 7919 % dem.columns, y = k * 104729 % dem.rows;
@@ -55,7 +56,7 @@ TEST_CASE("real files have holes exactly where GDAL reads their void value") {
         if (path.empty()) continue;
         INFO(path);
         ReadOptions options = with(holed.nodata);
-        options.spacing_m = 60;
+        if (path.find("Helens") == std::string::npos) options.spacing_m = 60; // what is projected would be resampled
         const Dem dem = read_dem(path, options);
         const GdalMessages quiet;
         const GdalFile file(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER));

@@ -123,7 +123,14 @@ TEST_CASE("a CRS in feet gives a spacing in metres") {
     const TempDir dir;
     Raster r = raster(4, 3, slope);
     r.crs = "EPSG:2263"; // New York, US survey feet
-    CHECK(read_dem(write(r, dir / "a.tif"), {}).spacing_m[0] == Approx(10 * 1200.0 / 3937).epsilon(1e-12));
+    const std::string path = write(r, dir / "a.tif");
+    ReadOptions o;
+    o.zscale = 1;
+    CHECK(read_dem(path, o).spacing_m[0] == Approx(10 * 1200.0 / 3937).epsilon(1e-12));
+    // Whether what counts feet across counts them upwards only the user knows.
+    check_refusal(refused(path), 1, path, {"0.3048006", "--zscale 1 if they are in metres"});
+    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("US survey foot"); };
+    CHECK(read_dem(write(r, dir / "b.tif"), {}).heights_m[0] == Approx(slope(0, 0) * 1200 / 3937));
 }
 
 TEST_CASE("the step that heights are multiples of is found") {

@@ -98,6 +98,101 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
     CHECK(static_cast<double>(holes) < 0.1 * dem.columns * dem.rows);
 }
 
+namespace {
+
+// A plane with one hill, on a field of 161 x 141 samples in a CRS around a place. Its top is 25% of the width and 30%
+// of the height from the middle, to the east and to the north of it as the Earth has them.
+struct Hill {
+    Raster field;
+    double east_m = 0, north_m = 0; // of the top from the middle, on the ground
+};
+Hill hill_in(const std::string& name, double longitude, double latitude, double step) {
+    register_drivers();
+    OGRSpatialReference degrees, crs;
+    degrees.importFromEPSG(4326);
+    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    crs.SetFromUserInput(name.c_str());
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRCoordinateTransformation> there(OGRCreateCoordinateTransformation(&degrees, &crs));
+    constexpr double metre = 1 / 111'200.0; // of latitude, in degrees: to 0.6%
+    double x[2] = {longitude, longitude + 1500 * metre / std::cos(latitude * M_PI / 180)};
+    double y[2] = {latitude, latitude + 1200 * metre};
+    REQUIRE(there->Transform(2, x, y));
+    Hill hill;
+    hill.east_m = 1500, hill.north_m = 1200;
+    hill.field = raster(161, 141, [&](int i, int j) {
+        const double px = x[0] + (i - 80) * step, py = y[0] - (j - 70) * step;
+        return 100 + 200 * std::exp(-(std::pow(px - x[1], 2) + std::pow(py - y[1], 2)) / (200 * step * step));
+    });
+    hill.field.geotransform = {x[0] - 80.5 * step, step, 0, y[0] + 70.5 * step, 0, -step};
+    hill.field.crs = name;
+    return hill;
+}
+
+} // namespace
+
+TEST_CASE("a hill lies where it is on the ground, as far as it is, in any projected CRS") {
+    const TempDir dir;
+    struct Case {
+        const char* crs;
+        double longitude, latitude, step; // in units of the CRS, some 30 m of ground
+        bool reprojected;
+    };
+    for (const Case& c : {Case{"EPSG:32632", 9, 47, 30, false},
+                          {"EPSG:25833", 15, 62, 30, false},
+                          {"EPSG:3857", 15, 62, 63.8, true},
+                          {"EPSG:3857", -120, 38, 38, true},
+                          {"EPSG:3857", 37, 0.1, 30, true},
+                          {"EPSG:32662", 10, 60, 40, true},
+                          {"EPSG:54009", 100, -40, 30, true},
+                          {"ESRI:54009", 100, -40, 30, true},
+                          {"EPSG:2048", 19, -33, 30, true},
+                          {"EPSG:5513", 15, 50, 30, true},
+                          {"EPSG:2065", 15, 50, 30, true},
+                          {"EPSG:32631", 25, 45, 30, true}}) {
+        OGRSpatialReference known;
+        const GdalMessages quiet;
+        if (known.SetFromUserInput(c.crs) != OGRERR_NONE) continue; // not in every PROJ
+        const Hill hill = hill_in(c.crs, c.longitude, c.latitude, c.step);
+        const std::string path = write(hill.field, dir / "hill.tif");
+        const Dem dem = read_dem(path, {});
+        CAPTURE(c.crs, c.latitude, dem.columns, dem.rows, dem.spacing_m[0]);
+        const auto source = open_source({path}, {});
+        CHECK(source->facts.reprojected_from.empty() == !c.reprojected);
+        // The top, and the middle of the plane: the mean of all places that are there.
+        double top = 0, middle_x = 0, middle_y = 0, count = 0;
+        int top_x = 0, top_y = 0;
+        for (int y = 0; y < dem.rows; ++y)
+            for (int x = 0; x < dem.columns; ++x) {
+                if (!dem.voids.empty() && dem.is_void(x, y)) continue;
+                middle_x += x, middle_y += y, ++count;
+                if (dem.at(x, y) > top) top = dem.at(x, y), top_x = x, top_y = y;
+            }
+        CHECK(top == Approx(300).margin(3));
+        const double east_m = (top_x - middle_x / count) * dem.spacing_m[0];
+        const double north_m = (middle_y / count - top_y) * dem.spacing_m[1];
+        // To a cell, the half percent that is allowed, and what two planes are turned against each other.
+        CHECK(std::hypot(east_m, north_m) == Approx(std::hypot(hill.east_m, hill.north_m)).epsilon(0.012).margin(45));
+        if (c.reprojected) {
+            CHECK(east_m == Approx(hill.east_m).margin(110));
+            CHECK(north_m == Approx(hill.north_m).margin(110));
+        }
+    }
+    // As it is, when that is asked for, and another spacing is resampled to.
+    const Hill hill = hill_in("EPSG:3857", 15, 62, 63.8);
+    const std::string path = write(hill.field, dir / "hill.tif");
+    ReadOptions keep;
+    keep.crs = "keep";
+    CHECK(open_source({path}, keep)->spacing_m[0] == Approx(63.8));
+    CHECK(open_source({path}, keep)->facts.ground_scale[1] == Approx(2.12).margin(0.02));
+    const Hill utm = hill_in("EPSG:32633", 15, 62, 30);
+    ReadOptions wider;
+    wider.spacing_m = 90;
+    const auto resampled = open_source({write(utm.field, dir / "utm.tif")}, wider);
+    CHECK(resampled->spacing_m[0] == 90);
+    CHECK(resampled->columns == Approx(161 / 3.0).margin(2));
+}
+
 TEST_CASE("reprojection digs no trench beside a cliff and builds no wall on it, whatever the spacing") {
     const TempDir dir;
     // An island, level and 300 m high, in a level sea.
