@@ -462,9 +462,23 @@ void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::v
     }
 }
 
+// Vertices of a tile that no tile before it has, row by row of tiles.
+std::uint64_t own_vertices(const Tree& tree, const std::vector<std::uint32_t>& tiles, std::int32_t tx,
+                           std::int32_t ty) {
+    const auto there = [&](std::int32_t x, std::int32_t y) {
+        return x >= 0 && y >= 0 && x < tree.tiles_x &&
+               tiles[static_cast<std::size_t>(y) * static_cast<std::size_t>(tree.tiles_x) +
+                     static_cast<std::size_t>(x)] != no_tile;
+    };
+    const auto side = static_cast<std::uint64_t>(tree.side());
+    const bool west = there(tx - 1, ty), north = there(tx, ty - 1);
+    const bool north_west = there(tx - 1, ty - 1), north_east = there(tx + 1, ty - 1);
+    return side * side + (north ? 0 : side - 1 + (north_east ? 0 : 1)) + (west ? 0 : side) +
+           (west || north || north_west ? 0 : 1);
+}
+
 VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights) {
     VerifyReport all;
-    all.vertices = static_cast<std::uint64_t>(tree.grid_columns()) * static_cast<std::uint64_t>(tree.grid_rows());
     const std::vector<std::uint32_t> tiles = pages.tiles(tree);
     const auto across = static_cast<std::size_t>(tree.tiles_x);
     std::vector<Borders> row, above;
@@ -488,6 +502,7 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights)
             const std::size_t place = static_cast<std::size_t>(ty) * across + x, tile = tiles[place];
             if (tile == no_tile) continue;
             add(all, reports[x]);
+            all.vertices += own_vertices(tree, tiles, static_cast<std::int32_t>(x), ty);
             if (x > 0 && tiles[place - 1] != no_tile) compare(all, row[x - 1].east, row[x].west, "west", tile);
             if (ty > 0 && tiles[place - across] != no_tile) compare(all, above[x].south, row[x].north, "north", tile);
         }

@@ -18,6 +18,7 @@
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/check/second_reading.h"
 #include "baker/check/verify.h"
 #include "baker/check/verify_maps.h"
 #include "baker/cli/arguments.h"
@@ -66,6 +67,7 @@ int run_bake(const Arguments& a) {
     if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake --help");
     if (!recipe.output) throw Failure(2, "no output given; add -o OUT.fjell");
     const std::string& output = *recipe.output;
+    if (output == "-") throw Failure(2, "-o -: " + std::string(no_stream));
     BakeOptions options = bake_options(recipe);
     std::vector<std::string> outputs = places_written(output);
     outputs.push_back(a.json_path);
@@ -246,15 +248,26 @@ int run_verify(const Arguments& a) {
         check_spacing(*against, source.inputs.front(), pack.pack().header);
     }
     VerifyReport r = verify(pack, against.get());
+    SecondReading again;
+    if (against && !source.inputs.front().ends_with(".json"))
+        again = read_again(source.inputs, read_options(source), against->facts, pack);
     const std::string seam = r.border_mismatches != 0 ? seam_of(a.pack) : "";
     if (!seam.empty()) r.first = seam;
     r.chunks = check_all_chunks(pack);
     const MapsReport maps = check_maps(pack);
-    const bool ok = r.ok() && maps.ok(), prints = a.verify_json_path != "-";
-    report.write(verify_json(r, maps));
+    const bool ok = r.ok() && maps.ok(), prints = !a.quiet && a.verify_json_path != "-";
+    json said = verify_json(r, maps);
+    said["ok"] = ok && again.wrong.empty();
+    said["read_again"] = again.account.empty() ? json() : json(again.account);
+    if (ok && !again.wrong.empty()) said["first"] = again.wrong;
+    report.write(said);
     if (prints) print_verify(r, maps, source.inputs);
+    if (prints && !again.account.empty()) fmt::print("as GDAL alone reads it: {}\n", again.account);
     if (!seam.empty()) throw Failure(1, seam);
     if (!ok) throw Failure(1, verdict(r, maps, a.pack, source));
+    if (!again.wrong.empty())
+        throw Failure(1, fmt::format("{}: {}, as GDAL alone reads it: {}; bake it again", a.pack,
+                                     fmt::join(source.inputs, " "), again.wrong));
     if (prints) fmt::print("ok\n");
     return 0;
 }
@@ -276,12 +289,13 @@ int run_split(const Arguments& a) {
     ProgressBar bar(a.quiet);
     const SetSummary s = split_pack(a.pack, a.set_folder, a.packs.value_or(SetGrid{}),
                                     [&](std::uint64_t done, std::uint64_t total) { bar("split", done, total); });
-    print_set(s, a.set_folder);
+    if (!a.quiet) print_set(s, a.set_folder);
     return 0;
 }
 
 int run_join(const Arguments& a) {
     const JoinSummary s = join_packs(a.set_folder);
+    if (a.quiet) return 0;
     print_set(s.set, a.set_folder);
     fmt::print("{} vertices where packs meet: heights, holes, errors and radii agree; {:.1f} MB of pages were read\n",
                s.borders.vertices, static_cast<double>(s.borders.bytes_read) / 1e6);

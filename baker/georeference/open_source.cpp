@@ -173,6 +173,9 @@ SourceFacts facts_of(const ReadPlan& plan) {
     SourceFacts f;
     const FileFacts& first = plan.layout.files.front().facts;
     f.band = first.band;
+    f.driver = first.driver;
+    f.type = first.type;
+    f.voids = first.voids;
     f.height_unit = first.height_unit;
     f.height_unit_m = first.decoding.scaling.file_scale * first.decoding.scaling.zscale;
     if (!plan.warped) return f;
@@ -242,10 +245,14 @@ void FileSource::refuse_voids(const ReadStatistics& statistics) const {
     const std::uint64_t all = plan_->crop.area();
     const auto& voids = statistics.voids;
     const auto& implausible = statistics.implausible;
+    if (!(statistics.least_m <= statistics.most_m) && implausible.count)
+        throw Failure(
+            1, fmt::format("{}: no height lies within {}..{} m, the first is {} m at column {}, row {}; if they "
+                           "are heights all the same, give --void none, if they are counted from elsewhere, "
+                           "--zoffset M, if the unit is another, --zscale S",
+                           path, lowest_m, highest_m, statistics.implausible_m, implausible.column, implausible.row));
     if (!(statistics.least_m <= statistics.most_m))
-        throw Failure(1,
-                      fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights",
-                                  path, all, lowest_m, highest_m));
+        throw Failure(1, fmt::format("{}: all {} samples are no-data or NaN; give a file with heights", path, all));
     if (implausible.count && (nodata == NoData::automatic || nodata == NoData::refuse))
         throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
                                      "if they are voids, {}; if the unit is another, give --zscale S",

@@ -7,6 +7,9 @@
 
 #include <cpl_vsi.h>
 
+#include "baker/bake/bake.h"
+#include "baker/check/second_reading.h"
+#include "fjell/io/pack_file.h"
 #include "read_support.h"
 
 using namespace fjell;
@@ -187,4 +190,49 @@ TEST_CASE("bytes with a sign and 16 bits beside a table of colours are the numbe
         written.GetRasterBand(1)->SetColorTable(&colours);
     };
     check_slope(read_dem(write(table, dir / "t.tif"), {}), 41, 31);
+}
+
+TEST_CASE("a second reading by GDAL alone finds another range and other samples, and only those") {
+    const TempDir dir;
+    const auto write_bytes = [&](const std::string& path, const char* kind, int step) {
+        Raster r = raster(17, 15, [=](int x, int y) { return (200 + step * (x + 17 * y)) % 256; });
+        r.type = GDT_Byte;
+        if (*kind) r.creation = {kind};
+        return write(r, path);
+    };
+    const std::string signed_path = write_bytes(dir / "s.tif", "PIXELTYPE=SIGNEDBYTE", 1);
+    const std::string plain_path = write_bytes(dir / "p.tif", "", 1), other_path = write_bytes(dir / "o.tif", "", 3);
+    const auto source = open_source({signed_path}, {});
+    BakeOptions options;
+    options.threads = 1;
+    (void)bake(*source, options, dir / "s.fjell");
+    const io::PackFile pack(dir / "s.fjell");
+    const SecondReading good = read_again({signed_path}, {}, source->facts, pack);
+    CHECK(good.wrong == "");
+    CHECK(good.account == "GTiff signed Byte, -128 to 127 m, 5 samples");
+    // The same bytes without their sign, as they were baked before.
+    CHECK(read_again({plain_path}, {}, source->facts, pack).wrong != "");
+    ReadOptions fills; // whose range proves nothing
+    fills.nodata = NoData::fill;
+    CHECK(read_again({plain_path}, fills, source->facts, pack).wrong.find("at column ") == 0);
+    const auto plain = open_source({plain_path}, {});
+    (void)bake(*plain, options, dir / "p.fjell");
+    const io::PackFile plain_pack(dir / "p.fjell");
+    CHECK(read_again({plain_path}, {}, plain->facts, plain_pack).wrong == "");
+    CHECK(read_again({other_path}, {}, plain->facts, plain_pack).wrong.find("at column ") == 0);
+    ReadOptions taller;
+    taller.zscale = 0.5;
+    CHECK(read_again({plain_path, plain_path}, taller, plain->facts, plain_pack)
+              .wrong.find("its numbers are 0 to 127.5 m") == 0);
+}
+
+TEST_CASE("heights that lie all beyond belief are refused with what takes them") {
+    const TempDir dir;
+    const std::string path = write(raster(41, 31, [](int x, int y) { return 1e6 + slope(x, y); }), dir / "far.tif");
+    CHECK(refused(path).says("no height lies within -12000..30000 m, the first is 1000100 m at column 0, row 0"));
+    ReadOptions none, offset;
+    none.voids.no_others = true;
+    offset.zoffset_m = -1e6;
+    CHECK(read_dem(path, none).at(0, 0) == 1000100);
+    check_slope(read_dem(path, offset), 41, 31);
 }
