@@ -245,14 +245,17 @@ void FileSource::refuse_voids(const ReadStatistics& statistics) const {
     const std::uint64_t all = plan_->crop.area();
     const auto& voids = statistics.voids;
     const auto& implausible = statistics.implausible;
-    if (!(statistics.least_m <= statistics.most_m) && implausible.count)
-        throw Failure(
-            1, fmt::format("{}: no height lies within {}..{} m, the first is {} m at column {}, row {}; if they "
-                           "are heights all the same, give --void none, if they are counted from elsewhere, "
-                           "--zoffset M, if the unit is another, --zscale S",
-                           path, lowest_m, highest_m, statistics.implausible_m, implausible.column, implausible.row));
-    if (!(statistics.least_m <= statistics.most_m))
-        throw Failure(1, fmt::format("{}: all {} samples are no-data or NaN; give a file with heights", path, all));
+    if (!(statistics.least_m <= statistics.most_m)) {
+        const std::string heights =
+            implausible.count
+                ? fmt::format(
+                      ", such as {} m at column {}, row {}; if these are heights all the same, give --void none, "
+                      "if they are counted from elsewhere, --zoffset M, if their unit is another, --zscale S",
+                      statistics.implausible_m, implausible.column, implausible.row)
+                : "; give a file with heights";
+        throw Failure(1, fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m{}", path, all, lowest_m,
+                                     highest_m, heights));
+    }
     if (implausible.count && (nodata == NoData::automatic || nodata == NoData::refuse))
         throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
                                      "if they are voids, {}; if the unit is another, give --zscale S",
