@@ -462,24 +462,29 @@ void compare(VerifyReport& all, const std::vector<StoredVertex>& a, const std::v
     }
 }
 
-// Vertices of a tile that no tile before it has, row by row of tiles.
-std::uint64_t own_vertices(const Tree& tree, const std::vector<std::uint32_t>& tiles, std::int32_t tx,
-                           std::int32_t ty) {
+// Places where there is a tile, or a border or a corner of one. tiles: by place; no_tile: there is none.
+std::uint64_t vertex_count(const Tree& tree, const std::vector<std::uint32_t>& tiles) {
     const auto there = [&](std::int32_t x, std::int32_t y) {
-        return x >= 0 && y >= 0 && x < tree.tiles_x &&
+        return x >= 0 && y >= 0 && x < tree.tiles_x && y < tree.tiles_y &&
                tiles[static_cast<std::size_t>(y) * static_cast<std::size_t>(tree.tiles_x) +
                      static_cast<std::size_t>(x)] != no_tile;
     };
-    const auto side = static_cast<std::uint64_t>(tree.side());
-    const bool west = there(tx - 1, ty), north = there(tx, ty - 1);
-    const bool north_west = there(tx - 1, ty - 1), north_east = there(tx + 1, ty - 1);
-    return side * side + (north ? 0 : side - 1 + (north_east ? 0 : 1)) + (west ? 0 : side) +
-           (west || north || north_west ? 0 : 1);
+    const auto inside = static_cast<std::uint64_t>(tree.side()) - 1; // of a side, without its ends
+    std::uint64_t count = 0;
+    for (std::int32_t y = 0; y <= tree.tiles_y; ++y)
+        for (std::int32_t x = 0; x <= tree.tiles_x; ++x) {
+            const bool here = there(x, y), west = there(x - 1, y), north = there(x, y - 1);
+            count += here ? inside * inside : 0;
+            count += (here || north ? inside : 0) + (here || west ? inside : 0);
+            count += here || west || north || there(x - 1, y - 1) ? 1 : 0;
+        }
+    return count;
 }
 
 VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights) {
     VerifyReport all;
     const std::vector<std::uint32_t> tiles = pages.tiles(tree);
+    all.vertices = vertex_count(tree, tiles);
     const auto across = static_cast<std::size_t>(tree.tiles_x);
     std::vector<Borders> row, above;
     std::vector<VerifyReport> reports;
@@ -502,7 +507,6 @@ VerifyReport check_tiles(const Tree& tree, Pages& pages, SourceHeights* heights)
             const std::size_t place = static_cast<std::size_t>(ty) * across + x, tile = tiles[place];
             if (tile == no_tile) continue;
             add(all, reports[x]);
-            all.vertices += own_vertices(tree, tiles, static_cast<std::int32_t>(x), ty);
             if (x > 0 && tiles[place - 1] != no_tile) compare(all, row[x - 1].east, row[x].west, "west", tile);
             if (ty > 0 && tiles[place - across] != no_tile) compare(all, above[x].south, row[x].north, "north", tile);
         }

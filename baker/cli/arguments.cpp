@@ -159,8 +159,6 @@ void add_common_options(CLI::App& app, Arguments& a) {
     for (CLI::App* const command : app.get_subcommands([](CLI::App*) { return true; })) {
         if (!command->get_option_no_throw("--quiet"))
             command->add_flag("--quiet", a.quiet, "no progress, no summary: only what is wrong");
-        if (CLI::Option* const output = command->get_option_no_throw("--output"))
-            output->check([](const std::string& name) { return std::string(name == "-" ? no_stream : ""); });
         if (command->get_option_no_throw("--json")) continue;
         const std::string why = command->get_name() + " has no summary for scripts; leave --json out";
         command

@@ -45,9 +45,6 @@ struct Arguments {
     std::uint32_t texels = 512;
 };
 
-// Of "-o -", which would be a file of that name.
-inline constexpr const char* no_stream = "outputs are files, not streams; give a name (./- for a file called -)";
-
 struct Commands {
     CLI::App* info;
     CLI::App* verify;

@@ -67,7 +67,6 @@ int run_bake(const Arguments& a) {
     if (recipe.inputs.empty()) throw Failure(2, "no height field given; see fjell-bake --help");
     if (!recipe.output) throw Failure(2, "no output given; add -o OUT.fjell");
     const std::string& output = *recipe.output;
-    if (output == "-") throw Failure(2, "-o -: " + std::string(no_stream));
     BakeOptions options = bake_options(recipe);
     std::vector<std::string> outputs = places_written(output);
     outputs.push_back(a.json_path);

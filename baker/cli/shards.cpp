@@ -123,6 +123,7 @@ int run_plan(const Arguments& a) {
     write_plan(plan, recipe, a.plan_folder);
     std::string steps;
     for (const ShardStep& step : shard_steps(plan.rounds)) steps += " " + step.name();
+    if (a.quiet) return 0;
     fmt::print("{}: {} shards of {} x {} samples in tiles of {} cells\n", a.plan_folder, plan.shards, plan.columns,
                plan.rows, 1 << plan.tile_log2);
     fmt::print("for each step of{}: all shards from fjell-bake shard {} 1/{} --step STEP on, in any order; then "

@@ -246,15 +246,14 @@ void FileSource::refuse_voids(const ReadStatistics& statistics) const {
     const auto& voids = statistics.voids;
     const auto& implausible = statistics.implausible;
     if (!(statistics.least_m <= statistics.most_m)) {
-        const std::string heights =
-            implausible.count
-                ? fmt::format(
-                      ", such as {} m at column {}, row {}; if these are heights all the same, give --void none, "
-                      "if they are counted from elsewhere, --zoffset M, if their unit is another, --zscale S",
-                      statistics.implausible_m, implausible.column, implausible.row)
-                : "; give a file with heights";
-        throw Failure(1, fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m{}", path, all, lowest_m,
-                                     highest_m, heights));
+        std::string text =
+            fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights", path, all,
+                        lowest_m, highest_m);
+        if (implausible.count)
+            text += fmt::format(", or if such as {} m are heights: --zscale S for another unit, --zoffset M if they "
+                                "count from elsewhere, --void none if they are right",
+                                statistics.implausible_m);
+        throw Failure(1, text);
     }
     if (implausible.count && (nodata == NoData::automatic || nodata == NoData::refuse))
         throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "

@@ -362,7 +362,7 @@ private:
 class LandSource final : public HeightSource {
 public:
     explicit LandSource(const LandRecipe& recipe) : recipe_(recipe), land_(recipe) {
-        facts.height_unit = std::string("m"); // g++ 12 takes a literal here for an overflow
+        facts.height_unit = std::string("m");
         columns = recipe.columns;
         rows = recipe.rows;
         spacing_m[0] = spacing_m[1] = recipe.spacing_m;

@@ -196,6 +196,7 @@ void keep_owner(int fd, const std::string& replaced) {
 AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
     : path_(where_written(path)), temporary_(temporary) {
     struct stat before {};
+    if (path == "-") throw Failure(2, "-: this output cannot go to standard output; give it a file name");
     const bool replaces = stat(path_.c_str(), &before) == 0;
     const bool pipe = replaces && S_ISFIFO(before.st_mode), device = replaces && S_ISCHR(before.st_mode);
     if (replaces && !S_ISREG(before.st_mode) && !device && (!pipe || !temporary.empty()))

@@ -229,11 +229,29 @@ TEST_CASE("a second reading by GDAL alone finds another range and other samples,
 TEST_CASE("heights that lie all beyond belief are refused with what takes them") {
     const TempDir dir;
     const std::string path = write(raster(41, 31, [](int x, int y) { return 1e6 + slope(x, y); }), dir / "far.tif");
-    CHECK(refused(path).says("outside -12000..30000 m, such as 1000100 m at column 0, row 0"));
+    CHECK(refused(path).says("or if such as 1000100 m are heights"));
     CHECK(refused(path).says("--void none"));
     ReadOptions none, offset;
     none.voids.no_others = true;
     offset.zoffset_m = -1e6;
     CHECK(read_dem(path, none).at(0, 0) == 1000100);
     check_slope(read_dem(path, offset), 41, 31);
+}
+
+TEST_CASE("a second reading finds that another band was baked") {
+    const TempDir dir;
+    Raster r = raster(41, 31, slope);
+    r.bands = 2;
+    r.more = [](GDALDataset& file) {
+        REQUIRE(file.GetRasterBand(1)->Fill(200) == CE_None); // within the range of the other
+        file.GetRasterBand(2)->SetDescription("elevation");
+    };
+    const std::string path = write(r, dir / "two.tif");
+    const auto source = open_source({path}, {});
+    (void)bake(*source, {}, dir / "two.fjell");
+    const io::PackFile pack(dir / "two.fjell");
+    CHECK(read_again({path}, {}, source->facts, pack).wrong == "");
+    SourceFacts other = source->facts;
+    other.band = "1";
+    CHECK(read_again({path}, {}, other, pack).wrong.find("at column 2, row 3 its number is 200") == 0);
 }
