@@ -255,3 +255,44 @@ TEST_CASE("a second reading finds that another band was baked") {
     other.band = "1";
     CHECK(read_again({path}, {}, other, pack).wrong.find("at column 2, row 3 its number is 200") == 0);
 }
+
+TEST_CASE("no common kind of file that GDAL writes is refused, and all hold the same heights") {
+    const TempDir dir;
+    register_drivers();
+    int kinds = 0;
+    const auto take = [&](const char* driver, const Raster& r, const std::string& path) {
+        CAPTURE(driver, GDALGetDataTypeName(r.type), path);
+        ++kinds;
+        try {
+            check_slope(read_dem(write(r, path, driver), {}), 15, 11);
+        } catch (const Failure& failure) {
+            FAIL_CHECK(failure.what());
+        }
+    };
+    const std::vector<GDALDataType> types{GDT_Byte,  GDT_UInt16,  GDT_Int16,  GDT_UInt32,
+                                          GDT_Int32, GDT_Float32, GDT_Float64};
+    Raster r = raster(15, 11, slope); // 100 to 212
+    r.crs = "EPSG:32632";
+    for (const GDALDataType type : types) {
+        r.type = type;
+        for (const char* const option : {"COMPRESS=NONE", "COMPRESS=LZW", "COMPRESS=DEFLATE", "COMPRESS=PACKBITS",
+                                         "TILED=YES", "BIGTIFF=YES", "ENDIANNESS=BIG"}) {
+            r.creation = {option};
+            take("GTiff", r, dir / "a.tif");
+        }
+        r.creation.clear();
+        for (const char* const driver : {"COG", "HFA", "ENVI", "EHdr", "ERS", "RST", "PCIDSK", "netCDF", "KRO", "BT",
+                                         "AAIGrid", "GSBG", "GS7BG", "GSAG"}) {
+            GDALDriver* const known = GetGDALDriverManager()->GetDriverByName(driver);
+            const char* const writes = known ? known->GetMetadataItem(GDAL_DMD_CREATIONDATATYPES) : nullptr;
+            if (!writes || (" " + std::string(writes) + " ").find(std::string(" ") + GDALGetDataTypeName(type) + " ") ==
+                               std::string::npos)
+                continue;
+            const char* const ending = known->GetMetadataItem(GDAL_DMD_EXTENSION);
+            take(driver, r,
+                 dir / (std::string(driver) + GDALGetDataTypeName(type) + "." + (ending && *ending ? ending : "dat")));
+        }
+    }
+    CAPTURE(kinds);
+    CHECK(kinds >= 100);
+}
