@@ -1,18 +1,26 @@
-// A second reading of a height field, by GDAL alone, so that what both halves of `verify --against` read alike is not
-// taken for right.
+// A height field looked at by GDAL alone, against the pack that was baked of it. `verify --against` reads heights as
+// the bake does, so that it repeats what the bake mistakes; this shares nothing with it but the choice of the band and
+// the unit.
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "baker/bake/recipe.h"
+#include "baker/read/options.h"
 #include "baker/read/source.h"
 #include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
 
-// Compares the range and five samples with the pack's. Empty: they agree, or the source is one of those that only ours
-// can read: several files, recipes, coded pictures, raw numbers, boxes, what was reprojected. Else what differs, in one
-// line. Throws Failure when the file cannot be opened. O(samples).
-[[nodiscard]] std::string second_reading(const Recipe& source, const SourceFacts& facts, const io::PackFile& pack);
+struct SecondReading {
+    std::string account; // what was compared, in words; empty: nothing could be
+    std::string wrong;   // the first thing that does not agree; empty: none
+};
+
+// paths, options: what the pack was baked from, and how. facts: what the baker's own reading says of it. The range of
+// all numbers; of one file that was neither reprojected nor cut also five samples. Heights in the pack that the file
+// has no number for are not compared. O(samples). Throws Failure for a pack that is damaged.
+[[nodiscard]] SecondReading read_again(const std::vector<std::string>& paths, const ReadOptions& options,
+                                       const SourceFacts& facts, const io::PackFile& pack);
 
 } // namespace fjell::baker

@@ -154,6 +154,21 @@ void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
     c.materials->add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
 }
 
+// What all commands take alike; the summary for scripts where one has any, and a refusal where it has none.
+void add_common_options(CLI::App& app, Arguments& a) {
+    for (CLI::App* const command : app.get_subcommands([](CLI::App*) { return true; })) {
+        if (!command->get_option_no_throw("--quiet"))
+            command->add_flag("--quiet", a.quiet, "no progress, no summary: only what is wrong");
+        if (command->get_option_no_throw("--json")) continue;
+        const std::string why = command->get_name() + " has no summary for scripts; leave --json out";
+        command
+            ->add_option_function<std::string>(
+                "--json", [why](const std::string&) { throw io::Failure(2, why); }, "")
+            ->expected(0, 1)
+            ->group("");
+    }
+}
+
 void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
     c.split->add_option("PACK", a.pack)->required();
@@ -199,8 +214,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
     declare_shards(app, a, c);
-    for (CLI::App* const command : {c.verify, c.heights, c.split, c.join, c.synth, c.materials, c.plan})
-        command->add_flag("--quiet", a.quiet, "no progress, no summary");
+    add_common_options(app, a);
     app.require_subcommand(0, 1);
     return c;
 }

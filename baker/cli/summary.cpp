@@ -117,6 +117,8 @@ std::string spacing_text(const double (&step)[2]) {
 }
 
 void add_source(json& to, const SourceFacts& f) {
+    for (const auto& [key, text] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
+        to[key] = text->empty() ? json() : json(*text);
     to["band"] = f.band.empty() ? json() : json(f.band);
     to["height_unit"] = f.height_unit.empty() ? json() : json(f.height_unit);
     to["height_unit_m"] = f.height_unit_m;
@@ -132,13 +134,15 @@ void add_source(json& to, const SourceFacts& f) {
 std::string describe(const BakeSummary& s) {
     const SourceFacts& f = s.source;
     std::string text = fmt::format("heights {:.6g} to {:.6g} m (", s.min_m, s.max_m);
+    if (!f.driver.empty()) text += f.driver + ", " + f.type + "; ";
     if (!f.band.empty()) text += "band " + f.band + "; ";
     text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
     text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
     const double samples = static_cast<double>(s.columns) * s.rows;
-    text += s.voids ? fmt::format("; {} samples are holes ({:.2g}%)\n", s.voids,
-                                  100 * static_cast<double>(s.voids) / samples)
-                    : "; no holes\n";
+    text += s.voids
+                ? fmt::format("; {} samples are holes ({:.2g}%)", s.voids, 100 * static_cast<double>(s.voids) / samples)
+                : "; no holes";
+    text += f.voids.empty() ? "\n" : "; voids by " + f.voids + "\n";
     const std::string crs = crs_text(crs_label(s.crs_wkt));
     text += fmt::format("samples {} m apart, {}", spacing_text(s.spacing_m), crs.empty() ? "no CRS" : "in " + crs);
     if (!f.reprojected_from.empty())
@@ -163,8 +167,8 @@ void add_description(json& to, const BakeSummary& s) {
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key : {"images", "ground_error_m", "read", "band", "height_unit", "height_unit_m", "ground_scale",
-                            "reprojected_from"})
+    for (const char* key : {"images", "driver", "type", "voids", "ground_error_m", "read", "band", "height_unit",
+                            "height_unit_m", "ground_scale", "reprojected_from"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;

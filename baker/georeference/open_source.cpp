@@ -174,6 +174,9 @@ SourceFacts facts_of(const ReadPlan& plan) {
     SourceFacts f;
     const FileFacts& first = plan.layout.files.front().facts;
     f.band = first.band;
+    f.driver = first.driver;
+    f.type = first.type;
+    f.voids = first.voids;
     f.height_unit = first.height_unit;
     f.height_unit_m = first.decoding.scaling.file_scale * first.decoding.scaling.zscale;
     const Placement& at = plan.target;

@@ -21,6 +21,8 @@ using nlohmann::json;
 
 SourceFacts source_of(const json& j) {
     SourceFacts f;
+    for (const auto& [key, to] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
+        if (j.contains(key)) *to = j.at(key).get<std::string>();
     if (j.contains("band")) f.band = j.at("band").get<std::string>();
     f.height_unit = j.at("height_unit").get<std::string>();
     f.height_unit_m = j.at("height_unit_m").get<double>();
@@ -38,6 +40,8 @@ SourceFacts source_of(const json& j) {
 std::string notes_text(const PackNotes& notes) {
     const SourceFacts& f = notes.source;
     json source = {{"height_unit", f.height_unit}, {"height_unit_m", f.height_unit_m}};
+    for (const auto& [key, text] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
+        if (!text->empty()) source[key] = *text;
     if (!f.band.empty()) source["band"] = f.band;
     if (f.ground_scale[0] > 0) source["ground_scale"] = {f.ground_scale[0], f.ground_scale[1]};
     if (!f.reprojected_from.empty()) {

@@ -229,6 +229,9 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     facts_.sequential = is_sequential(*file_, path);
     facts_.identity = identity_of(*file_, path);
     find_voids_of(first, options, facts_.decoding);
+    facts_.driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
+    facts_.type =
+        fmt::format("{}{}", is_signed_byte(first) ? "signed " : "", GDALGetDataTypeName(first.GetRasterDataType()));
     if (coded) {
         facts_.decoding.scaling = {1, 0, options.zscale.value_or(1), options.zoffset_m};
         facts_.decoding.whole = true;
@@ -258,6 +261,7 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     const int flags = first.GetMaskFlags();
     if (!(flags & GMF_ALL_VALID) && (!(flags & GMF_NODATA) || (flags & (GMF_ALPHA | GMF_PER_DATASET))))
         mask_ = first.GetMaskBand();
+    facts_.voids = mask_ ? "mask" : tagged_ ? fmt::format("no-data {}", first.GetNoDataValue()) : "";
 }
 
 void HeightFile::refuse(const Window& in_file, const GdalMessages& messages) {

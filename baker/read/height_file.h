@@ -22,8 +22,10 @@ struct FileFacts {
     bool sequential = false; // its format is decoded from the start
     std::string height_unit; // as the file calls it; empty: it does not
     std::string band;        // of several: "2 elevation"
-    double step = 1;         // raw numbers are multiples of this, unless they have a fraction
-    std::string identity;    // names, sizes and times of everything it is read from
+    std::string driver, type;
+    std::string voids;    // how the file tells them; empty: it does not
+    double step = 1;      // raw numbers are multiples of this, unless they have a fraction
+    std::string identity; // names, sizes and times of everything it is read from
 };
 
 // An open file. One thread at a time. Throws Failure (georeference/open_source.h).

@@ -63,6 +63,8 @@ struct SourceFacts {
     double from_step[2] = {0, 0};    // between samples there, in from_unit
     std::string from_unit;           // "degrees" or "m"
     double ground_scale[2] = {0, 0}; // least and most metres of the grid that a metre of ground is; 0: not known
+    std::string driver, type;        // of the first file, as GDAL calls them; empty: not from a file
+    std::string voids;               // how it tells them: "mask", "no-data -9999"; empty: it does not
     std::string band;                // of several that the file has: "2 elevation"
     std::string height_unit;         // as the file says; empty: it does not, so that they count as metres
     double height_unit_m = 1;        // metres that 1 in the file counts for, with its own scale and --zscale

@@ -59,14 +59,15 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
     const Run baked = run_in(folder.path, bake + "feet.vrt -o out.fjell --json bake.json");
     CAPTURE(baked.out, baked.err);
     REQUIRE(baked.code == 0);
-    for (const char* part :
-         {"in the file in ft: 1 is 0.3048 m", " samples are holes (", "in WGS 84 / UTM zone 32N (EPSG:32632)",
-          "reprojected from WGS 84 (EPSG:4326), where they are 0.001 degrees apart"})
+    for (const char* part : {"(VRT, Float32; in the file in ft: 1 is 0.3048 m", "voids by no-data -99",
+                             " samples are holes (", "in WGS 84 / UTM zone 32N (EPSG:32632)",
+                             "reprojected from WGS 84 (EPSG:4326), where they are 0.001 degrees apart"})
         CHECK(baked.out.find(part) != std::string::npos);
     const auto told = nlohmann::json::parse(slurp(folder / "bake.json"));
     const auto info = nlohmann::json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
     for (const auto& j : {told, info}) {
         CAPTURE(j.dump());
+        CHECK((j["driver"] == "VRT" && j["type"] == "Float32" && j["voids"] == "no-data -99"));
         CHECK(j["height_unit"] == "ft");
         CHECK(j["height_unit_m"] == Approx(0.3048));
         CHECK(j["reprojected_from"]["crs_name"] == "WGS 84 (EPSG:4326)");
@@ -83,6 +84,22 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
           std::string::npos);
     REQUIRE(run_in(folder.path, bake + "dem.asc -o plain.fjell --spacing 30 --zscale 0.5 --nodata fill").code == 0);
     CHECK(nlohmann::json::parse(run_in(folder.path, bake + "info plain.fjell --json").out)["height_unit_m"] == 0.5);
+}
+
+TEST_CASE("every command takes --quiet, and --json or says that it does not") {
+    const TemporaryFolder folder;
+    for (const std::string command :
+         {"info", "verify", "heights", "split", "join", "synth", "materials", "plan", "shard", "launch", "merge"}) {
+        CAPTURE(command);
+        CHECK(run_in(folder.path, bake + command + " --help").out.find("--quiet") != std::string::npos);
+        const Run json = run_in(folder.path, bake + command + " none none -o none --json -");
+        const bool has = run_in(folder.path, bake + command + " --help").out.find("--json") != std::string::npos;
+        CHECK((json.err.find("has no summary for scripts; leave --json out") == std::string::npos) == has);
+    }
+    spit(folder / "dem.asc", ascii_grid(20, 20, "5"));
+    REQUIRE(run_in(folder.path, bake + "dem.asc -o out.fjell --quiet").code == 0);
+    CHECK(run_in(folder.path, bake + "verify out.fjell --against dem.asc")
+              .out.find("as GDAL alone reads it: AAIGrid Int32, 5 to 5 m, 5 samples") != std::string::npos);
 }
 
 TEST_CASE("with --json - standard output holds JSON and nothing else") {

@@ -9,6 +9,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/check/second_reading.h"
+#include "fjell/io/pack_file.h"
 #include "read_support.h"
 
 using namespace fjell;
@@ -191,28 +192,107 @@ TEST_CASE("bytes with a sign and 16 bits beside a table of colours are the numbe
     check_slope(read_dem(write(table, dir / "t.tif"), {}), 41, 31);
 }
 
-TEST_CASE("a second reading, by GDAL alone, finds what both halves of a comparison would read alike") {
+TEST_CASE("a second reading by GDAL alone finds another range and other samples, and only those") {
+    const TempDir dir;
+    const auto write_bytes = [&](const std::string& path, const char* kind, int step) {
+        Raster r = raster(17, 15, [=](int x, int y) { return (200 + step * (x + 17 * y)) % 256; });
+        r.type = GDT_Byte;
+        if (*kind) r.creation = {kind};
+        return write(r, path);
+    };
+    const std::string signed_path = write_bytes(dir / "s.tif", "PIXELTYPE=SIGNEDBYTE", 1);
+    const std::string plain_path = write_bytes(dir / "p.tif", "", 1), other_path = write_bytes(dir / "o.tif", "", 3);
+    const auto source = open_source({signed_path}, {});
+    BakeOptions options;
+    options.threads = 1;
+    (void)bake(*source, options, dir / "s.fjell");
+    const io::PackFile pack(dir / "s.fjell");
+    const SecondReading good = read_again({signed_path}, {}, source->facts, pack);
+    CHECK(good.wrong == "");
+    CHECK(good.account == "GTiff signed Byte, -128 to 127 m, 5 samples");
+    // The same bytes without their sign, as they were baked before.
+    CHECK(read_again({plain_path}, {}, source->facts, pack).wrong != "");
+    ReadOptions fills; // whose range proves nothing
+    fills.nodata = NoData::fill;
+    CHECK(read_again({plain_path}, fills, source->facts, pack).wrong.find("at column ") == 0);
+    const auto plain = open_source({plain_path}, {});
+    (void)bake(*plain, options, dir / "p.fjell");
+    const io::PackFile plain_pack(dir / "p.fjell");
+    CHECK(read_again({plain_path}, {}, plain->facts, plain_pack).wrong == "");
+    CHECK(read_again({other_path}, {}, plain->facts, plain_pack).wrong.find("at column ") == 0);
+    ReadOptions taller;
+    taller.zscale = 0.5;
+    CHECK(read_again({plain_path, plain_path}, taller, plain->facts, plain_pack)
+              .wrong.find("its numbers are 0 to 127.5 m") == 0);
+}
+
+TEST_CASE("heights that lie all beyond belief are refused with what takes them") {
+    const TempDir dir;
+    const std::string path = write(raster(41, 31, [](int x, int y) { return 1e6 + slope(x, y); }), dir / "far.tif");
+    CHECK(refused(path).says("or if such as 1000100 m are heights"));
+    CHECK(refused(path).says("--void none"));
+    ReadOptions none, offset;
+    none.voids.no_others = true;
+    offset.zoffset_m = -1e6;
+    CHECK(read_dem(path, none).at(0, 0) == 1000100);
+    check_slope(read_dem(path, offset), 41, 31);
+}
+
+TEST_CASE("a second reading finds that another band was baked") {
     const TempDir dir;
     Raster r = raster(41, 31, slope);
     r.bands = 2;
     r.more = [](GDALDataset& file) {
-        std::vector<float> other(41 * 31, 7);
-        REQUIRE(file.GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 41, 31, other.data(), 41, 31, GDT_Float32, 0, 0,
-                                                nullptr) == CE_None);
+        REQUIRE(file.GetRasterBand(1)->Fill(200) == CE_None); // within the range of the other
         file.GetRasterBand(2)->SetDescription("elevation");
     };
-    Recipe recipe;
-    recipe.inputs = {write(r, dir / "two.tif")};
-    const auto source = open_source(recipe.inputs, {});
+    const std::string path = write(r, dir / "two.tif");
+    const auto source = open_source({path}, {});
     (void)bake(*source, {}, dir / "two.fjell");
     const io::PackFile pack(dir / "two.fjell");
-    CHECK(second_reading(recipe, source->facts, pack).empty());
-    SourceFacts wrong = source->facts; // as if the other band had been read
-    wrong.band = "1";
-    CHECK(second_reading(recipe, wrong, pack).find("read by GDAL alone the height at column 20, row 15 is 7 m") !=
-          std::string::npos);
-    recipe.zscale = 2; // which the pack was not baked with
-    wrong = source->facts;
-    wrong.height_unit_m = 2;
-    CHECK_FALSE(second_reading(recipe, wrong, pack).empty());
+    CHECK(read_again({path}, {}, source->facts, pack).wrong == "");
+    SourceFacts other = source->facts;
+    other.band = "1";
+    CHECK(read_again({path}, {}, other, pack).wrong.find("at column 2, row 3 its number is 200") == 0);
+}
+
+TEST_CASE("no common kind of file that GDAL writes is refused, and all hold the same heights") {
+    const TempDir dir;
+    register_drivers();
+    int kinds = 0;
+    const auto take = [&](const char* driver, const Raster& r, const std::string& path) {
+        CAPTURE(driver, GDALGetDataTypeName(r.type), path);
+        ++kinds;
+        try {
+            check_slope(read_dem(write(r, path, driver), {}), 15, 11);
+        } catch (const Failure& failure) {
+            FAIL_CHECK(failure.what());
+        }
+    };
+    const std::vector<GDALDataType> types{GDT_Byte,  GDT_UInt16,  GDT_Int16,  GDT_UInt32,
+                                          GDT_Int32, GDT_Float32, GDT_Float64};
+    Raster r = raster(15, 11, slope); // 100 to 212
+    r.crs = "EPSG:32632";
+    for (const GDALDataType type : types) {
+        r.type = type;
+        for (const char* const option : {"COMPRESS=NONE", "COMPRESS=LZW", "COMPRESS=DEFLATE", "COMPRESS=PACKBITS",
+                                         "TILED=YES", "BIGTIFF=YES", "ENDIANNESS=BIG"}) {
+            r.creation = {option};
+            take("GTiff", r, dir / "a.tif");
+        }
+        r.creation.clear();
+        for (const char* const driver : {"COG", "HFA", "ENVI", "EHdr", "ERS", "RST", "PCIDSK", "netCDF", "KRO", "BT",
+                                         "AAIGrid", "GSBG", "GS7BG", "GSAG"}) {
+            GDALDriver* const known = GetGDALDriverManager()->GetDriverByName(driver);
+            const char* const writes = known ? known->GetMetadataItem(GDAL_DMD_CREATIONDATATYPES) : nullptr;
+            if (!writes || (" " + std::string(writes) + " ").find(std::string(" ") + GDALGetDataTypeName(type) + " ") ==
+                               std::string::npos)
+                continue;
+            const char* const ending = known->GetMetadataItem(GDAL_DMD_EXTENSION);
+            take(driver, r,
+                 dir / (std::string(driver) + GDALGetDataTypeName(type) + "." + (ending && *ending ? ending : "dat")));
+        }
+    }
+    CAPTURE(kinds);
+    CHECK(kinds >= 100);
 }
