@@ -64,9 +64,9 @@ void handle(const RunBenchmark& c, HandlerContext context) {
 
 void handle(const ExportMesh& c, HandlerContext context) {
     if (c.path.empty()) throw io::Failure(2, "give the export a file name that ends in .glb");
+    refuse_overwriting_open_files(context.state, c.path);
     if (!gltf::is_snapshot_name(c.path))
         throw io::Failure(2, c.path + ": a snapshot is binary glTF; give it a name that ends in .glb");
-    refuse_overwriting_open_files(context.state, c.path);
     context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
 }
 
