@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "fjell/profile/keys.h"
 #include "fjell/profile.h"
+#include "fjell/profile/keys.h"
 
 namespace fjell::editor {
 

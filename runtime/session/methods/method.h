@@ -17,8 +17,8 @@
 
 #include "fjell/cut.h"
 #include "fjell/io/load.h"
-#include "fjell/profile/keys.h"
 #include "fjell/profile.h"
+#include "fjell/profile/keys.h"
 #include "session/log.h"
 #include "session/options.h"
 #include "session/record.h"
