@@ -279,6 +279,12 @@ std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geograph
         crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), std::round(middle), 1, 0, 0);
         return crs;
     }
+    if (width <= 12 && geographic.GetInvFlattening() == 0) { // a sphere: UTM is for ellipsoids
+        crs->SetProjCS("Transverse Mercator");
+        crs->CopyGeogCSFrom(&geographic);
+        crs->SetTM(std::round(latitude), std::round(middle), 0.9996, 0, 0);
+        return crs;
+    }
     if (width <= 12) {
         const int zone = std::min(60, static_cast<int>(std::floor((middle + 180) / 6)) + 1);
         const bool north_half = latitude >= 0;

@@ -489,7 +489,11 @@ std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs) {
 namespace {
 
 // Depths: what netCDF calls positive downwards, or by a standard name of the sea floor's depth.
-bool counts_downwards(GDALRasterBand& band) {
+// Or a vertical axis that points down. (Real files carry one over elevations, so that it is asked about.)
+bool counts_downwards(GDALRasterBand& band, const OGRSpatialReference* crs) {
+    OGRAxisOrientation points = OAO_Up;
+    if (crs && (crs->IsCompound() || crs->IsVertical()) && crs->GetAxis("VERT_CS", 0, &points) && points == OAO_Down)
+        return true;
     const auto has = [&](const char* key, const char* word) {
         const char* const value = band.GetMetadataItem(key);
         return value && CPLString(value).ifind(word) != std::string::npos;
@@ -504,7 +508,7 @@ Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const R
     const double unit = unit_of(band, crs, options, path);
     int known = 0;
     const double scale = band.GetScale(&known), offset = band.GetOffset(&known);
-    if (!options.zscale && counts_downwards(band))
+    if (!options.zscale && counts_downwards(band, crs))
         throw Failure(1,
                       fmt::format("{}: says that its numbers are depths; give --zscale -1 to make heights of them, or "
                                   "--zscale 1 if they are heights already",

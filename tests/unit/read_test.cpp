@@ -119,6 +119,19 @@ TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make th
     check_refusal(refusal([&] { (void)read(0, 0, "", {}); }), 1, dir / "a.tif", {"scale"});
 }
 
+TEST_CASE("heights over a vertical axis that points down are asked about") {
+    const TempDir dir;
+    Raster r = raster(9, 9, slope);
+    r.crs = "EPSG:32633+5715"; // mean sea level depth
+    const std::string path = write(r, dir / "depth.tif");
+    check_refusal(refused(path), 1, path, {"depths", "--zscale -1", "--zscale 1"});
+    ReadOptions o;
+    o.zscale = -1;
+    CHECK(read_dem(path, o).at(3, 4) == static_cast<float>(-slope(3, 4)));
+    r.crs = "EPSG:32633+5714"; // and height
+    CHECK(read_dem(write(r, dir / "height.tif"), {}).at(3, 4) == static_cast<float>(slope(3, 4)));
+}
+
 TEST_CASE("a CRS in feet gives a spacing in metres") {
     const TempDir dir;
     Raster r = raster(4, 3, slope);

@@ -193,6 +193,30 @@ TEST_CASE("a hill lies where it is on the ground, as far as it is, in any projec
     CHECK(resampled->columns == Approx(161 / 3.0).margin(2));
 }
 
+TEST_CASE("degrees on a sphere become metres of a transverse Mercator on it, and other bodies are no Earth") {
+    const TempDir dir;
+    for (const double radius_m : {1'737'400.0, 3'396'190.0, 6'371'229.0}) { // the Moon, Mars, a weather model
+        Raster r = raster(301, 201, [](int x, int y) {
+            return 100 + 200 * std::exp(-(std::pow(x - 200, 2) + std::pow(y - 60, 2)) / 200.0);
+        });
+        r.geotransform = {20, 0.01, 0, 12, 0, -0.01};
+        r.crs = "+proj=longlat +R=" + std::to_string(radius_m) + " +no_defs";
+        const Dem dem = read_dem(write(r, dir / "sphere.tif"), {});
+        int top_x = 0, top_y = 0;
+        double middle_x = 0, middle_y = 0, count = 0;
+        for (int y = 0; y < dem.rows; ++y)
+            for (int x = 0; x < dem.columns; ++x) {
+                if (!dem.voids.empty() && dem.is_void(x, y)) continue;
+                middle_x += x, middle_y += y, ++count;
+                if (dem.at(x, y) > dem.at(top_x, top_y)) top_x = x, top_y = y;
+            }
+        const double degree_m = radius_m * M_PI / 180, cell_m = 0.01 * degree_m;
+        CHECK((top_x - middle_x / count) * dem.spacing_m[0] ==
+              Approx(0.5 * degree_m * std::cos(11.4 * M_PI / 180)).margin(3 * cell_m));
+        CHECK((middle_y / count - top_y) * dem.spacing_m[1] == Approx(0.4 * degree_m).margin(3 * cell_m));
+    }
+}
+
 TEST_CASE("reprojection digs no trench beside a cliff and builds no wall on it, whatever the spacing") {
     const TempDir dir;
     // An island, level and 300 m high, in a level sea.
