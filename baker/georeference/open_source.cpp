@@ -115,6 +115,18 @@ std::shared_ptr<const ReadPlan> make_plan(const std::vector<std::string>& paths,
         plan->warped = true;
         plan->target = target_grid(from, target, options, plan->names());
         plan->crop = {0, 0, plan->target.columns, plan->target.rows};
+        double samples = 0;
+        for (const MosaicFile& f : plan->layout.files)
+            samples += static_cast<double>(f.facts.at.columns) * f.facts.at.rows;
+        constexpr double most = 100; // of what the files hold: hours of work and disks of room for next to nothing
+        const double made = static_cast<double>(plan->target.columns) * plan->target.rows;
+        if (made > most * std::max(samples, 1e6 / most) && !options.spacing_m)
+            throw Failure(1,
+                          fmt::format("{}: its {:.3g} samples would become {} x {}, a hundred times as many, because "
+                                      "they lie far apart; give --bbox for a part, or --spacing {:.6g} if that is "
+                                      "what you want",
+                                      plan->names(), samples, plan->target.columns, plan->target.rows,
+                                      plan->target.step[0] * plan->target.unit_m));
     } else {
         if (!options.spacing_m) check_spacing(plan->target, plan->name());
         plan->crop = crop_to(*plan);

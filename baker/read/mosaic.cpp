@@ -53,6 +53,41 @@ void check_alike(const FileFacts& a, const FileFacts& b) {
     }
 }
 
+// Longitudes name a place by any number of turns. Files on both sides of the antimeridian are brought together, by
+// whole turns, when all of them then take less room: what lies beside the widest gap between them begins the field.
+void unwrap(std::vector<MosaicFile>& files) {
+    constexpr double turn = 360;
+    const Placement& first = files.front().facts.at;
+    const double turn_samples = turn / first.step[0];
+    if (std::abs(turn_samples - std::round(turn_samples)) > 0.01) return; // a turn would not keep the grid
+    struct Span {
+        double west, east; // west in 0..360
+    };
+    std::vector<Span> spans;
+    double west = HUGE_VAL, east = -HUGE_VAL;
+    for (const MosaicFile& f : files) {
+        const Placement& at = f.facts.at;
+        if (at.axes != Axes::degrees || at.step[0] != first.step[0]) return;
+        west = std::min(west, at.east(-0.5)), east = std::max(east, at.east(at.columns - 0.5));
+        const double from = at.east(-0.5) - turn * std::floor(at.east(-0.5) / turn);
+        spans.push_back({from, from + at.columns * at.step[0]});
+    }
+    std::ranges::sort(spans, {}, &Span::west);
+    double begin = spans[0].west, reached = spans[0].east, widest = 0;
+    for (std::size_t i = 1; i <= spans.size(); ++i) { // the last time round to the first
+        const double next = i < spans.size() ? spans[i].west : spans[0].west + turn;
+        if (next - reached > widest) widest = next - reached, begin = next - (i < spans.size() ? 0 : turn);
+        if (i < spans.size()) reached = std::max(reached, spans[i].east);
+    }
+    if (turn - widest > east - west - 0.5 * first.step[0]) return;
+    for (MosaicFile& f : files) {
+        const double from = f.facts.at.east(-0.5) - turn * std::floor((f.facts.at.east(-0.5) - begin) / turn + 1e-9);
+        f.facts.at.origin[0] += turn * std::round((from - f.facts.at.east(-0.5)) / turn);
+    }
+    if (files.front().facts.at.origin[0] >= 180 + 0.5 * turn) // as near to 0 as turns allow
+        for (MosaicFile& f : files) f.facts.at.origin[0] -= turn;
+}
+
 // Places relative to the first file's, then to the north-west of all.
 void set_places(MosaicLayout& layout) {
     const Placement first = layout.files.front().facts.at;
@@ -102,8 +137,10 @@ MosaicLayout lay_out(const std::vector<std::string>& paths, const ReadOptions& o
     for (const std::string& path : paths) {
         const HeightFile file(path, options);
         layout.files.push_back({file.facts(), 0, 0});
-        if (layout.files.size() > 1) check_alike(layout.files.front().facts, file.facts());
     }
+    if (layout.files.size() > 1) unwrap(layout.files);
+    for (const MosaicFile& f : layout.files)
+        if (&f != &layout.files.front()) check_alike(layout.files.front().facts, f.facts);
     set_places(layout);
     return layout;
 }

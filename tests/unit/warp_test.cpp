@@ -217,6 +217,35 @@ TEST_CASE("degrees on a sphere become metres of a transverse Mercator on it, and
     }
 }
 
+TEST_CASE("tiles on both sides of the antimeridian are neighbours, whichever way their longitudes count") {
+    const TempDir dir;
+    const auto tile = [&](const char* name, double west, int first) {
+        Raster r = raster(121, 121, [=](int x, int y) { return 100 + 3 * (first + x) + y; });
+        const double step = 1 / 120.0;
+        r.geotransform = {west - step / 2, step, 0, 1 + step / 2, 0, -step};
+        r.crs = "EPSG:4326";
+        return write(r, dir / name);
+    };
+    const std::string west = tile("w.tif", 179, 0), east = tile("e.tif", -180, 120), same = tile("s.tif", 180, 120);
+    const Dem plain = read_dem({west, same}, {});
+    CHECK(plain.columns < 260);
+    for (const std::vector<std::string>& files : {std::vector{west, east}, {east, west}, {east, same, west}}) {
+        for (const char* const crs : {"auto", "EPSG:32601"}) {
+            ReadOptions o;
+            o.crs = crs;
+            const Dem dem = read_dem(files, o);
+            CHECK(dem.columns == plain.columns);
+            CHECK(dem.rows == plain.rows);
+            CHECK(dem.heights_m == plain.heights_m);
+        }
+    }
+    // Far apart they make more of nothing than anybody wants.
+    ReadOptions named;
+    named.crs = "EPSG:3395";
+    const std::string far = tile("far.tif", 60, 0);
+    CHECK(refusal([&] { (void)open_source({west, far, tile("polar.tif", -60, 0)}, named); }).says("--bbox for a part"));
+}
+
 TEST_CASE("reprojection digs no trench beside a cliff and builds no wall on it, whatever the spacing") {
     const TempDir dir;
     // An island, level and 300 m high, in a level sea.
