@@ -130,7 +130,7 @@ std::string name_for_gdal(const std::string& path, const std::optional<std::arra
     const bool may_be_16 = ending.back() != '2', may_be_32 = ending.back() != '6';
     std::array<int, 2> grid = size.value_or(std::array{0, 0});
     std::uint64_t sample_bytes = 0;
-    for (const std::uint64_t b : {2, 4}) {
+    for (const std::uint64_t b : {std::uint64_t{2}, std::uint64_t{4}}) {
         if (sample_bytes != 0 || (b == 2 ? !may_be_16 : !may_be_32)) continue;
         if (!size) grid = {side(b), side(b)};
         const auto samples = static_cast<std::uint64_t>(grid[0]) * static_cast<std::uint64_t>(grid[1]);

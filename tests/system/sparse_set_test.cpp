@@ -45,7 +45,7 @@ TEST_CASE("real height fields far apart are baked to a sparse set in shards, whi
     spit(folder / "far.vrt",
          vrt_of(columns, rows,
                 {{norway, 512, 512, full ? 60'000 : 1'950, full ? 50'000 : 1'400}, {crater, 429, 279, 70, 90}}));
-    const std::string packs = full ? "68x66" : "20x15", options = " --tile 128 --void -32767 ";
+    const std::string packs = full ? "68x66" : "20x15", options = " --tile 128 --void -32767 --crs keep ";
     REQUIRE(run_in(folder.path, bake + "plan far.vrt -o plan --shards 16 --packs " + packs + options).code == 0);
     const Run refused = run_in(folder.path, bake + "launch plan -o far.fjell --threads 1");
     CHECK(refused.code == 2);
