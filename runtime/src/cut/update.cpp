@@ -184,13 +184,13 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (run_bulk(s)) {
         const auto built = Clock::now();
         finish(s);
-        r.work = r.evaluations + r.activations + r.deactivations;
         r.refine_us = microseconds(s.frame.started, built);
         r.output_us = microseconds(built, Clock::now());
         report = r;
         return {};
     }
-    r.work = r.evaluations + r.activations + r.deactivations;
+    const auto changes = [&] { return r.evaluations + r.activations + r.deactivations; };
+    [[maybe_unused]] const std::uint32_t beside = changes() - r.work; // what was built takes less
     sync_pages(s);
     watch_pages(s);
     take_turns(s.work.queues);
@@ -199,6 +199,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     evict_pages(s);
     keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
     refine(s);
+    FJELL_ASSERT(changes() - r.work == beside);
     const auto refined = Clock::now();
     finish(s);
     r.prepare_us = microseconds(s.frame.started, prepared);
@@ -252,6 +253,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
     r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
     r.work = r.evaluations + r.activations;
+    if (complete) r.work = r.work * parts_a_group / parts_an_item;
+    s.bulk.parts = 0;
     const auto built = Clock::now();
     finish(s);
     r.refine_us = microseconds(s.frame.started, built);
