@@ -34,7 +34,7 @@ TEST_CASE("the same heights read alike from every format") {
         const Dem dem = read_dem(write(r, dir / "a.nc", "netCDF"), {});
         check_slope(dem, 20, 15);
         CHECK(dem.spacing_m[0] == Approx(10));
-        CHECK(dem.origin_m[1] == Approx(2000));
+        CHECK(dem.crs_origin[1] == Approx(2000));
     }
     SECTION("USGS DEM") {
         r = raster(20, 15, slope);
@@ -69,8 +69,8 @@ TEST_CASE("raster pixels are samples, and place and spacing are kept") {
     const Dem dem = read_dem(write(r, dir / "a.tif"), {});
     CHECK(dem.spacing_m[0] == 10);
     CHECK(dem.spacing_m[1] == 20);
-    CHECK(dem.origin_m[0] == 1000);
-    CHECK(dem.origin_m[1] == 2000);
+    CHECK(dem.crs_origin[0] == 1000);
+    CHECK(dem.crs_origin[1] == 2000);
     CHECK(dem.crs_wkt.find("32632") != std::string::npos);
     const Dem wider = read_dem(dir / "a.tif", spaced(12));
     CHECK(wider.spacing_m[0] == 12);
@@ -83,8 +83,8 @@ TEST_CASE("row 0 is north and column 0 is west, whichever way the file runs") {
     r.geotransform = {1000 + 195, -10, 0, 2000 - 145, 0, 10};
     const Dem dem = read_dem(write(r, dir / "a.tif"), {});
     check_slope(dem, 20, 15);
-    CHECK(dem.origin_m[0] == 1000);
-    CHECK(dem.origin_m[1] == 2000);
+    CHECK(dem.crs_origin[0] == 1000);
+    CHECK(dem.crs_origin[1] == 2000);
 }
 
 TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make the height") {
@@ -132,18 +132,42 @@ TEST_CASE("heights over a vertical axis that points down are asked about") {
     CHECK(read_dem(write(r, dir / "height.tif"), {}).at(3, 4) == static_cast<float>(slope(3, 4)));
 }
 
-TEST_CASE("a CRS in feet gives a spacing in metres") {
+TEST_CASE("a CRS in feet gives a spacing in metres, and heights without a unit are asked about") {
     const TempDir dir;
     Raster r = raster(4, 3, slope);
     r.crs = "EPSG:2263"; // New York, US survey feet
+    constexpr double us_ft = 1200.0 / 3937;
     const std::string path = write(r, dir / "a.tif");
-    ReadOptions o;
-    o.zscale = 1;
-    CHECK(read_dem(path, o).spacing_m[0] == Approx(10 * 1200.0 / 3937).epsilon(1e-12));
     // Whether what counts feet across counts them upwards only the user knows.
-    check_refusal(refused(path), 1, path, {"0.3048006", "--zscale 1 if they are in metres"});
+    check_refusal(refused(path), 1, path, {"0.3048006", "--vertical-unit us-ft if", "--vertical-unit m if"});
+    const auto read = [](const std::string& file, const std::string& unit) {
+        ReadOptions o;
+        o.vertical_unit = unit;
+        return read_dem(file, o);
+    };
+    for (const auto& [unit, metre] : {std::pair{"us-ft", us_ft},
+                                      {"ft", 0.3048},
+                                      {"m", 1.0},
+                                      {"US survey foot", us_ft},
+                                      {"fath", 1.8288},
+                                      {"yd", 0.9144},
+                                      {"ind-ft", 0.30479841}}) {
+        const Dem dem = read(path, unit);
+        CHECK(dem.spacing_m[0] == Approx(10 * us_ft).epsilon(1e-12));
+        CHECK(dem.heights_m[5] == Approx(slope(1, 1) * metre).epsilon(1e-7));
+    }
+    check_refusal(refusal([&] { (void)read(path, "elephants"); }), 2, "--vertical-unit elephants", {"us-ft"});
+    r.crs = "EPSG:3139"; // Vanua Levu, links
+    check_refusal(refused(write(r, dir / "links.tif")), 1, dir / "links.tif", {"--vertical-unit link if"});
+    // One that is named counts, and may be said again, but not otherwise.
     r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("US survey foot"); };
-    CHECK(read_dem(write(r, dir / "b.tif"), {}).heights_m[0] == Approx(slope(0, 0) * 1200 / 3937));
+    const std::string named = write(r, dir / "b.tif");
+    for (const char* const unit : {"", "us-ft"}) CHECK(read(named, unit).heights_m[0] == Approx(slope(0, 0) * us_ft));
+    check_refusal(refusal([&] { (void)read(named, "m"); }), 1, named, {"\"US survey foot\"", "--zscale 3.28083"});
+    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("cubits"); };
+    const std::string odd = write(r, dir / "c.tif");
+    check_refusal(refused(odd), 1, odd, {"\"cubits\"", "--vertical-unit"});
+    CHECK(read(odd, "dm").heights_m[0] == Approx(slope(0, 0) * 0.1));
 }
 
 TEST_CASE("the step that heights are multiples of is found") {
@@ -174,7 +198,7 @@ TEST_CASE("a DEM that is written comes back bit for bit") {
         CHECK(back.heights_m == dem.heights_m);
         CHECK(back.spacing_m[0] == 1.5);
         CHECK(back.spacing_m[1] == 2);
-        CHECK(back.origin_m[0] == 0);
+        CHECK(back.crs_origin[0] == 0);
         CHECK(back.native_quantum_m == 0.1);
         CHECK(back.crs_wkt.empty());
     }

@@ -77,7 +77,7 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
     const Dem dem = read_dem(path, {});
     CHECK(dem.spacing_m[0] == dem.spacing_m[1]);
     CHECK(dem.spacing_m[0] == Approx(66.5).epsilon(0.01)); // 46.4 m x 95.5 m at 60.8 N
-    CHECK(std::fmod(dem.origin_m[0], dem.spacing_m[0]) == Approx(dem.spacing_m[0] / 2));
+    CHECK(std::fmod(dem.crs_origin[0], dem.spacing_m[0]) == Approx(dem.spacing_m[0] / 2));
     CHECK(dem.crs_wkt.find("\"32632\"") != std::string::npos);
     CHECK(dem.native_quantum_m == 0);
     double worst = 0;
@@ -88,7 +88,8 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
                 ++holes;
                 continue;
             }
-            const double east = dem.origin_m[0] + x * dem.spacing_m[0], north = dem.origin_m[1] - y * dem.spacing_m[1];
+            const double east = dem.crs_origin[0] + x * dem.spacing_m[0],
+                         north = dem.crs_origin[1] - y * dem.spacing_m[1];
             worst = std::max(worst, std::abs(dem.at(x, y) - (east / 100 + north / 1000)));
         }
     // Cubic interpolation of a plane is that plane but within two samples of the rim, where it is cut off: half a
@@ -316,8 +317,8 @@ TEST_CASE("a CRS that is named is reprojected to, and a box and a spacing count 
     const Dem box = read_dem(path, o);
     CHECK(box.columns == 100);
     CHECK(box.rows == 50);
-    CHECK(box.origin_m[0] == 460050);
-    CHECK(box.origin_m[1] == 6739950);
+    CHECK(box.crs_origin[0] == 460050);
+    CHECK(box.crs_origin[1] == 6739950);
     CHECK(box.voids.empty());
     CHECK(box.at(10, 10) == Approx(461050 / 100.0 + 6738950 / 1000.0).margin(0.01));
     o.bbox = {{0, 0, 1000, 1000}};
@@ -396,7 +397,10 @@ TEST_CASE("a vertical axis in feet counts where the band says nothing, and one t
     CHECK(read_dem(dir / "a.vrt", {}).at(3, 4) == Approx(slope(3, 4) * 1200 / 3937));
     r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("metre"); };
     const std::string both = write(r, dir / "b.tif");
-    check_refusal(refused(both), 1, both, {"\"metre\"", "US survey foot", "gdal_edit.py -a_srs"});
+    check_refusal(refused(both), 1, both, {"\"metre\"", "US survey foot", "--vertical-unit"});
+    ReadOptions o;
+    o.vertical_unit = "m";
+    CHECK(read_dem(both, o).at(3, 4) == static_cast<float>(slope(3, 4)));
 }
 
 TEST_CASE("real fields in degrees are reprojected to where GDAL's own program puts them") {
@@ -409,8 +413,8 @@ TEST_CASE("real fields in degrees are reprojected to where GDAL's own program pu
     std::snprintf(command, sizeof command,
                   "gdalwarp -q -et 0 -r cubic -dstnodata -9999 -ot Float32 -t_srs EPSG:32630 -te %.9f %.9f %.9f %.9f "
                   "-ts %d %d %s %s",
-                  dem.origin_m[0] - dem.spacing_m[0] / 2, dem.origin_m[1] - (dem.rows - 0.5) * dem.spacing_m[1],
-                  dem.origin_m[0] + (dem.columns - 0.5) * dem.spacing_m[0], dem.origin_m[1] + dem.spacing_m[1] / 2,
+                  dem.crs_origin[0] - dem.spacing_m[0] / 2, dem.crs_origin[1] - (dem.rows - 0.5) * dem.spacing_m[1],
+                  dem.crs_origin[0] + (dem.columns - 0.5) * dem.spacing_m[0], dem.crs_origin[1] + dem.spacing_m[1] / 2,
                   dem.columns, dem.rows, path.c_str(), (dir / "w.tif").c_str());
     if (std::system(command) != 0) {
         WARN("skipped: gdalwarp does not run");
