@@ -119,57 +119,6 @@ TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make th
     check_refusal(refusal([&] { (void)read(0, 0, "", {}); }), 1, dir / "a.tif", {"scale"});
 }
 
-TEST_CASE("heights over a vertical axis that points down are asked about") {
-    const TempDir dir;
-    Raster r = raster(9, 9, slope);
-    r.crs = "EPSG:32633+5715"; // mean sea level depth
-    const std::string path = write(r, dir / "depth.tif");
-    check_refusal(refused(path), 1, path, {"depths", "--zscale -1", "--zscale 1"});
-    ReadOptions o;
-    o.zscale = -1;
-    CHECK(read_dem(path, o).at(3, 4) == static_cast<float>(-slope(3, 4)));
-    r.crs = "EPSG:32633+5714"; // and height
-    CHECK(read_dem(write(r, dir / "height.tif"), {}).at(3, 4) == static_cast<float>(slope(3, 4)));
-}
-
-TEST_CASE("a CRS in feet gives a spacing in metres, and heights without a unit are asked about") {
-    const TempDir dir;
-    Raster r = raster(4, 3, slope);
-    r.crs = "EPSG:2263"; // New York, US survey feet
-    constexpr double us_ft = 1200.0 / 3937;
-    const std::string path = write(r, dir / "a.tif");
-    // Whether what counts feet across counts them upwards only the user knows.
-    check_refusal(refused(path), 1, path, {"0.3048006", "--vertical-unit us-ft if", "--vertical-unit m if"});
-    const auto read = [](const std::string& file, const std::string& unit) {
-        ReadOptions o;
-        o.vertical_unit = unit;
-        return read_dem(file, o);
-    };
-    for (const auto& [unit, metre] : {std::pair{"us-ft", us_ft},
-                                      {"ft", 0.3048},
-                                      {"m", 1.0},
-                                      {"US survey foot", us_ft},
-                                      {"fath", 1.8288},
-                                      {"yd", 0.9144},
-                                      {"ind-ft", 0.30479841}}) {
-        const Dem dem = read(path, unit);
-        CHECK(dem.spacing_m[0] == Approx(10 * us_ft).epsilon(1e-12));
-        CHECK(dem.heights_m[5] == Approx(slope(1, 1) * metre).epsilon(1e-7));
-    }
-    check_refusal(refusal([&] { (void)read(path, "elephants"); }), 2, "--vertical-unit elephants", {"us-ft"});
-    r.crs = "EPSG:3139"; // Vanua Levu, links
-    check_refusal(refused(write(r, dir / "links.tif")), 1, dir / "links.tif", {"--vertical-unit link if"});
-    // One that is named counts, and may be said again, but not otherwise.
-    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("US survey foot"); };
-    const std::string named = write(r, dir / "b.tif");
-    for (const char* const unit : {"", "us-ft"}) CHECK(read(named, unit).heights_m[0] == Approx(slope(0, 0) * us_ft));
-    check_refusal(refusal([&] { (void)read(named, "m"); }), 1, named, {"\"US survey foot\"", "--zscale 3.28083"});
-    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("cubits"); };
-    const std::string odd = write(r, dir / "c.tif");
-    check_refusal(refused(odd), 1, odd, {"\"cubits\"", "--vertical-unit"});
-    CHECK(read(odd, "dm").heights_m[0] == Approx(slope(0, 0) * 0.1));
-}
-
 TEST_CASE("the step that heights are multiples of is found") {
     const TempDir dir;
     const auto quantum = [&](double unit) {
