@@ -167,11 +167,12 @@ struct Ground {
 // The options that a refusal names, in their order.
 void apply_remedy(const std::string& line, Recipe& recipe) {
     std::smatch found;
-    const std::regex option("--(crs|zscale) ([-+.0-9]+|EPSG:[0-9]+|\"[^\"]+\")");
+    const std::regex option("--(crs|zscale|vertical-unit) ([-+.0-9]+|EPSG:[0-9]+|[a-z]+(-[a-z]+)?|\"[^\"]+\")");
     if (!std::regex_search(line, found, option)) return;
     std::string value = found[2];
     if (value.front() == '"') value = value.substr(1, value.size() - 2);
     if (found[1] == "crs") recipe.crs = value;
+    if (found[1] == "vertical-unit") recipe.vertical_unit = value;
     if (found[1] == "zscale") recipe.zscale = std::stod(value);
 }
 
@@ -195,7 +196,7 @@ std::string compare(const std::string& path, const Ground& ground, double area_m
     const auto at = [&](int x, int y) { return heights[static_cast<std::size_t>(y * source.columns + x)]; };
     const auto lon_lat = [&](int x, int y) {
         return plane.to_degrees(
-            {source.origin_m[0] + x * source.crs_step[0], source.origin_m[1] - y * source.crs_step[1]});
+            {source.crs_origin[0] + x * source.crs_step[0], source.crs_origin[1] - y * source.crs_step[1]});
     };
     // Metres of the pack from the middle of the ground.
     const Place middle = plane.to_crs(ground.middle);
@@ -232,7 +233,7 @@ std::string compare(const std::string& path, const Ground& ground, double area_m
                            ground.top().x, ground.top().y);
     // As a mesh has it: metres of the pack alone.
     const Place seen =
-        pack_m({source.origin_m[0] + top_x * source.crs_step[0], source.origin_m[1] - top_y * source.crs_step[1]});
+        pack_m({source.crs_origin[0] + top_x * source.crs_step[0], source.crs_origin[1] - top_y * source.crs_step[1]});
     const double far = std::hypot(ground.top().x, ground.top().y);
     if (!(std::abs(std::hypot(seen.x, seen.y) - far) < reach + 0.006 * far))
         return say("metres from the middle to the hill", std::hypot(seen.x, seen.y), far);
