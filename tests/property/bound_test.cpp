@@ -140,6 +140,41 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
     CHECK(told > lagging / 4);
 }
 
+TEST_CASE("while many vertices morph by time the claim holds, and is of some use") {
+    Random random(154);
+    std::size_t many = 0, close = 0;
+    for (int round = 0; round < rounds(6, 100); ++round) {
+        const auto pack = rich_terrain(random, 257, 7);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.max_error_px = uniform(random, 0.5, 3);
+        settings.morph = round % 3 == 2 ? Morph::error : Morph::time;
+        settings.morph_s = uniform(random, 0.1, 1);
+        View view = view_from_above(terrain, uniform(random, 0.02, 0.3));
+        (void)cut.rebuild({&view, 1}, settings);
+        const Vec3 step = normalised({uniform(random, -1, 1), 0, uniform(random, -1, 1)}) *
+                          (terrain.spacing_x_m() * uniform(random, 0.2, 20));
+        for (int frame = 0; frame < 20; ++frame) {
+            view.eye_m = view.eye_m + step;
+            settings.now_s += 1.0 / 60;
+            const CutReport report = cut.update({&view, 1}, settings);
+            CutMesh live = cut_mesh(cut.cut);
+            const std::vector<MeshVertex> drawn = drawn_vertices(terrain, live);
+            live.mesh.vertices = drawn;
+            const double measured_px = measure_error(terrain, live.mesh, view).max_px;
+            CAPTURE(round, frame, settings.max_error_px, settings.morph, report.morphing);
+            REQUIRE(measured_px <= report.error_bound_px * (1 + 1e-6));
+            if (report.morphing < 100 || is_building(cut)) continue;
+            ++many;
+            close += report.error_bound_px < 12 * std::max(measured_px, settings.max_error_px);
+        }
+    }
+    CAPTURE(many, close);
+    CHECK(many > rounds<std::size_t>(30, 500));
+    CHECK(close > many / 2);
+}
+
 TEST_CASE("no sample is farther from a recursive mesh than its bound, culled or short of a capacity") {
     Random random(152);
     std::size_t beyond = 0;

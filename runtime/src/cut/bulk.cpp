@@ -552,7 +552,7 @@ bool run_bulk(CutState& s) {
         if (b.again && b.phase < BulkPhase::triangles && !(under_way && b.begun_again)) {
             b.begun_again = b.begun_again || under_way;
             drop_bulk(s.pages, s.bulk, s.mesh);
-            if (needs_pages(s.pages) && reclaim_page(s.pages, s.work, s.mesh, s.morphing)) {
+            if (needs_pages(s.pages) && reclaim_page(s.pages, s.work, s.mesh)) {
                 ++r.visits;
                 if (out_of_time(s.frame, true)) break;
                 continue;

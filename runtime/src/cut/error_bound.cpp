@@ -81,18 +81,17 @@ public:
             units_px_[i] = static_cast<float>(unit_px(views, frame, i) * grow);
     }
 
-    // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
-    // there are too many to be looked at.
+    // The largest of a page's vertices that wait. Unbounded when there are too many to be looked at.
     [[nodiscard]] double px(std::uint32_t slot) {
         const PageState& page = pages_.state[slot];
-        const bool all = page.late || page.status == PageStatus::evicting;
+        const bool all = page.status == PageStatus::evicting;
         double most = 0;
         for (std::uint32_t n = 0; n < pages_.grid.shapes[page.shape].count; ++n) {
             const std::uint32_t number = slot * max_page_groups + n;
             const GroupState& group = pages_.groups[number];
             if (!all && group.queue == unqueued && !is_spent(schedule_, number)) continue;
             VertexRecord gathered[group_lanes];
-            const auto lanes = static_cast<std::uint32_t>(page.late ? group.ready() : group.ready() & ~group.active);
+            const auto lanes = static_cast<std::uint32_t>(group.ready() & ~group.active);
             if (lanes == 0) continue;
             if (left_-- == 0) return unbounded_px;
             LaneGroup at = lanes_of(pages_, number, gathered);
@@ -236,9 +235,51 @@ double any_mesh_px(const CutState& s) {
     return most_px;
 }
 
+namespace {
+
+// How near to an eye any sample is that a view shows: looked for when it is needed.
+class NearestShown {
+public:
+    explicit NearestShown(const CutState& s) : s_(s) {}
+    // What no error of that size exceeds.
+    [[nodiscard]] double px(double error_m) {
+        for (std::uint32_t i = 0; !known_ && i < s_.views.count; ++i)
+            metres_ = std::min(metres_, nearest_shown_m(s_.pages.grid, s_.views.view[i]));
+        known_ = true;
+        return pixels(s_.views.largest_unit_px, error_m, metres_);
+    }
+
+private:
+    const CutState& s_;
+    double metres_ = 1e300;
+    bool known_ = false;
+};
+
+// What vertices that morph by time hide: their errors, as near as their spheres have come to an eye since they began.
+double late_px(const CutState& s, NearestShown& nearest, double coarse_px) {
+    const LateBounds& late = s.work.schedule.late;
+    double most_px = 0;
+    for (std::uint32_t age = 0; age < late_ages; ++age)
+        for (std::uint32_t grade = late_grades; grade-- > 0;) {
+            if (s.morphing.clock.ticks - late.last[age] > morph_ticks(s.frame)) break; // all have arrived
+            if (late.reach_m[age][grade] >= never_m / 2) continue;
+            const std::size_t code = ((grade + 1u) << late_grade_codes_log2) - 1;
+            const auto error_m = static_cast<double>(s.pages.grid.terrain->errors.metres[code]);
+            const double apart_m = (late.reach_m[age][grade] - s.work.schedule.odometer_m[0]) / grow,
+                         px = pixels(s.views.largest_unit_px, error_m, apart_m);
+            most_px = std::max(most_px, px > coarse_px ? std::min(px, nearest.px(error_m)) : px);
+        }
+    return most_px;
+}
+
+} // namespace
+
 double error_bound_px(CutState& s, bool offscreen_too) {
     if (s.views.jumped) return any_mesh_px(s); // nothing that was known holds: it is for the next frames to find out
     Worst worst;
+    // Where the eye stands inside a sphere, or nearly so, that bound says little.
+    const double coarse_px = 32 * s.frame.report.threshold_px;
+    NearestShown nearest(s);
     std::uint32_t renewals = 256; // a frame: after a jump of the camera the claim takes some frames to tell anything
     const auto add = [&](std::uint32_t slot) {
         if (!offscreen_too && s.pages.state[slot].offscreen == all_parts) return;
@@ -250,6 +291,7 @@ double error_bound_px(CutState& s, bool offscreen_too) {
             --renewals;
             px = renew_bound(s.pages, s.work, s.views, slot);
         }
+        if (px > coarse_px) px = std::min(px, nearest.px(static_cast<double>(bound.error_m)));
         worst.add({px, slot});
     };
     // Most pages are far away, and hide little: that what they were last known to hide tells without a look at them.
@@ -262,17 +304,14 @@ double error_bound_px(CutState& s, bool offscreen_too) {
         const double px = bound_px(s.work, s.views, s.work.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);
-        else if (!s.pages.state[page.slot].late)
+        else
             add(page.slot);
     }
-    for (std::uint32_t i = 0; i < s.morphing.late_page_count; ++i) add(s.morphing.late_pages[i]);
     for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
-        if (!s.pages.state[s.pages.evicting[i]].late && s.pages.state[s.pages.evicting[i]].active != 0)
-            add(s.pages.evicting[i]);
-    // Where the eye stands inside a sphere, or nearly so, that bound says little.
-    const double px = worst.px(Looker(s.pages, s.work.schedule, s.views, s.frame)),
-                 coarse_px = 256 * s.frame.report.threshold_px;
-    return px < coarse_px ? px : std::min(px, any_mesh_px(s));
+        if (s.pages.state[s.pages.evicting[i]].active != 0) add(s.pages.evicting[i]);
+    if (s.frame.report.morphing != 0) worst.add_others(late_px(s, nearest, coarse_px));
+    const double px = worst.px(Looker(s.pages, s.work.schedule, s.views, s.frame));
+    return px < 256 * s.frame.report.threshold_px ? px : std::min(px, any_mesh_px(s));
 }
 
 } // namespace fjell

@@ -5,6 +5,9 @@
 // that wait are in pages that are due, or with groups in queues, or that are being evicted: of every other page, all
 // are within the threshold. A page's own bound, from its box, its largest error and its largest sphere, costs little
 // and is loose where the eye is near; of the few pages whose bounds are highest the vertices are looked at, one by one.
+//
+// Vertices that morph by time hide something too, until they have arrived. Of those it is known, for each size of error
+// and each eighth of the time that they take, how near their spheres were to an eye when they began (LateBounds).
 #pragma once
 
 #include "cut/state.h"

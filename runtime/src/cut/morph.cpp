@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "cut/evaluate.h"
 #include "cut/state.h"
 
 namespace fjell {
@@ -117,31 +118,15 @@ void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std:
     morphing.out[(morphing.first_out + morphing.out_count++) % morphing.ring_size] = vertex;
 }
 
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot) {
-    PageState& page = pages.state[slot];
-    page.late_ticks = morphing.clock.ticks;
-    if (page.late) return;
-    page.late = true;
-    morphing.late_pages[morphing.late_page_count++] = slot;
-}
-
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all) {
-    const auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
-    for (std::uint32_t i = 0; i < morphing.late_page_count;) {
-        PageState& page = pages.state[morphing.late_pages[i]];
-        if (!all && morphing.clock.ticks - page.late_ticks <= lasts) {
-            ++i;
-            continue;
-        }
-        page.late = false;
-        morphing.late_pages[i] = morphing.late_pages[--morphing.late_page_count];
+void note_late(Work& work, const Views& views, const Morphing& morphing, const Frame& frame, const Evaluation& v) {
+    double apart_m = never_m;
+    for (std::uint32_t i = 0; i < views.count; ++i) {
+        const Vec3 way =
+            Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)} - views.view[i].eye_m;
+        apart_m = std::min(apart_m, std::sqrt(dot(way, way)) - static_cast<double>(v.radius_m));
     }
-}
-
-void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot) {
-    pages.state[slot].late = false;
-    std::uint32_t* const end = morphing.late_pages + morphing.late_page_count--;
-    (void)std::remove(morphing.late_pages, end, slot);
+    note_late(work.schedule.late, work.schedule.odometer_m[0], morphing.clock.ticks, morph_ticks(frame), v.code,
+              apart_m);
 }
 
 namespace {

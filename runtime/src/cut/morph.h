@@ -27,14 +27,14 @@ struct MorphClock {
     }
 };
 
+struct Evaluation; // evaluate.h
+
 struct Morphing {
     MorphClock clock;
     MorphFrame now, before;
     std::uint32_t ring_size; // Mesh::capacity
     float* late_s;           // activated_s of vertices activated late, a ring: oldest first
     std::uint32_t first_late, late_count;
-    std::uint32_t* late_pages; // states of pages with such vertices
-    std::uint32_t late_page_count;
     std::uint32_t* out; // vertices that morph out, a ring: those that began first
     std::uint32_t first_out, out_count;
 };
@@ -85,11 +85,12 @@ void end_morphing_in(Work& work, Morphing& morphing);
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
 void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std::uint32_t vertex);
 
-// A vertex has begun to morph by time: its page hides something until it has arrived.
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot);
-// Their vertices have morphed in; all: no vertex morphs by time any more.
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all);
-void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // it loses its state
+// How long a vertex that begins to morph by time now may take, in ticks.
+[[nodiscard]] inline std::int64_t morph_ticks(const Frame& frame) {
+    return static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
+}
+// A vertex has begun to morph by time: it hides something until it has arrived.
+void note_late(Work& work, const Views& views, const Morphing& morphing, const Frame& frame, const Evaluation& v);
 
 // Moves the clock on to the host's time. Sets how long vertices take in this frame: CutSettings::morph_s, or less after
 // that was raised, or morphing was switched off and on again: no more than the time since the last vertex arrived, so

@@ -6,6 +6,7 @@
 
 #include "cut/change.h"
 #include "cut/error_bound.h"
+#include "cut/evaluate.h"
 #include "cut/state.h"
 
 namespace fjell {
@@ -102,7 +103,7 @@ void end_eviction(Pages& pages, std::uint32_t slot) {
     (void)std::remove(pages.evicting, end, slot);
 }
 
-void detach(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing, std::uint32_t slot) {
+void detach(Pages& pages, Work& work, Mesh& mesh, std::uint32_t slot) {
     PageState& info = pages.state[slot];
     FJELL_ASSERT(info.status != PageStatus::empty && info.active == 0);
     for (std::uint32_t n = 0; n < pages.grid.shapes[info.shape].count; ++n) {
@@ -112,7 +113,6 @@ void detach(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing, std::uint3
     }
     clear_page_schedule(work.schedule, slot);
     pages.busy -= info.parents != 0;
-    if (info.late) forget_late_page(pages, morphing, slot);
     pages.page_groups[info.page] = no_index;
     if (info.shape == 0) {
         ++pages.tiles_waiting;
@@ -303,7 +303,7 @@ bool leave_if_changed(CutState& s, std::uint32_t terrain_slot) {
         begin_at_roots(s.pages, s.work, s.mesh);
         return false;
     }
-    if (first != no_index) detach(s.pages, s.work, s.mesh, s.morphing, slot);
+    if (first != no_index) detach(s.pages, s.work, s.mesh, slot);
     s.pages.loaded[terrain_slot] = {no_index, 0, false, {}};
     return true;
 }
@@ -347,7 +347,7 @@ void note_idle(Pages& pages, std::uint32_t slot) {
     pages.idle[(pages.first_idle + pages.idle_count++) % pages.count] = slot;
 }
 
-bool reclaim_page(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing) {
+bool reclaim_page(Pages& pages, Work& work, Mesh& mesh) {
     for (std::uint32_t left = pages.idle_count; left != 0; --left) {
         const std::uint32_t slot = pages.idle[pages.first_idle];
         pages.first_idle = (pages.first_idle + 1) % pages.count;
@@ -359,17 +359,17 @@ bool reclaim_page(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing) {
             note_idle(pages, slot);
             continue;
         }
-        detach(pages, work, mesh, morphing, slot);
+        detach(pages, work, mesh, slot);
         return true;
     }
     return false;
 }
 
-void keep_pages_at_hand(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing) {
+void keep_pages_at_hand(Pages& pages, Work& work, Mesh& mesh) {
     constexpr std::uint32_t at_hand = 64, at_once = 32;
     if (!may_lack_pages(pages)) return;
     for (std::uint32_t n = 0; n < at_once && free_pages(pages) < at_hand + pages.tiles_waiting; ++n)
-        if (!reclaim_page(pages, work, mesh, morphing)) return;
+        if (!reclaim_page(pages, work, mesh)) return;
 }
 
 void rescan_pages(Pages& pages) {
@@ -436,16 +436,18 @@ void deactivate_page(CutState& s, std::uint32_t slot) {
 }
 
 // Whatever may begin to: the vertices without active children, and of the others' descendants those that are.
-void morph_out_page(Pages& pages, Mesh& mesh, Morphing& morphing, Frame& frame, std::uint32_t slot) {
+void morph_out_page(CutState& s, std::uint32_t slot) {
+    Pages& pages = s.pages;
+    Frame& frame = s.frame;
     for (std::uint32_t n = 0; n < pages.grid.shapes[pages.state[slot].shape].count; ++n) {
         const std::uint32_t number = slot * max_page_groups + n;
         for (std::uint32_t lanes = pages.groups[number].active; lanes != 0; lanes &= lanes - 1) {
             if (frame.report.work >= frame.item_limit) return;
             const std::uint32_t v =
                 lowest_below(pages, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
-            if (morphs_out(mesh, pages.vertex_slot[v])) continue;
-            begin_morphing_out(pages, mesh, morphing, v);
-            note_late(pages, morphing, v / group_lanes / max_page_groups);
+            if (morphs_out(s.mesh, pages.vertex_slot[v])) continue;
+            begin_morphing_out(pages, s.mesh, s.morphing, v);
+            note_late(s.work, s.views, s.morphing, frame, evaluate_vertex(pages, s.views, v, site_of(pages, v), true));
             ++frame.report.work;
             ++frame.report.evaluations; // it was evaluated
         }
@@ -484,7 +486,7 @@ void evict_pages(CutState& s) {
         else if (s.morphing.now.morph == Morph::none)
             deactivate_page(s, s.pages.evicting[i]);
         else
-            morph_out_page(s.pages, s.mesh, s.morphing, s.frame, s.pages.evicting[i]);
+            morph_out_page(s, s.pages.evicting[i]);
 }
 
 } // namespace fjell

@@ -57,16 +57,14 @@ struct alignas(64) PageState {  // a cache line
     std::uint32_t tile;
     std::int32_t i0, j0; // the page's first square in its tile; page 0: 0
     std::int32_t tile_x, tile_y;
-    std::int32_t x0, y0;     // its first square's corner, in samples of the terrain
-    std::int32_t base;       // height scale steps
-    std::int64_t late_ticks; // when one of its vertices last began to morph by time
-    std::uint32_t parents;   // active ones, counted once for each vertex that has them; 0: the page is idle
-    std::uint16_t active;    // vertices
-    std::uint8_t z;          // log2 of the step; page 0: 0, its groups say
-    std::uint8_t shape;      // 0: page 0; 1: any other
+    std::int32_t x0, y0;   // its first square's corner, in samples of the terrain
+    std::int32_t base;     // height scale steps
+    std::uint32_t parents; // active ones, counted once for each vertex that has them; 0: the page is idle
+    std::uint16_t active;  // vertices
+    std::uint8_t z;        // log2 of the step; page 0: 0, its groups say
+    std::uint8_t shape;    // 0: page 0; 1: any other
     PageStatus status;
     bool idle;              // listed among idle_pages: stays when the page leaves
-    bool late;              // listed among late_pages
     std::uint8_t offscreen; // parts that no view sees, nor soon will (visibility.h)
     bool used;              // something was active since its groups were last written: any of them may be queued
 };
@@ -233,9 +231,9 @@ void rescan_pages(Pages& pages);
 void note_idle(Pages& pages, std::uint32_t slot);
 // Takes the state of the page that has been idle longest. False: none is. Not while the bulk pass is under way, or
 // groups have been taken from their queues.
-bool reclaim_page(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing);
+bool reclaim_page(Pages& pages, Work& work, Mesh& mesh);
 // A few, as far as they will be needed soon.
-void keep_pages_at_hand(Pages& pages, Work& work, Mesh& mesh, Morphing& morphing);
+void keep_pages_at_hand(Pages& pages, Work& work, Mesh& mesh);
 // States that pages can have without taking others'.
 [[nodiscard]] std::uint32_t free_pages(const Pages& pages);
 // Can there be more pages with states than there are states?

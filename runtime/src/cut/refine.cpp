@@ -414,7 +414,7 @@ bool work_off(CutState& s) {
         const std::uint32_t full_before = s.frame.full_capacities;
         if (!change_batch(s, queue, queue == deactivation_queue || !s.frame.lagging)) break;
         ++s.frame.batches;
-        keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
+        keep_pages_at_hand(s.pages, s.work, s.mesh);
         if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
     }
     return s.frame.report.work >= s.frame.item_limit;

@@ -54,6 +54,7 @@ HWY_AFTER_NAMESPACE();
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace fjell {
@@ -63,8 +64,6 @@ HWY_EXPORT(least_ticks);
 HWY_EXPORT(spent_bits);
 
 namespace {
-
-constexpr double never_m = 1e300;
 
 void charge_vector(std::uint16_t* ticks, std::uint16_t by) {
     HWY_DYNAMIC_DISPATCH(charge_ticks)(ticks, by);
@@ -142,6 +141,9 @@ void rewind(Schedule& s, std::uint32_t grade) {
         if (awake.due_m < never_m) awake.due_m -= by_m;
     }
     for (std::uint32_t slot = 0; grade == 0 && slot < s.slot_count; ++slot) s.bounds[slot].from_m -= by_m;
+    if (grade == 0)
+        for (auto& age : s.late.reach_m)
+            for (double& reach_m : age) reach_m -= by_m;
     s.odometer_m[grade] = 0;
 }
 
@@ -157,7 +159,28 @@ void begin_schedule(Schedule& s, double about_m) {
 }
 
 void clear_schedule(Schedule& s) {
+    forget_late(s.late);
     while (s.awake_count != 0) clear_page_schedule(s, s.awake[s.awake_count - 1].slot);
+}
+
+void note_late(LateBounds& late, double odometer_m, std::int64_t now, std::int64_t lasts, std::uint8_t code,
+               double apart_m) {
+    const std::uint32_t next = (late.newest + 1) % late_ages;
+    if (now - late.begun[late.newest] > lasts / late_ages && now - late.last[next] > lasts) {
+        late.newest = next;
+        late.begun[next] = now;
+        std::fill_n(late.reach_m[next], late_grades, never_m);
+    }
+    late.last[late.newest] = now;
+    double& reach_m = late.reach_m[late.newest][code >> late_grade_codes_log2];
+    reach_m = std::min(reach_m, odometer_m + apart_m);
+}
+
+void forget_late(LateBounds& late) {
+    for (std::uint32_t age = 0; age < late_ages; ++age) {
+        late.begun[age] = late.last[age] = std::numeric_limits<std::int64_t>::min() / 2;
+        std::fill_n(late.reach_m[age], late_grades, never_m);
+    }
 }
 
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2) {

@@ -30,7 +30,7 @@ struct GroupState; // pages.h
 
 inline constexpr std::uint32_t grade_count = 8, grade_codes_log2 = 5; // grades of 32 error codes
 inline constexpr std::uint32_t due_level_count = 32;                  // of due pages: how bad what they may hide is
-inline constexpr double rewind_ticks = 0x1p32;
+inline constexpr double rewind_ticks = 0x1p32, never_m = 1e300;
 inline constexpr double charge_rounding = 0x1p-20; // share of a way that an odometer may lose
 
 [[nodiscard]] inline std::uint32_t grade_of(std::uint32_t code) {
@@ -69,6 +69,15 @@ struct HiddenBound {
     float apart_m, error_m;
 };
 
+// How near vertices that morph by time may come to an eye, by their errors and by when they began: the first odometer
+// may not pass reach_m before. Ages are filled one after the other; one whose vertices have all arrived is used anew.
+inline constexpr std::uint32_t late_ages = 8, late_grades = 32, late_grade_codes_log2 = 3; // of 8 error codes
+struct LateBounds {
+    std::int64_t begun[late_ages], last[late_ages]; // ticks of the morphing's clock
+    double reach_m[late_ages][late_grades];
+    std::uint32_t newest;
+};
+
 struct DuePages {
     std::uint32_t first, last;
 };
@@ -84,8 +93,9 @@ extern const TickVectors scalar_ticks; // the same results, without vector instr
 struct Schedule {
     std::uint16_t* ticks; // page_ticks a state of a page
     PageSchedule* pages;
-    AwakePage* awake;        // as many as states
-    HiddenBound* bounds;     // one a state
+    AwakePage* awake;    // as many as states
+    HiddenBound* bounds; // one a state
+    LateBounds late;
     std::uint32_t* next_due; // of a due page's slot: the next one of its level
     std::uint32_t slot_count, awake_count, due_count;
     std::uint32_t due_levels; // that hold any, as bits
@@ -99,6 +109,12 @@ struct Schedule {
 void begin_schedule(Schedule& s, double about_m);
 // Nothing is scheduled any more.
 void clear_schedule(Schedule& s);
+
+// A vertex begins to morph by time at `now`, its sphere apart_m from the nearest eye. lasts: ticks until it has
+// arrived.
+void note_late(LateBounds& late, double odometer_m, std::int64_t now, std::int64_t lasts, std::uint8_t code,
+               double apart_m);
+void forget_late(LateBounds& late);
 // A page comes to a slot, with nothing scheduled.
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2);
 // Of a page that is not due: where it comes when it is.

@@ -50,7 +50,6 @@ void list_ranges(Mesh& mesh, const Views& views, Frame& frame) {
 // What the mesh lacks of its threshold; 0: nothing.
 double waiting_px(CutState& s, bool overlooking) {
     const CutReport& r = s.frame.report;
-    forget_late_pages(s.pages, s.morphing, s.frame, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
     if (s.bulk.phase != BulkPhase::idle || s.pages.some_wait) return any_mesh_px(s);
@@ -216,7 +215,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     end_morphing_in(s.work, s.morphing);
     const auto prepared = Clock::now();
     evict_pages(s);
-    keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
+    keep_pages_at_hand(s.pages, s.work, s.mesh);
     refine(s);
     FJELL_ASSERT(changes() - r.work == beside);
     const auto refined = Clock::now();
@@ -255,7 +254,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
         r.evaluations = 0;
         if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
             reset(s);
-            while (reclaim_page(s.pages, s.work, s.mesh, s.morphing)) {
+            while (reclaim_page(s.pages, s.work, s.mesh)) {
             }
             continue;
         }
