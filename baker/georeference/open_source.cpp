@@ -44,6 +44,7 @@ struct ReadPlan {
     ReadOptions options;
     MosaicLayout layout;
     bool warped = false;
+    double ratio = 1; // resampling_ratio()
     Placement target; // what windows are cut from: the layout's own grid, or the one it is reprojected to
     Window crop;      // of the target: the source's extents
     [[nodiscard]] const std::string& name() const { return layout.files.front().facts.path; }
@@ -127,6 +128,9 @@ std::shared_ptr<const ReadPlan> make_plan(const std::vector<std::string>& paths,
         plan->warped = true;
         plan->target = target_grid(from, target, plan->options, plan->names());
         plan->crop = {0, 0, plan->target.columns, plan->target.rows};
+        Transformer transformer(from, plan->target.crs_wkt, plan->names());
+        transformer.set_target(plan->target);
+        plan->ratio = resampling_ratio(transformer, plan->layout.at, plan->target);
         double samples = 0;
         for (const MosaicFile& f : plan->layout.files)
             samples += static_cast<double>(f.facts.at.columns) * f.facts.at.rows;
@@ -217,8 +221,13 @@ SourceFacts facts_of(const ReadPlan& plan) {
     if (!plan.warped) return f;
     const Placement& from = plan.layout.at;
     const bool metres = from.axes == Axes::metres;
-    f.reprojected_from = crs_text(crs_label(wkt_of(source_crs(from))));
-    f.from_unit = metres ? "m" : "degrees";
+    const OGRSpatialReference own = source_crs(from);
+    f.reprojected_from = crs_text(crs_label(wkt_of(own)));
+    const char* angle = nullptr;
+    (void)own.GetAngularUnits(&angle);
+    f.from_unit = metres ? "m" : EQUAL(angle, "degree") ? "degrees" : std::string(angle) + "s";
+    f.resampled = plan.ratio < 1 ? fmt::format("cubic over {:.2g} samples", 1 / plan.ratio) : "cubic";
+    if (metres && !points_east_and_north(own)) f.axes = axes_text(own);
     for (const int axis : {0, 1}) f.from_step[axis] = from.step[axis] * (metres ? from.unit_m : 1);
     return f;
 }

@@ -192,6 +192,11 @@ TEST_CASE("a hill lies where it is on the ground, as far as it is, in any projec
         CAPTURE(c.crs, c.latitude, dem.columns, dem.rows, dem.spacing_m[0]);
         const auto source = open_source({path}, {});
         CHECK(source->facts.reprojected_from.empty() == !c.reprojected);
+        CHECK(source->facts.resampled == (c.reprojected ? "cubic" : ""));
+        const std::string crs = c.crs;
+        CHECK(source->facts.axes == (crs == "EPSG:2048" || crs == "EPSG:2049" || crs == "EPSG:22275" ? "west, south"
+                                     : crs == "EPSG:5513" || crs == "EPSG:2065"                      ? "south, west"
+                                                                                                     : ""));
         // The top, and the middle of the plane: the mean of all places that are there.
         double top = 0, middle_x = 0, middle_y = 0, count = 0;
         int top_x = 0, top_y = 0;
@@ -245,7 +250,9 @@ TEST_CASE("another spacing resamples what has a CRS, and stretches nothing") {
         ReadOptions o;
         o.spacing_m = c.spacing_m;
         o.vertical_unit = "m";
-        const Dem dem = read_dem(write(r, dir / "a.tif"), o);
+        const std::string path = write(r, dir / "a.tif");
+        const Dem dem = read_dem(path, o);
+        if (c.spacing_m == 90) CHECK(open_source({path}, o)->facts.resampled == "cubic over 3 samples");
         CAPTURE(c.crs, c.step[0], c.spacing_m, dem.columns, dem.rows);
         CHECK(dem.spacing_m[0] == Approx(c.spacing_m));
         CHECK(dem.spacing_m[1] == Approx(c.spacing_m));
