@@ -2,7 +2,7 @@
 
 #include <new>
 
-#include "c/convert.h"
+#include "shared/convert_c.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/profile.h"
