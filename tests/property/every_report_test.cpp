@@ -65,7 +65,7 @@ TEST_CASE("vertices that have arrived stay where they are when morphing takes lo
         double first_s, then_s;
         int none_until; // frames from 21 on without morphing
     };
-    for (const Way& way : {Way{1, 1, 23}, Way{0.05, 10, 0}, Way{0.05, 10, 40}}) {
+    for (const Way& way : {Way{1, 1, 23}, Way{0.05, 10, 0}, Way{1, 10, 70}}) {
         Cut cut(pack.terrain, ample_cut(pack.terrain));
         CutSettings settings{.max_error_px = 1};
         double worst_px = 0;
