@@ -128,10 +128,8 @@ void App::drop_graphics() {
 }
 
 void App::make_surface_and_graphics() {
-    std::string error;
-    surface_ = make_surface({options_.headless, options_.width, options_.height, options_.vsync}, error);
+    surface_ = make_surface({options_.headless, options_.width, options_.height, options_.vsync});
     shown_title_.clear();
-    if (!surface_) throw Failure(3, error);
     engine_.set_second_context(surface_->second_context());
     state_.graphics = surface_->description();
     for (const char* name : {"llvmpipe", "softpipe", "SwiftShader"})
@@ -412,8 +410,7 @@ void App::finish_requests() {
                     surface_->read(image);
                 else if (picture_.shown() != nullptr)
                     picture_.shown()->read_colour(image);
-                const std::string error = gl::write_png(image, shot->path);
-                if (!error.empty()) throw Failure(3, error);
+                gl::write_png(image, shot->path);
             } else if (const auto* file = std::get_if<DumpState>(&command)) {
                 refuse_overwriting_open_files(state_, file->path);
                 write_text(file->path, dump(state_));

@@ -42,15 +42,10 @@ void Comparison::close(State& state) {
     state.compared.there = false;
 }
 
-void Comparison::adopt(State& state, const Engine& engine) {
-    session_ = opening_.get();
-    std::string error;
-    renderer_ = session::make_renderer(options(engine), *session_, error);
-    if (!renderer_) {
-        session_.reset();
-        state.compared.with = CompareWith::nothing;
-        throw io::Failure(3, error);
-    }
+void Comparison::adopt(const Engine& engine) {
+    auto session = opening_.get();
+    renderer_ = session::make_renderer(options(engine), *session);
+    session_ = std::move(session);
     new_ = true;
 }
 
@@ -63,7 +58,7 @@ void Comparison::follow(State& state, const Engine& engine) {
     }
     if (opening_.valid() && opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
         try {
-            adopt(state, engine);
+            adopt(engine);
         } catch (...) { // what it needs cannot be had: the first profile's picture goes on
             state.compared.with = CompareWith::nothing;
             throw;
@@ -73,9 +68,7 @@ void Comparison::follow(State& state, const Engine& engine) {
     const Profile now = wanted(state);
     if (session_ && terrains_ == engine.terrains() && !needs_reopening(profile_, now)) {
         if (!renderer_) { // the context was lost
-            std::string error;
-            renderer_ = session::make_renderer(options(engine), *session_, error);
-            session::require_graphics(renderer_ != nullptr, error);
+            renderer_ = session::make_renderer(options(engine), *session_);
             new_ = true;
         }
         profile_ = now;
@@ -94,8 +87,7 @@ void Comparison::follow(State& state, const Engine& engine) {
 bool Comparison::update(State& state, const View& refining) {
     if (!session_ || !renderer_) return false;
     entry_ = session::update_frame(*session_, refining, profile_, state.now_s);
-    const std::string error = session::upload_mesh(*renderer_, *session_, entry_);
-    session::require_graphics(error.empty(), error);
+    session::upload_mesh(*renderer_, *session_, entry_);
     state.compared.there = true;
     state.compared.triangles = entry_.triangles_drawn;
     state.compared.update_us = entry_.update_us + entry_.stream_us;
@@ -113,22 +105,15 @@ bool Comparison::settled() const {
 void Comparison::draw(const State& state, const gl::Target& target) {
     if (!session_ || !renderer_) return;
     const std::uint32_t w = target.width(), h = target.height();
-    std::string error;
-    if (!target_ || target_->width() != w || target_->height() != h) target_ = gl::Target::create({w, h, 1}, error);
-    session::require_graphics(target_ != nullptr, error);
+    if (!target_ || target_->width() != w || target_->height() != h) target_ = gl::Target::create({w, h, 1});
     gl::DrawOptions options = session::draw_options(state.interface.mode, profile_, 0);
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
     options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
     options.slope = state.shows(Overlay::slope);
-    error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
-    session::require_graphics(error.empty(), error);
-    if (state.compared.view == CompareView::difference) {
-        error = difference_.draw(target, *target_);
-        session::require_graphics(error.empty(), error);
-        return;
-    }
+    renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
+    if (state.compared.view == CompareView::difference) return difference_.draw(target, *target_);
     glDisable(GL_FRAMEBUFFER_SRGB);
     const auto from = static_cast<GLint>(state.compared.divider * w), to = static_cast<GLint>(w),
                top = static_cast<GLint>(h);
@@ -167,16 +152,14 @@ void main() {
 
 } // namespace
 
-std::string PictureDifference::make(std::uint32_t width, std::uint32_t height) {
-    std::string error;
+void PictureDifference::make(std::uint32_t width, std::uint32_t height) {
     if (program_.get() == 0) {
-        program_ = gl::make_program({"difference", "", vertex_text, "", fragment_text}, error);
-        if (!error.empty()) return error;
+        program_ = gl::make_program({"difference", "", vertex_text, "", fragment_text});
         unsigned name = 0;
         glCreateVertexArrays(1, &name);
         nothing_ = gl::VertexArray(name);
     }
-    if (width == width_ && height == height_) return error;
+    if (width == width_ && height == height_) return;
     for (int i = 0; i < 2; ++i) {
         unsigned name = 0;
         glCreateTextures(GL_TEXTURE_2D, 1, &name);
@@ -190,11 +173,10 @@ std::string PictureDifference::make(std::uint32_t width, std::uint32_t height) {
     }
     width_ = width;
     height_ = height;
-    return error;
 }
 
-std::string PictureDifference::draw(const gl::Target& first, const gl::Target& second) {
-    if (std::string error = make(first.width(), first.height()); !error.empty()) return error;
+void PictureDifference::draw(const gl::Target& first, const gl::Target& second) {
+    make(first.width(), first.height());
     const auto w = static_cast<GLint>(width_), h = static_cast<GLint>(height_);
     glDisable(GL_FRAMEBUFFER_SRGB);
     const unsigned from[] = {first.framebuffer(), second.framebuffer()};
@@ -210,7 +192,6 @@ std::string PictureDifference::draw(const gl::Target& first, const gl::Target& s
     glBindVertexArray(nothing_.get());
     for (GLuint i = 0; i < 2; ++i) glBindTextureUnit(i, copies_[i].get());
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    return {};
 }
 
 void PictureDifference::drop_graphics() {

@@ -27,11 +27,11 @@ inline constexpr float difference_gain = 8;
 class PictureDifference {
 public:
     // Into `first`, which loses its picture. Both have one sample a pixel and the same size.
-    [[nodiscard]] std::string draw(const gl::Target& first, const gl::Target& second);
+    void draw(const gl::Target& first, const gl::Target& second);
     void drop_graphics();
 
 private:
-    [[nodiscard]] std::string make(std::uint32_t width, std::uint32_t height);
+    void make(std::uint32_t width, std::uint32_t height);
 
     gl::Program program_;
     gl::VertexArray nothing_;
@@ -57,7 +57,7 @@ private:
     [[nodiscard]] Profile wanted(const State& state) const;
     [[nodiscard]] session::FlightOptions options(const Engine& engine) const;
     void close(State& state);
-    void adopt(State& state, const Engine& engine);
+    void adopt(const Engine& engine);
 
     Profile profile_;            // that it goes by
     std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to

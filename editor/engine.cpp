@@ -26,12 +26,13 @@ Rebuild rebuild_of(const Profile& from, const Profile& to) {
     return most;
 }
 
-// Needs the graphics context.
-std::unique_ptr<gl::Renderer> renderer_for(const session::FlightOptions& options, const session::Session& session) {
-    std::string error;
-    auto renderer = session::make_renderer(options, session, error);
-    if (!renderer) throw io::Failure(3, error);
-    return renderer;
+// What the driver compiles beforehand. If it fails the first picture will say it.
+void rehearse_picture(gl::Renderer& renderer, const gl::DrawOptions& options) {
+    try {
+        renderer.rehearse(options, *gl::Target::create({16, 16, 1}));
+    } catch (const io::Failure&) {
+        return;
+    }
 }
 
 // All but Mode::error, which has to wait for its heights.
@@ -109,14 +110,12 @@ Engine::Opened Engine::prepare(const session::FlightOptions& options, const gl::
     const ContextInUse until_done(*context);
     std::unique_ptr<gl::Renderer> renderer;
     try {
-        renderer = renderer_for(options, *opened.session);
+        renderer = session::make_renderer(options, *opened.session);
     } catch (
         const io::Failure&) { // this context's, which may be lost: the frame's thread tries in its own, and says it
         return opened;
     }
-    std::string error; // of a rehearsal: the first picture will say it
-    if (const auto target = go_on() ? gl::Target::create({16, 16, 1}, error) : nullptr)
-        error = renderer->rehearse(shown, *target);
+    if (go_on()) rehearse_picture(*renderer, shown);
     renderer->leave_context();
     opened.renderer = std::move(renderer);
     return opened;
@@ -148,7 +147,7 @@ void Engine::adopt(Opened opened, const std::string& pack, const Profile& profil
     o.pack = pack;
     unread_told_ = 0;
     if (session->streamed) session->on_failure = [this](const std::string& line) { messages_.push_back(line); };
-    if (!renderer) renderer = renderer_for(o, *session);
+    if (!renderer) renderer = session::make_renderer(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
     pack_ = pack;
@@ -172,12 +171,12 @@ void Engine::remake(const Profile& profile) {
     session::remake_method(options(profile), *session_);
     set_renderer(nullptr); // the old one's memory first
     try {
-        set_renderer(renderer_for(options(profile), *session_));
+        set_renderer(session::make_renderer(options(profile), *session_));
         built_ = profile;
     } catch (...) { // as it was; and when that cannot be had any more either, nothing is open
         try {
             session::remake_method(options(built_), *session_);
-            set_renderer(renderer_for(options(built_), *session_));
+            set_renderer(session::make_renderer(options(built_), *session_));
         } catch (...) {
             close();
         }
@@ -209,17 +208,15 @@ session::FrameEntry Engine::update(const View& view, const Profile& profile, dou
     session::FrameEntry entry = session::update_frame(*session_, view, profile, now_s);
     if (entry.streamed && entry.stream.in_flight == 0) tell_unread();
     const auto start = Clock::now();
-    const std::string error = session::upload_mesh(*renderer_, *session_, entry);
+    session::upload_mesh(*renderer_, *session_, entry);
     upload_us = microseconds(Clock::now() - start);
-    if (!error.empty()) throw io::Failure(3, error);
     return entry;
 }
 
 void Engine::rehearse(const State& state, bool all) {
     gl::DrawOptions options = picture_options(state);
     options.sky = options.sky && all;
-    std::string error; // the first picture will say it
-    if (const auto target = gl::Target::create({16, 16, 1}, error)) error = renderer_->rehearse(options, *target);
+    rehearse_picture(*renderer_, options);
     glFinish();
 }
 
@@ -260,16 +257,13 @@ void Engine::draw(const State& state, const gl::Target& target, PictureRows rows
     set_error_options(state, options);
     options.first_row = rows.first;
     options.end_row = rows.end;
-    const std::string error = renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
-    if (!error.empty()) throw io::Failure(3, error);
+    renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, target);
 }
 
 void Engine::draw_lines(const State& state, const gl::Target& target) {
     if (scene_lines_.empty()) return;
-    std::string error;
-    if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls}, error);
-    if (lines_) error = lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
-    if (!error.empty()) throw io::Failure(3, error);
+    if (!lines_) lines_ = gl::Lines::create({SceneLines::most_lines, SceneLines::most_balls});
+    lines_->draw(scene_lines_.lines(), scene_lines_.balls(), state.eye.view, target);
 }
 
 std::vector<std::string> Engine::take_messages() {
@@ -298,7 +292,7 @@ void Engine::drop_opened_graphics() {
 }
 
 void Engine::make_graphics() {
-    if (session_) set_renderer(renderer_for(options(built_), *session_));
+    if (session_) set_renderer(session::make_renderer(options(built_), *session_));
 }
 
 Scene Engine::scene() const {
@@ -363,9 +357,12 @@ bool FullHeights::upload(gl::Renderer& renderer) {
     if (uploaded_ || !done_.load(std::memory_order_acquire) || !thread_.joinable()) return uploaded_;
     thread_.join();
     problem_ = failure_;
-    if (heights_) {
-        problem_ = renderer.set_heights({heights_->columns, heights_->rows, heights_->step_log2, heights_->heights_m});
-        uploaded_ = problem_.empty();
+    try {
+        if (heights_)
+            renderer.set_heights({heights_->columns, heights_->rows, heights_->step_log2, heights_->heights_m});
+        uploaded_ = heights_.has_value();
+    } catch (const io::Failure& failure) {
+        problem_ = failure.what();
     }
     heights_.reset();
     return uploaded_;

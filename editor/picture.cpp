@@ -44,10 +44,8 @@ gl::Target& TerrainPicture::fit(const Interface& i, bool half) {
     if (target && target->width() == width && target->height() == height) return *target;
     if (shown_ == target.get()) shown_ = nullptr;
     if (!half) band_row_ = 0; // nothing of it is drawn
-    std::string error;
-    target.reset(); // the old one's memory first
-    target = gl::Target::create({width, height, 1}, error);
-    if (!target) throw io::Failure(3, error);
+    target.reset();           // the old one's memory first
+    target = gl::Target::create({width, height, 1});
     return *target;
 }
 

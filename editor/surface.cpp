@@ -184,8 +184,7 @@ public:
     void stay_open() override {}
     void set_title(const char*) override {}
     void resize(std::uint32_t width, std::uint32_t height) override {
-        std::string error;
-        if (auto target = gl::Target::create({width, height, 1}, error)) target_ = std::move(target);
+        target_ = gl::Target::create({width, height, 1});
     }
     bool lost() const override { return false; }
     std::string description() const override { return context_->description(); }
@@ -223,16 +222,13 @@ void Surface::read(gl::Image& image) const {
         std::memcpy(image.rgb.data() + y * row, pixels.data() + (image.height - 1 - y) * row, row);
 }
 
-std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error) {
-    if (!options.headless) {
-        auto window = gl::Window::create(
-            {options.width, options.height, "Fjell editor", false, options.vsync, true, true}, error);
-        return window ? std::make_unique<WindowSurface>(std::move(window)) : nullptr;
-    }
-    auto context = gl::Headless::create({}, error);
-    if (!context) return nullptr;
-    auto target = gl::Target::create({options.width, options.height, 1}, error);
-    return target ? std::make_unique<HeadlessSurface>(std::move(context), std::move(target)) : nullptr;
+std::unique_ptr<Surface> make_surface(const SurfaceOptions& options) {
+    if (!options.headless)
+        return std::make_unique<WindowSurface>(
+            gl::Window::create({options.width, options.height, "Fjell editor", false, options.vsync, true, true}));
+    auto context = gl::Headless::create();
+    auto target = gl::Target::create({options.width, options.height, 1});
+    return std::make_unique<HeadlessSurface>(std::move(context), std::move(target));
 }
 
 void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuffer_height, const Place& to) {
@@ -246,9 +242,7 @@ void blit(const gl::Target& target, unsigned framebuffer, std::uint32_t framebuf
 }
 
 void rehearse_blit(const Surface& surface) {
-    std::string error; // whoever needs a target will say it
-    const auto target = gl::Target::create({2, 2, 1}, error);
-    if (!target) return;
+    const auto target = gl::Target::create({2, 2, 1});
     std::uint32_t width = 0, height = 0;
     surface.size(width, height);
     for (const std::uint32_t side : {2u, 4u}) blit(*target, surface.framebuffer(), height, {0, 0, side, side});

@@ -71,7 +71,7 @@ struct SurfaceOptions {
     std::uint32_t width = 1280, height = 720;
     bool vsync = true;
 };
-[[nodiscard]] std::unique_ptr<Surface> make_surface(const SurfaceOptions& options, std::string& error);
+[[nodiscard]] std::unique_ptr<Surface> make_surface(const SurfaceOptions& options);
 
 // Copies a target's picture to that place of a framebuffer, y from the top, stretched where it is smaller.
 struct Place {

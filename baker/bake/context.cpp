@@ -166,9 +166,9 @@ std::string BakeContext::identity() const {
                        "place {} {} {} {} {} {} {} horizons {}\n{}",
                        source.identity(), tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
-                       o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1], source.origin_m[0],
-                       source.origin_m[1], source.crs_step[0], source.crs_step[1], source.crs_wkt, o.horizon_spacing,
-                       image ? image->identity() : "") +
+                       o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
+                       source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],
+                       source.crs_wkt, o.horizon_spacing, image ? image->identity() : "") +
            splat_identity();
 }
 

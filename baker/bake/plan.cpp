@@ -36,7 +36,7 @@ PackHeader make_header(const BakeContext& context, const HeightStatistics& heigh
     h.estimate = context.options.estimate;
     h.nesting = static_cast<float>(context.options.nesting);
     std::copy_n(source.spacing_m, 2, h.spacing_m);
-    std::copy_n(source.origin_m, 2, h.origin_m);
+    std::copy_n(source.crs_origin, 2, h.crs_origin);
     for (const int axis : {0, 1}) h.crs_step[axis] = std::clamp(source.crs_step[axis], 0.0, 1e9);
     h.base_m = plan.height_scale.base_m;
     h.quantum_m = plan.height_scale.quantum_m;

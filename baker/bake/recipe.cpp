@@ -221,6 +221,9 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"size", Of::reading, &Recipe::size,
          "COLUMNSxROWS of raw numbers (.raw, .r16, .r32: 16 bits or floats, little-endian), whose file does not say; "
          "not given: it is square"},
+        {"vertical-unit", Of::reading, &Recipe::vertical_unit,
+         "what heights count that name no unit: m, ft, us-ft, or another of PROJ's names (default: m, and a question "
+         "where the CRS counts feet)"},
         {"zscale", Of::reading, &Recipe::zscale, "multiplies heights (after the file's own scale)"},
         {"zoffset", Of::reading, &Recipe::zoffset, "metres added to heights after --zscale"},
         {"bbox", Of::reading, &Recipe::bbox,
@@ -344,6 +347,7 @@ ReadOptions read_options(const Recipe& recipe) {
     o.zoffset_m = recipe.zoffset.value_or(0);
     o.crs = recipe.crs.value_or("auto");
     o.bbox = recipe.bbox;
+    o.vertical_unit = recipe.vertical_unit.value_or("");
     o.band = recipe.band.value_or("");
     if (recipe.size) o.size = parse_size(*recipe.size);
     o.voids = recipe.voids.value_or(DeclaredVoids{});

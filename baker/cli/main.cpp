@@ -107,8 +107,6 @@ json info_json(const PackFile& file) {
            {"order", order_name(h.order)},
            {"estimate", h.estimate == ErrorEstimate::max ? "max" : "midpoint"},
            {"nesting", h.nesting},
-           {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
-           {"origin_m", {h.origin_m[0], h.origin_m[1]}},
            {"crs", file.crs().empty() ? json() : json(file.crs())},
            {"crs_name", crs.name.empty() ? json() : json(crs.name)},
            {"epsg", crs.epsg ? json(crs.epsg) : json()},
@@ -128,6 +126,7 @@ json info_json(const PackFile& file) {
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
            {"required_bytes", terrain_bytes(h)}};
+    j.update(place_json(h));
     add_notes(j, read_notes(file));
     return j;
 }

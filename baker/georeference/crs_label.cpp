@@ -7,16 +7,19 @@
 
 namespace fjell::baker {
 
-// As GDAL writes it: KEYWORD["name",...,AUTHORITY["EPSG","code"]]. GDAL itself takes a tenth of a second to be loaded.
+// As GDAL writes it: KEYWORD["name",...,AUTHORITY["EPSG","code"]], or with ID["EPSG",code] at its end where it takes
+// the second version of WKT, for projections that the first does not have. GDAL itself takes a tenth of a second to be
+// loaded.
 CrsLabel crs_label(const std::string& wkt) {
     const std::size_t name = wkt.find('"') + 1, end = wkt.find('"', name);
     if (name == 0 || end == std::string::npos) return {};
     CrsLabel label{wkt.substr(name, end - name)};
-    constexpr std::string_view authority = "AUTHORITY[\"EPSG\",\"";
-    const std::size_t last = wkt.rfind(authority);
-    if (last == std::string::npos) return label;
-    const std::string code = wkt.substr(last + authority.size());
-    if (code.find("\"]]") + 3 == code.size()) label.epsg = std::atoi(code.c_str());
+    for (const std::string_view authority : {"AUTHORITY[\"EPSG\",\"", "ID[\"EPSG\","}) {
+        const std::size_t last = wkt.rfind(authority);
+        if (last == std::string::npos) continue;
+        const std::string code = wkt.substr(last + authority.size());
+        if (code.find_first_not_of("0123456789\"") == code.rfind("]]")) label.epsg = std::atoi(code.c_str());
+    }
     return label;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <numbers>
+#include <string>
 
 namespace fjell::baker {
 
@@ -22,11 +23,8 @@ double GroundScale::off() const {
 }
 
 std::optional<GroundScale> ground_scale(const OGRSpatialReference& crs, const std::vector<CrsPlace>& places) {
-    const std::unique_ptr<OGRSpatialReference> degrees(crs.CloneGeogCS());
-    if (!degrees) return {};
-    degrees->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> to_degrees(
-        OGRCreateCoordinateTransformation(&crs, degrees.get()));
+    const OGRSpatialReference degrees = degrees_of(crs);
+    const std::unique_ptr<OGRCoordinateTransformation> to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
     if (!to_degrees) return {};
     constexpr double radian = std::numbers::pi / 180, reach_m = 50;
     const double unit_m = crs.GetLinearUnits(), a = crs.GetSemiMajor(), b = crs.GetSemiMinor();
@@ -56,6 +54,19 @@ std::optional<GroundScale> ground_scale(const OGRSpatialReference& crs, const st
             scale ? GroundScale{std::min(scale->least, least), std::max(scale->most, most)} : GroundScale{least, most};
     }
     return scale;
+}
+
+OGRSpatialReference degrees_of(const OGRSpatialReference& crs) {
+    OGRSpatialReference degrees;
+    degrees.CopyGeogCSFrom(&crs);
+    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    if (std::abs(crs.GetAngularUnits() / (std::numbers::pi / 180) - 1) < 1e-9) return degrees;
+    const auto name = [&](const char* node) { return std::string(degrees.GetAttrValue(node)); };
+    const char* meridian = nullptr;
+    const double east_of_greenwich = crs.GetPrimeMeridian(&meridian);
+    degrees.SetGeogCS(name("GEOGCS").c_str(), name("DATUM").c_str(), name("SPHEROID").c_str(), crs.GetSemiMajor(),
+                      crs.GetInvFlattening(), meridian, east_of_greenwich);
+    return degrees;
 }
 
 bool points_east_and_north(const OGRSpatialReference& crs) {

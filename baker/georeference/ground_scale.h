@@ -1,4 +1,4 @@
-// How far the metres of a projected CRS are from metres of the ground, and where its axes point.
+// How far the metres of a projected CRS are from metres of the ground, where its axes point, and its degrees.
 #pragma once
 
 #include <array>
@@ -26,6 +26,9 @@ struct GroundScale {
 // Places that the CRS does not know are left out; nothing when none is left. Not for one that is not projected.
 [[nodiscard]] std::optional<GroundScale> ground_scale(const OGRSpatialReference& crs,
                                                       const std::vector<CrsPlace>& places);
+
+// Longitude and latitude of the same datum and meridian, in degrees: France counts grads from Paris.
+[[nodiscard]] OGRSpatialReference degrees_of(const OGRSpatialReference& crs);
 
 // False: x grows to the west, y to the south, or they stand for each other. Axes about a pole point nowhere and count.
 [[nodiscard]] bool points_east_and_north(const OGRSpatialReference& crs);

@@ -29,6 +29,10 @@ void check_options(const std::vector<std::string>& paths, const ReadOptions& o) 
         throw Failure(2, fmt::format("--zscale {} is out of range; give a factor of size 1e-6..1e6", *o.zscale));
     if (!(std::abs(o.zoffset_m) <= 1e7))
         throw Failure(2, fmt::format("--zoffset {} is out of range; give metres in -1e7..1e7", o.zoffset_m));
+    if (!o.vertical_unit.empty() && !(unit_in_metres(o.vertical_unit.c_str()) > 0))
+        throw Failure(2, fmt::format("--vertical-unit {}: is not known; give m, ft, us-ft, another name of PROJ's, or "
+                                     "--zscale S (metres a unit) instead",
+                                     o.vertical_unit.substr(0, 100)));
     if (!o.bbox) return;
     for (const double edge : *o.bbox)
         if (!(std::abs(edge) <= 1e9))
@@ -222,8 +226,8 @@ public:
         facts = facts_of(*plan_);
         if (p.axes == Axes::none) return;
         std::copy_n(p.step, 2, crs_step);
-        origin_m[0] = p.east(plan_->crop.x);
-        origin_m[1] = p.north(plan_->crop.y);
+        crs_origin[0] = p.east(plan_->crop.x);
+        crs_origin[1] = p.north(plan_->crop.y);
         crs_wkt = p.crs_wkt;
     }
     std::unique_ptr<HeightReader> reader() const override {
@@ -364,6 +368,7 @@ std::string FileSource::identity() const {
     if (o.bbox)
         for (const double edge : *o.bbox) text += fmt::format(" {}", edge);
     text += fmt::format(" void {}{}", fmt::join(o.voids.numbers, " "), o.voids.no_others ? " none" : "");
+    if (!o.vertical_unit.empty()) text += " vertical-unit " + o.vertical_unit;
     for (const MosaicFile& f : plan_->layout.files) text += "\n" + f.facts.identity;
     return text;
 }

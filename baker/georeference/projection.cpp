@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <cpl_string.h>
 #include <fmt/format.h>
@@ -100,8 +101,10 @@ void check_box(const ReadOptions& options) {
 
 ReprojectionTarget automatic_target(const Placement& from, const ReadOptions& options, const std::string& path) {
     check_box(options);
-    const OGRSpatialReference geographic = source_crs(from);
-    const Degrees all{from.east(-0.5), from.north(from.rows - 0.5), from.east(from.columns - 0.5), from.north(-0.5)};
+    const OGRSpatialReference own = source_crs(from), geographic = degrees_of(own);
+    const double unit = own.GetAngularUnits() / (std::numbers::pi / 180); // in degrees
+    const Degrees all{from.east(-0.5) * unit, from.north(from.rows - 0.5) * unit, from.east(from.columns - 0.5) * unit,
+                      from.north(-0.5) * unit};
     if (auto crs = crs_for(geographic, all.west, all.south, all.east, all.north)) return {std::move(crs), options.bbox};
     const Degrees box = box_in_degrees(all, options, path, geographic);
     auto crs = crs_for(geographic, box.west, box.south, box.east, box.north);
@@ -137,8 +140,7 @@ TruePlane truer_plane(const OGRSpatialReference& own, const CrsBox& box) {
     const bool turned = !points_east_and_north(own);
     const std::optional<GroundScale> scale = ground_scale(own, box.nine_places());
     if (!turned && (!scale || scale->off() <= most_off)) return plane;
-    plane.degrees.CopyGeogCSFrom(&own);
-    plane.degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    plane.degrees = degrees_of(own);
     plane.to_degrees.reset(OGRCreateCoordinateTransformation(&own, &plane.degrees));
     Degrees d{};
     constexpr int points_an_edge = 21;
@@ -279,7 +281,8 @@ std::unique_ptr<OGRSpatialReference> crs_for(const OGRSpatialReference& geograph
         crs->SetPS(std::abs(latitude) > 89 ? side * 89 : std::round(latitude), std::round(middle), 1, 0, 0);
         return crs;
     }
-    if (width <= 12 && geographic.GetInvFlattening() == 0) { // a sphere: UTM is for ellipsoids
+    // UTM is for ellipsoids, and counts from Greenwich.
+    if (width <= 12 && (geographic.GetInvFlattening() == 0 || geographic.GetPrimeMeridian() != 0)) {
         crs->SetProjCS("Transverse Mercator");
         crs->CopyGeogCSFrom(&geographic);
         crs->SetTM(std::round(latitude), std::round(middle), 0.9996, 0, 0);
@@ -345,8 +348,9 @@ Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const st
     columns_ = from.GetRasterXSize();
     std::array<double, 6> t{};
     const OGRSpatialReference* const own = from.GetSpatialRef();
-    if (own && own->IsGeographic() && from.GetGeoTransform(t.data()) == CE_None && columns_ * t[1] > 360)
-        turn_ = 360 / t[1];
+    const double turn = own ? 2 * std::numbers::pi / own->GetAngularUnits() : 0;
+    if (own && own->IsGeographic() && from.GetGeoTransform(t.data()) == CE_None && columns_ * t[1] > turn)
+        turn_ = turn / t[1];
 }
 
 Transformer::~Transformer() {

@@ -465,7 +465,7 @@ private:
 Frame frame_of(const HeightSource& ground) {
     return {ground.columns,
             ground.rows,
-            {ground.origin_m[0], ground.origin_m[1]},
+            {ground.crs_origin[0], ground.crs_origin[1]},
             {ground.crs_step[0], ground.crs_step[1]},
             ground.crs_wkt};
 }

@@ -209,8 +209,8 @@ private:
         const SampleIndex s = a_.data().tree.sample(v);
         std::string text = fmt::format("sample ({}, {})", at_a_.tile_x * side + s.column, at_a_.tile_y * side + s.row);
         if (h.crs_bytes != 0)
-            text += fmt::format(", at ({:.10g}, {:.10g})", h.origin_m[0] + s.column * step(0),
-                                h.origin_m[1] - s.row * step(1));
+            text += fmt::format(", at ({:.10g}, {:.10g})", h.crs_origin[0] + s.column * step(0),
+                                h.crs_origin[1] - s.row * step(1));
         return text;
     }
     [[nodiscard]] double step(int axis) const {
@@ -315,7 +315,7 @@ std::uint32_t tiles_from(double begin, const Member& member, const Member& first
     const PackHeader& h = member.header;
     const double step = h.crs_step[axis] > 0 ? h.crs_step[axis] : h.spacing_m[axis];
     const double side = std::ldexp(1.0, static_cast<int>(h.tile_log2));
-    const double cells = std::abs(h.origin_m[axis] - begin) / step, tiles = std::round(cells / side);
+    const double cells = std::abs(h.crs_origin[axis] - begin) / step, tiles = std::round(cells / side);
     if (!(tiles < max_columns))
         throw Failure(1, fmt::format("{}: lies {:.6g} tiles from {}, too far for one set; leave it out", member.file,
                                      tiles, first.file));
@@ -332,8 +332,8 @@ std::uint32_t tiles_from(double begin, const Member& member, const Member& first
 io::SetFile index_of(const std::vector<Member>& members) {
     const auto first_on = [&](int axis) -> const Member& { // the most western, or the most northern
         return *std::min_element(members.begin(), members.end(), [&](const Member& a, const Member& b) {
-            return axis == 0 ? a.header.origin_m[0] < b.header.origin_m[0]
-                             : a.header.origin_m[1] > b.header.origin_m[1];
+            return axis == 0 ? a.header.crs_origin[0] < b.header.crs_origin[0]
+                             : a.header.crs_origin[1] > b.header.crs_origin[1];
         });
     };
     const Member &west = first_on(0), &north = first_on(1);
@@ -341,8 +341,8 @@ io::SetFile index_of(const std::vector<Member>& members) {
     io::SetFile set{0, 0, 1u << h.tile_log2, {h.spacing_m[0], h.spacing_m[1]}, {}};
     for (const Member& member : members) {
         const PackHeader& p = member.header;
-        const std::uint32_t x = tiles_from(west.header.origin_m[0], member, west, 0),
-                            y = tiles_from(north.header.origin_m[1], member, north, 1);
+        const std::uint32_t x = tiles_from(west.header.crs_origin[0], member, west, 0),
+                            y = tiles_from(north.header.crs_origin[1], member, north, 1);
         const auto ends = [&](std::uint32_t tile, std::uint32_t samples) {
             const std::uint64_t end = (std::uint64_t{tile} << p.tile_log2) + samples;
             if (end > max_columns)

@@ -51,7 +51,7 @@ PackHeader header_of(const PackHeader& whole, const Rectangle& r) {
     // CRS axes: north is up.
     const double cells[2] = {static_cast<double>(r.x) * side, -static_cast<double>(r.y) * side};
     for (const int axis : {0, 1})
-        h.origin_m[axis] += cells[axis] * (h.crs_step[axis] > 0 ? h.crs_step[axis] : h.spacing_m[axis]);
+        h.crs_origin[axis] += cells[axis] * (h.crs_step[axis] > 0 ? h.crs_step[axis] : h.spacing_m[axis]);
     return h;
 }
 

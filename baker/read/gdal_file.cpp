@@ -430,7 +430,13 @@ double unit_in_metres(const char* name) {
                                           {"centimeter", 0.01},
                                           {"mm", 0.001}}};
     const auto found = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
-    return found == units.end() ? 0 : found->metres;
+    if (found != units.end()) return found->metres;
+    // PROJ's own: fath, yd, link, ind-ft, ...
+    const bool plain = unit.size() <= 6 && unit.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") == std::string::npos;
+    OGRSpatialReference plane;
+    const GdalMessages quiet;
+    return plain && plane.importFromProj4(("+proj=merc +units=" + unit).c_str()) == OGRERR_NONE ? plane.GetLinearUnits()
+                                                                                                : 0;
 }
 
 namespace {
@@ -452,29 +458,50 @@ std::string named_unit(GDALRasterBand& band) {
     return named;
 }
 
+bool same_unit(double a_m, double b_m) {
+    return std::abs(a_m / b_m - 1) < 1e-5; // feet of two kinds differ by 2e-6
+}
+
+// How the unit of a CRS' axes is asked about: "--vertical-unit us-ft", or by its length.
+std::string across_option(double across_m) {
+    for (const char* const name : {"ft", "us-ft", "link", "ch", "yd", "ind-yd", "km"})
+        if (std::abs(across_m / unit_in_metres(name) - 1) < 1e-7) return fmt::format("--vertical-unit {}", name);
+    return fmt::format("--zscale {:.7g}", across_m);
+}
+
 double unit_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                const std::string& path) {
     const std::string named = named_unit(band);
     const double unit = unit_in_metres(named.c_str());
     std::string axis;
     const double vertical = vertical_unit(crs, axis);
+    const bool band_says = !named.empty() && unit > 0;
+    if (!options.vertical_unit.empty()) {
+        const double asked = unit_in_metres(options.vertical_unit.c_str());
+        if ((!band_says && vertical == 0) || (band_says && same_unit(asked, unit)) ||
+            (vertical > 0 && same_unit(asked, vertical)))
+            return asked;
+        throw Failure(1, fmt::format("{}: says that its heights are in \"{}\"; leave out --vertical-unit {}, or give "
+                                     "--zscale {:.7g} instead if the file is wrong",
+                                     path, band_says ? named : axis, options.vertical_unit,
+                                     asked / (band_says ? unit : vertical)));
+    }
     if (unit == 0 && !options.zscale)
-        throw Failure(1,
-                      fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a unit)",
-                                  path, named));
+        throw Failure(1, fmt::format("{}: heights are in \"{}\", which is not known here; give --zscale S (metres a "
+                                     "unit), or --vertical-unit NAME",
+                                     path, named));
     // Whoever counts feet across may count feet upwards, and a third of the height is no small mistake.
     const double across_m = crs && crs->IsProjected() ? crs->GetLinearUnits() : 1;
     if (named.empty() && vertical == 0 && !options.zscale && std::abs(across_m - 1) > 0.01)
-        throw Failure(1,
-                      fmt::format("{}: its CRS counts in units of {:.7g} m and its heights name no unit; give --zscale "
-                                  "{:.7g} if they are in the same, --zscale 1 if they are in metres",
-                                  path, across_m, across_m));
-    if (unit == 0) return 1;                                                // --zscale says what a unit is
-    if (vertical == 0 || std::abs(vertical / unit - 1) < 1e-5) return unit; // feet of two kinds differ by 2e-6
+        throw Failure(1, fmt::format("{}: its CRS counts in units of {:.7g} m and its heights name no unit; give {} if "
+                                     "they are in the same, --vertical-unit m if they are in metres",
+                                     path, across_m, across_option(across_m)));
+    if (unit == 0) return 1; // --zscale says what a unit is
+    if (vertical == 0 || same_unit(vertical, unit)) return unit;
     if (named.empty()) return vertical;
     throw Failure(1,
-                  fmt::format("{}: its band says that heights are in \"{}\", its CRS in \"{}\"; give it the CRS that "
-                              "is right (gdal_edit.py -a_srs)",
+                  fmt::format("{}: its band says that heights are in \"{}\", its CRS in \"{}\"; give --vertical-unit "
+                              "with the one that is right",
                               path, named, axis));
 }
 

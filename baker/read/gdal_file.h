@@ -116,14 +116,15 @@ struct Scaling {
     friend bool operator==(const Scaling&, const Scaling&) = default;
 };
 
-// Metres in one unit of this name; no name means metres, 0 that it is not known.
+// Metres in one unit of this name, as GDAL or PROJ has it; no name means metres, 0 that it is not known.
 [[nodiscard]] double unit_in_metres(const char* name);
 
 // What the band, or the vertical axis of the CRS where the band is silent, calls its unit; empty: neither says.
 [[nodiscard]] std::string unit_name(GDALRasterBand& band, const OGRSpatialReference* crs);
 
 // From the band's scale, offset and unit, the unit of the CRS' vertical axis where the band has none, and the options.
-// Throws Failure 1: a unit not known here, two units that differ, an absurd scale.
+// Throws Failure 1: a unit not known here, two units that differ, none where metres are no matter of course, an absurd
+// scale.
 [[nodiscard]] Scaling scaling_of(GDALRasterBand& band, const OGRSpatialReference* crs, const ReadOptions& options,
                                  const std::string& path);
 

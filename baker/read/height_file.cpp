@@ -248,7 +248,8 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
         return;
     }
     facts_.decoding.scaling = scaling_of(first, file_->GetSpatialRef(), options, path);
-    facts_.height_unit = unit_name(first, file_->GetSpatialRef());
+    facts_.height_unit =
+        options.vertical_unit.empty() ? unit_name(first, file_->GetSpatialRef()) : options.vertical_unit;
     int tagged = 0;
     (void)first.GetNoDataValue(&tagged);
     tagged_ = tagged != 0;

@@ -45,6 +45,8 @@ struct ReadOptions {
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.
     std::optional<double> zscale;
     double zoffset_m = 0; // added after zscale
+    // What heights count whose unit neither band nor CRS names: m, ft, us-ft, or another name that PROJ or GDAL has.
+    std::string vertical_unit;
     // Of a file with several bands the one that holds heights, by its number (from 1) or its name. Empty: the only one,
     // or the only one whose name says so.
     std::string band;

@@ -81,7 +81,7 @@ PackSource::PackSource(const std::string& path) : file_(std::make_shared<io::Pac
     columns = static_cast<std::int32_t>(h.columns);
     rows = static_cast<std::int32_t>(h.rows);
     std::copy_n(h.spacing_m, 2, spacing_m);
-    std::copy_n(h.origin_m, 2, origin_m);
+    std::copy_n(h.crs_origin, 2, crs_origin);
     crs_wkt = file_->crs();
     std::copy_n(h.crs_step, 2, crs_step);
 }

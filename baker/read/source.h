@@ -78,11 +78,11 @@ public:
     virtual ~HeightSource() = default;
 
     std::int32_t columns = 0, rows = 0;
-    double spacing_m[2] = {1, 1}; // along columns, along rows; > 0
-    double origin_m[2] = {0, 0};  // of sample (0, 0) in CRS axes
-    double crs_step[2] = {0, 0};  // between samples in the CRS' own units (degrees, feet, ...), eastwards and
-                                  // southwards, whatever spacing_m says; 0: not known
-    std::string crs_wkt;          // empty: none
+    double spacing_m[2] = {1, 1};  // along columns, along rows; > 0
+    double crs_origin[2] = {0, 0}; // of sample (0, 0) in CRS axes
+    double crs_step[2] = {0, 0};   // between samples in the CRS' own units (degrees, feet, ...), eastwards and
+                                   // southwards, whatever spacing_m says; 0: not known
+    std::string crs_wkt;           // empty: none
     SourceFacts facts;
 
     [[nodiscard]] virtual std::unique_ptr<HeightReader> reader() const = 0;

@@ -31,7 +31,7 @@ constexpr std::int32_t tile = 256; // samples a side
 // Heights from wherever they lie: rows y and on, as many as `to` holds; NaN where there is none, if `holes`.
 struct HeightRows {
     std::int32_t columns, rows;
-    const double (&spacing_m)[2], (&origin_m)[2], (&crs_step)[2];
+    const double (&spacing_m)[2], (&crs_origin)[2], (&crs_step)[2];
     const std::string& crs_wkt;
     double native_quantum_m;
     float least_m, most_m;
@@ -87,7 +87,7 @@ void set_place(GDALDataset& file, const HeightRows& dem) {
         crs.SetLinearUnits("metre", 1);
     }
     // Pixels are samples: the origin is the north-west pixel's corner, half a pixel out.
-    std::array<double, 6> t{dem.origin_m[0] - step[0] / 2, step[0], 0, dem.origin_m[1] + step[1] / 2, 0, -step[1]};
+    std::array<double, 6> t{dem.crs_origin[0] - step[0] / 2, step[0], 0, dem.crs_origin[1] + step[1] / 2, 0, -step[1]};
     file.SetGeoTransform(t.data());
     file.SetSpatialRef(&crs);
 }
@@ -199,7 +199,7 @@ void write_dem(const HeightSource& source, const std::string& path, DemForm form
         heights = std::move(filled);
     }
     float least = statistics.least_m, most = statistics.most_m;
-    write_heights({source.columns, source.rows, source.spacing_m, source.origin_m, source.crs_step, source.crs_wkt,
+    write_heights({source.columns, source.rows, source.spacing_m, source.crs_origin, source.crs_step, source.crs_wkt,
                    properties.native_quantum_m, least, most, form, holes,
                    [&](std::int32_t y, std::span<float> to) {
                        const Window w{0, y, source.columns, static_cast<std::int32_t>(to.size()) / source.columns};

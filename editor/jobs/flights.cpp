@@ -97,13 +97,9 @@ void MeasuredFlight::Impl::open() {
 }
 
 void MeasuredFlight::Impl::make_graphics(const session::FlightOptions& options) {
-    std::string error;
-    context = gl::Headless::create({}, error);
-    session::require_graphics(context != nullptr, error);
-    target = gl::Target::create({plan.profile.width_px, plan.profile.height_px, 1}, error);
-    session::require_graphics(target != nullptr, error);
-    renderer = session::make_renderer(options, session, error);
-    session::require_graphics(renderer != nullptr, error);
+    context = gl::Headless::create();
+    target = gl::Target::create({plan.profile.width_px, plan.profile.height_px, 1});
+    renderer = session::make_renderer(options, session);
 }
 
 FlownTimes MeasuredFlight::Impl::update(const View& view, session::FrameEntry& entry) {
@@ -114,8 +110,7 @@ FlownTimes MeasuredFlight::Impl::update(const View& view, session::FrameEntry& e
         FlownTimes times{std::min(poll.update_us + poll.stream_us, thread_us() - since_us), 0, 0};
         if (renderer) {
             const auto start = Clock::now();
-            const std::string error = session::upload_mesh(*renderer, session, poll);
-            session::require_graphics(error.empty(), error);
+            session::upload_mesh(*renderer, session, poll);
             times.upload_us = microseconds(Clock::now() - start);
         }
         if (times.all_us() > dearest.all_us()) dearest = times;
@@ -126,9 +121,8 @@ FlownTimes MeasuredFlight::Impl::update(const View& view, session::FrameEntry& e
 
 double MeasuredFlight::Impl::draw(const View& view) {
     const auto start = Clock::now();
-    const std::string error = renderer->draw_uploaded(
-        session.mesh(), view, session::draw_options(session::PictureMode::shaded, plan.profile, 0), *target);
-    session::require_graphics(error.empty(), error);
+    renderer->draw_uploaded(session.mesh(), view, session::draw_options(session::PictureMode::shaded, plan.profile, 0),
+                            *target);
     glFinish();
     return microseconds(Clock::now() - start);
 }

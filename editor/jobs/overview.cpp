@@ -162,10 +162,9 @@ void Painter::choose_layers() {
         }
         mapped_ = !names.empty() && source_.settings.splat;
         if (!mapped_ && layers.rules.empty()) return;
-        layered_ = ground_colour_
-                       .set(layers.materials, layers.rules, names, source_.settings,
-                            std::max(tile_x_m_, tile_z_m_) / (wanted_ - 1))
-                       .empty();
+        ground_colour_.set(layers.materials, layers.rules, names, source_.settings,
+                           std::max(tile_x_m_, tile_z_m_) / (wanted_ - 1));
+        layered_ = true;
     } catch (const io::Failure&) {
         layered_ = false;
     }

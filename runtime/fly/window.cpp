@@ -33,10 +33,6 @@ constexpr const char* help =
 constexpr double radians_a_pixel = 0.003;
 constexpr double title_seconds = 0.25;
 
-void require(bool made, const std::string& error) {
-    if (!made) throw io::Failure(3, error);
-}
-
 // What happened since the last frame; filled by GLFW's callbacks.
 struct Input {
     int mode_steps = 0, threshold_steps = 0;
@@ -111,11 +107,8 @@ public:
                                                                                   options.frames > 0 ||
                                                                                       !options.path.empty() ||
                                                                                       options.seeded} {
-        std::string error;
-        window_ = gl::Window::create({profile_.width_px, profile_.height_px, "Fjell"}, error);
-        require(window_ != nullptr, error);
-        renderer_ = make_renderer(options, session, error);
-        require(renderer_ != nullptr, error);
+        window_ = gl::Window::create({profile_.width_px, profile_.height_px, "Fjell"});
+        renderer_ = make_renderer(options, session);
         GLFWwindow* window = window_->handle();
         glfwSetWindowUserPointer(window, &input_);
         glfwSetKeyCallback(window, on_key);
@@ -172,10 +165,8 @@ private:
         window_->framebuffer_size(width, height);
         if (width == 0 || height == 0) return false;
         if (target_ && target_->width() == width && target_->height() == height) return true;
-        std::string error;
         target_.reset(); // the old one's memory first
-        target_ = make_target(width, height, profile_, error);
-        require(target_ != nullptr, error);
+        target_ = make_target(width, height, profile_);
         profile_.width_px = width;
         profile_.height_px = height;
         return true;
@@ -187,10 +178,8 @@ private:
         FrameEntry entry = update_frame(session_, view, profile_, now_s);
         if (options_.verify_every && frame % options_.verify_every == 0)
             verify_frame(session_, view, profile_, frame, entry, verification);
-        std::string error = upload_mesh(*renderer_, session_, entry);
-        if (error.empty())
-            error = renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_, profile_, now_s), *target_);
-        require(error.empty(), error);
+        upload_mesh(*renderer_, session_, entry);
+        renderer_->draw_uploaded(session_.mesh(), view, draw_options(mode_, profile_, now_s), *target_);
         target_->present(target_->width(), target_->height());
         window_->swap();
         return entry;

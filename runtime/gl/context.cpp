@@ -6,7 +6,7 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include "fjell/io/failure.h"
+#include "gl/fail.h"
 
 namespace fjell::gl {
 namespace {
@@ -154,18 +154,9 @@ std::string describe_current() {
 }
 
 std::unique_ptr<Headless> Headless::create(const HeadlessOptions& options) {
-    std::string error;
-    std::unique_ptr<Headless> context = create(options, error);
-    if (!context) throw io::Failure(3, error);
-    return context;
-}
-
-std::unique_ptr<Headless> Headless::create(const HeadlessOptions& options, std::string& error) {
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base")) {
-        error =
-            "no headless OpenGL: EGL has no platform displays; install a driver (Debian: libegl-mesa0 libgl1-mesa-dri)";
-        return nullptr;
-    }
+    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base"))
+        fail("no headless OpenGL: EGL has no platform displays; install a driver (Debian: libegl-mesa0 "
+             "libgl1-mesa-dri)");
     Started started;
     std::string reasons = "Mesa surfaceless: not tried";
     if (options.device < 0) {
@@ -175,11 +166,9 @@ std::unique_ptr<Headless> Headless::create(const HeadlessOptions& options, std::
         reasons = "Mesa surfaceless: " + reason;
     }
     if (started.context == EGL_NO_CONTEXT) started = try_devices(options, reasons);
-    if (started.context == EGL_NO_CONTEXT) {
-        error = "no headless OpenGL 4.5 core context (" + reasons +
-                "); install a driver (Debian: libegl-mesa0 libgl1-mesa-dri)";
-        return nullptr;
-    }
+    if (started.context == EGL_NO_CONTEXT)
+        fail("no headless OpenGL 4.5 core context (" + reasons +
+             "); install a driver (Debian: libegl-mesa0 libgl1-mesa-dri)");
     std::unique_ptr<Headless> result(new Headless);
     result->display_ = started.display;
     result->context_ = started.context;

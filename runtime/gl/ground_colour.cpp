@@ -243,12 +243,12 @@ Rgb Painter::blend(const Strongest& strongest, const Rgb& map, double x_m, doubl
 
 struct GroundColour::Data : ground::Painter {};
 
-std::string GroundColour::set(const io::Materials& materials, std::span<const LayerRule> rules,
-                              std::span<const std::string> names, const LayerSettings& settings, double texel_m) {
+void GroundColour::set(const io::Materials& materials, std::span<const LayerRule> rules,
+                       std::span<const std::string> names, const LayerSettings& settings, double texel_m) {
     data_ = nullptr;
     std::int32_t of_name[io::max_materials] = {};
-    if (std::string error = validate(settings); !error.empty()) return error;
-    if (std::string error = check_layers({materials, rules, names}, of_name); !error.empty()) return error;
+    validate(settings);
+    check_layers({materials, rules, names}, of_name);
     const auto data = std::make_shared<Data>();
     for (std::uint32_t i = 0; i < materials.records.size(); ++i) {
         const io::MaterialRecord& r = materials.records[i];
@@ -267,7 +267,6 @@ std::string GroundColour::set(const io::Materials& materials, std::span<const La
     data->spots = ground::noise_of(noise, ground::spots_m, texel_m);
     data->tint = static_cast<float>(settings.tint);
     data_ = data;
-    return {};
 }
 
 bool GroundColour::paint(const GroundTexels& t) const {

@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include "fjell/texture.h"
+#include "gl/fail.h"
 
 namespace fjell::gl {
 namespace {
@@ -180,20 +181,19 @@ const char* fault_of(const LayerRule& r, std::size_t materials) {
 
 } // namespace
 
-std::string validate(const LayerSettings& s) {
+void validate(const LayerSettings& s) {
     if (!is_within(s.distance_m, min_layer_distance_m, max_layer_distance_m))
-        return "LayerSettings::distance_m must be a number from 1 to 100000";
-    if (!is_within(s.tint, 0, 1)) return "LayerSettings::tint must be a number from 0 to 1";
-    if (!is_within(s.relief, 0, max_layer_relief)) return "LayerSettings::relief must be a number from 0 to 4";
-    return {};
+        fail("LayerSettings::distance_m must be a number from 1 to 100000");
+    if (!is_within(s.tint, 0, 1)) fail("LayerSettings::tint must be a number from 0 to 1");
+    if (!is_within(s.relief, 0, max_layer_relief)) fail("LayerSettings::relief must be a number from 0 to 4");
 }
 
-std::string validate(std::span<const LayerRule> rules, std::size_t materials) {
+void validate(std::span<const LayerRule> rules, std::size_t materials) {
     if (rules.empty() || rules.size() > max_layer_rules)
-        return "there must be 1 to " + std::to_string(max_layer_rules) + " rules";
+        fail("there must be 1 to " + std::to_string(max_layer_rules) + " rules", 1);
     for (std::size_t i = 0; i < rules.size(); ++i)
-        if (const char* const fault = fault_of(rules[i], materials)) return "rule " + std::to_string(i) + ": " + fault;
-    return {};
+        if (const char* const fault = fault_of(rules[i], materials))
+            fail("rule " + std::to_string(i) + ": " + fault, 1);
 }
 
 void layer_shares(std::span<const LayerRule> rules, double height_m, double slope_deg, double patches, double spots,
@@ -214,34 +214,32 @@ void layer_shares(std::span<const LayerRule> rules, double height_m, double slop
 namespace {
 
 // Every name must be a material, or some ground would show another one. Water need not: it is drawn by the light.
-std::string match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
-    if (in.names.size() > io::max_materials) return "the pack's splat maps speak of more than 16 materials";
+void match_names(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
+    if (in.names.size() > io::max_materials) fail("the pack's splat maps speak of more than 16 materials", 1);
     std::string known;
     for (const io::MaterialRecord& r : in.materials.records) known += (known.empty() ? "" : ", ") + std::string(r.name);
     for (std::size_t i = 0; i < in.names.size(); ++i) {
         of_name[i] = in.materials.find(in.names[i]);
         if (of_name[i] < 0 && in.names[i] != water_layer)
-            return "the pack's splat maps speak of \"" + in.names[i] + "\", and the materials are " + known +
-                   ": give materials with it, or bake the pack with other --layers";
+            fail("the pack's splat maps speak of \"" + in.names[i] + "\", and the materials are " + known +
+                     ": give materials with it, or bake the pack with other --layers",
+                 1);
     }
-    return {};
 }
 
 } // namespace
 
-std::string check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
-    if (in.names.empty() || !in.rules.empty())
-        if (std::string error = validate(in.rules, in.materials.records.size()); !error.empty())
-            return "set_layers(): " + error;
-    return match_names(in, of_name);
+void check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]) {
+    if (in.names.empty() || !in.rules.empty()) validate(in.rules, in.materials.records.size());
+    match_names(in, of_name);
 }
 
-std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software) {
+void Layers::set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software) {
     *this = {};
     const io::Materials& materials = in.materials;
-    if (materials.records.empty() && in.rules.empty()) return {};
+    if (materials.records.empty() && in.rules.empty()) return;
     std::int32_t of_name[io::max_materials] = {};
-    if (std::string error = check_layers(in, of_name); !error.empty()) return error;
+    check_layers(in, of_name);
     LayersBlock block = block_of(materials, in.rules);
     std::ranges::copy(of_name, block.of_name);
     const auto* const water = std::ranges::find(of_name, -1);
@@ -268,9 +266,9 @@ std::string Layers::set(const LayersInput& in, std::uint64_t most_bytes, float a
     rules = in.rules.size();
     names = in.names.size();
     lakes = water != std::end(of_name);
-    if (glGetError() == GL_NO_ERROR) return {};
+    if (glGetError() == GL_NO_ERROR) return;
     *this = {};
-    return "the GPU has no room for the materials: lower RendererOptions::material_bytes";
+    fail("the GPU has no room for the materials: lower RendererOptions::material_bytes");
 }
 
 void Layers::bind() const {

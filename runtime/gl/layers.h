@@ -53,7 +53,7 @@ struct LayersInput {
 };
 
 // Empty, or why these cannot be drawn: of_name[i] is the material of names[i], -1 for water.
-[[nodiscard]] std::string check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]);
+void check_layers(const LayersInput& in, std::int32_t (&of_name)[io::max_materials]);
 
 struct Layers {
     Texture colour, normal;
@@ -65,7 +65,7 @@ struct Layers {
 
     [[nodiscard]] bool present() const { return table.get() != 0; }
     // most_bytes: finest mips are left out until the textures fit.
-    [[nodiscard]] std::string set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software);
+    void set(const LayersInput& in, std::uint64_t most_bytes, float anisotropy, bool software);
     void bind() const;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "gl/fail.h"
+
 namespace fjell::gl {
 namespace {
 
@@ -36,7 +38,7 @@ double turn(double degrees) {
 
 } // namespace
 
-std::string validate(const LightSettings& light) {
+void validate(const LightSettings& light) {
     const Field fields[] = {
         {"azimuth_deg", light.azimuth_deg, 0, 360},
         {"elevation_deg", light.elevation_deg, min_sun_elevation_deg, 90},
@@ -53,13 +55,12 @@ std::string validate(const LightSettings& light) {
     };
     for (const Field& field : fields)
         if (!(field.value >= field.least && field.value <= field.most)) // NaN too
-            return std::string("LightSettings::") + field.name + " must be a number from " + number_text(field.least) +
-                   " to " + number_text(field.most);
-    if (light.sun > SunBy::time) return "LightSettings::sun must be direction or time";
-    if (light.air > Air::physical) return "LightSettings::air must be simple or physical";
-    if (light.exposure > Exposure::fixed) return "LightSettings::exposure must be automatic or fixed";
-    if (light.tone_curve > ToneCurve::filmic) return "LightSettings::tone_curve must be none or filmic";
-    return {};
+            fail(std::string("LightSettings::") + field.name + " must be a number from " + number_text(field.least) +
+                 " to " + number_text(field.most));
+    if (light.sun > SunBy::time) fail("LightSettings::sun must be direction or time");
+    if (light.air > Air::physical) fail("LightSettings::air must be simple or physical");
+    if (light.exposure > Exposure::fixed) fail("LightSettings::exposure must be automatic or fixed");
+    if (light.tone_curve > ToneCurve::filmic) fail("LightSettings::tone_curve must be none or filmic");
 }
 
 SunPosition sun_position(const LightSettings& light) {

@@ -48,8 +48,8 @@ unsigned Lighting::variant(const LightSettings& light) {
            (light.water ? light_water : 0);
 }
 
-std::string Lighting::follow(const LightSettings& light, unsigned bits) {
-    if (std::string error = validate(light); !error.empty()) return error;
+void Lighting::follow(const LightSettings& light, unsigned bits) {
+    validate(light);
     const Vec3 now = sun_direction(light);
     if (visibility_km != light.visibility_km || now.x != sun.x || now.y != sun.y || now.z != sun.z) {
         make_sky(now, light.visibility_km, sky);
@@ -66,7 +66,6 @@ std::string Lighting::follow(const LightSettings& light, unsigned bits) {
         in_map = true;
     }
     if ((bits & (light_detail | light_water | light_layers)) != 0 && noise_map.get() == 0) noise_map = make_noise_map();
-    return {};
 }
 
 void Lighting::bind() const {

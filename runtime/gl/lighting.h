@@ -84,7 +84,7 @@ struct Lighting {
     // Bits of the variant for these settings. A GPU of only 16 texture units has the simple air and no detail.
     [[nodiscard]] unsigned variant(const LightSettings& light);
     // Tables and textures for these settings and this variant. Refuses settings out of range.
-    [[nodiscard]] std::string follow(const LightSettings& light, unsigned bits);
+    void follow(const LightSettings& light, unsigned bits);
     void bind() const;
 };
 

@@ -8,6 +8,7 @@
 
 #include <epoxy/gl.h>
 
+#include "gl/fail.h"
 #include "gl/objects.h"
 
 namespace fjell::gl {
@@ -231,22 +232,16 @@ struct Lines::State {
 Lines::Lines() : state_(std::make_unique<State>()) {}
 Lines::~Lines() = default;
 
-std::unique_ptr<Lines> Lines::create(const LinesOptions& options, std::string& error) {
+std::unique_ptr<Lines> Lines::create(const LinesOptions& options) {
     std::unique_ptr<Lines> result(new Lines);
     State& s = *result->state_;
     s.options = options;
     const auto program = [&](const char* name, const std::string& defines) {
-        return make_program({name, defines + common_text(), vertex_text(), "", fragment_text()}, error);
+        return make_program({name, defines + common_text(), vertex_text(), "", fragment_text()});
     };
-    error.clear();
     s.line_program = program("lines", "");
-    if (error.empty())
-        s.ball_program = program("balls", "#define BALLS\n#define PIECES " + std::to_string(circle_pieces) + "\n");
-    if (!error.empty()) return nullptr;
-    if (!s.ring.create(s.bytes(options.lines, options.balls)).empty()) {
-        error = "the driver has no room for lines: lower LinesOptions::lines or ::balls";
-        return nullptr;
-    }
+    s.ball_program = program("balls", "#define BALLS\n#define PIECES " + std::to_string(circle_pieces) + "\n");
+    s.ring.create(s.bytes(options.lines, options.balls), "LinesOptions::lines or ::balls");
     s.line_array = make_array(false);
     s.ball_array = make_array(true);
     return result;
@@ -290,27 +285,25 @@ void put_back() {
     glBindVertexArray(0);
 }
 
-std::string check(const LinesOptions& most, std::size_t lines, std::size_t balls, const View& view,
-                  const LineStyle& style) {
+void check(const LinesOptions& most, std::size_t lines, std::size_t balls, const View& view, const LineStyle& style) {
     if (const Status status = validate(view); !status.ok())
-        return std::string("the view cannot be drawn: ") + status.field + ": " + message(status.code);
+        fail(std::string("the view cannot be drawn: ") + status.field + ": " + message(status.code));
     if (lines > most.lines)
-        return "there are " + std::to_string(lines) + " lines: raise LinesOptions::lines from " +
-               std::to_string(most.lines);
+        fail("there are " + std::to_string(lines) + " lines: raise LinesOptions::lines from " +
+             std::to_string(most.lines));
     if (balls > most.balls)
-        return "there are " + std::to_string(balls) + " balls: raise LinesOptions::balls from " +
-               std::to_string(most.balls);
+        fail("there are " + std::to_string(balls) + " balls: raise LinesOptions::balls from " +
+             std::to_string(most.balls));
     if (!(style.width_px > 0) || !(style.width_px <= most_width_px) || !(style.hidden >= 0) || !(style.hidden <= 1))
-        return "LineStyle::width_px must be above 0 and at most 64, ::hidden 0 to 1";
-    return {};
+        fail("LineStyle::width_px must be above 0 and at most 64, ::hidden 0 to 1");
 }
 
 } // namespace
 
-std::string Lines::draw(std::span<const Line> lines, std::span<const Ball> balls, const View& view,
-                        const Target& target, const LineStyle& style) {
+void Lines::draw(std::span<const Line> lines, std::span<const Ball> balls, const View& view, const Target& target,
+                 const LineStyle& style) {
     State& s = *state_;
-    if (std::string error = check(s.options, lines.size(), balls.size(), view, style); !error.empty()) return error;
+    check(s.options, lines.size(), balls.size(), view, style);
     s.ring.reserve(s.bytes(lines.size(), balls.size()));
     const Projector project(view);
     const SceneBlock block = make_block(view, project, target, style.width_px);
@@ -345,7 +338,6 @@ std::string Lines::draw(std::span<const Line> lines, std::span<const Ball> balls
     if (style.hidden > 0) s.pass(false, style.hidden, line_count, ball_count);
     s.pass(true, 0, line_count, ball_count);
     put_back();
-    return {};
 }
 
 void frustum_lines(const View& of, double length_m, Rgba8 rgba, std::span<Line, 12> out) {

@@ -8,6 +8,7 @@
 #include <epoxy/gl.h>
 
 #include "fjell/texture.h"
+#include "gl/fail.h"
 
 namespace fjell::gl {
 namespace {
@@ -35,13 +36,13 @@ std::size_t mip_bytes(const Format& format, std::uint32_t side) {
     return blocks_of(side) * format.block_bytes;
 }
 
-std::string check_slots(const Format& format, const MapLayers& slots, std::uint32_t pack_log2, std::uint32_t tiles,
-                        bool streamed) {
+void check_slots(const Format& format, const MapLayers& slots, std::uint32_t pack_log2, std::uint32_t tiles,
+                 bool streamed) {
     if (format.extension && !epoxy_has_gl_extension(format.extension))
-        return std::string("this GPU's driver lacks ") + format.extension + " for the " + format.name + "; update it";
+        fail(std::string("this GPU's driver lacks ") + format.extension + " for the " + format.name + "; update it");
     if (slots.top_log2 != pack_log2 || slots.tail_log2 > slots.top_log2 || slots.tail_log2 < 2 ||
         slots.layers[slots.tail_log2] < tiles)
-        return std::string(format.option) + " is not of this pack: take it from stream_map_layers()";
+        fail(std::string(format.option) + " is not of this pack: take it from stream_map_layers()");
     int most_layers = 0, largest = 0;
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -51,18 +52,18 @@ std::string check_slots(const Format& format, const MapLayers& slots, std::uint3
         if (layers == 0) continue;
         ++sizes;
         if (layers > static_cast<std::uint32_t>(most_layers))
-            return "the " + std::string(format.name) + " needs " + std::to_string(layers) + " layers of " +
-                   std::to_string(1u << log2) + " texels and this GPU's texture arrays have " +
-                   std::to_string(most_layers) +
-                   (streamed ? "; lower StreamBudget::map_bytes" : "; bake with a larger --tile");
+            fail("the " + std::string(format.name) + " needs " + std::to_string(layers) + " layers of " +
+                 std::to_string(1u << log2) + " texels and this GPU's texture arrays have " +
+                 std::to_string(most_layers) +
+                 (streamed ? "; lower StreamBudget::map_bytes" : "; bake with a larger --tile"));
         if (format.across << log2 > static_cast<std::uint32_t>(largest))
-            return "the " + std::string(format.name) + " has " + std::to_string(format.across << log2) +
-                   " texels a side and this GPU at most " + std::to_string(largest) +
-                   "; bake with a larger --tile count or smaller textures";
+            fail("the " + std::string(format.name) + " has " + std::to_string(format.across << log2) +
+                 " texels a side and this GPU at most " + std::to_string(largest) +
+                 "; bake with a larger --tile count or smaller textures");
     }
-    if (sizes <= max_map_sizes) return {};
-    return std::string(format.option) + " has " + std::to_string(sizes) + " sizes and a shader " +
-           std::to_string(max_map_sizes) + " samplers a kind: raise StreamBudget::tail_log2";
+    if (sizes <= max_map_sizes) return;
+    fail(std::string(format.option) + " has " + std::to_string(sizes) + " sizes and a shader " +
+         std::to_string(max_map_sizes) + " samplers a kind: raise StreamBudget::tail_log2");
 }
 
 // Of planes side by side the shader reads whole mips: a filter between two would reach over a plane's border.
@@ -88,8 +89,8 @@ float granted_anisotropy(float wish) {
     return std::min(wish, most);
 }
 
-std::string make_arrays(const Format& format, const MapLayers& slots, std::uint32_t tiles, bool streamed,
-                        float anisotropy, MapArrays& arrays, std::uint64_t& bytes) {
+void make_arrays(const Format& format, const MapLayers& slots, std::uint32_t tiles, bool streamed, float anisotropy,
+                 MapArrays& arrays, std::uint64_t& bytes) {
     arrays.slots = slots;
     arrays.tiles.assign(tiles, {});
     while (glGetError() != GL_NO_ERROR) {
@@ -106,9 +107,9 @@ std::string make_arrays(const Format& format, const MapLayers& slots, std::uint3
         set_sampling(name, format, mips, anisotropy);
         for (std::uint32_t mip = 0; mip < mips; ++mip) bytes += layers * mip_bytes(format, 1u << (log2 - mip));
     }
-    if (glGetError() == GL_NO_ERROR) return {};
-    return std::string("the GPU has no room for the ") + format.name +
-           (streamed ? ": lower StreamBudget::map_bytes" : "; bake with smaller textures");
+    if (glGetError() == GL_NO_ERROR) return;
+    fail(std::string("the GPU has no room for the ") + format.name +
+         (streamed ? ": lower StreamBudget::map_bytes" : "; bake with smaller textures"));
 }
 
 void store_mip(const Format& format, unsigned texture, std::uint32_t mip, std::uint32_t layer, std::uint32_t first_row,
@@ -124,7 +125,7 @@ void store_mip(const Format& format, unsigned texture, std::uint32_t mip, std::u
                                   format.format, static_cast<GLsizei>(bytes), blocks);
 }
 
-std::string load_all(const Pack& pack, const Format& format, MapArrays& arrays) {
+void load_all(const Pack& pack, const Format& format, MapArrays& arrays) {
     const std::uint32_t log2 = arrays.slots.top_log2;
     std::vector<std::byte> blocks;
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
@@ -134,15 +135,14 @@ std::string load_all(const Pack& pack, const Format& format, MapArrays& arrays) 
         for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
             const Status status = read_chunk(pack, {format.chunk, tile, mip}, blocks);
             if (!status.ok())
-                return std::string("the ") + format.name + " of tile " + std::to_string(tile) + ", mip " +
-                       std::to_string(mip) + " (" + status.field + "): " + message(status.code);
+                fail(std::string("the ") + format.name + " of tile " + std::to_string(tile) + ", mip " +
+                     std::to_string(mip) + " (" + status.field + "): " + message(status.code));
             store_mip(format, arrays.texture(log2), mip, tile, 0, format.across * side, format.across * side,
                       blocks.size(), blocks.data());
         }
     }
     for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
         arrays.tiles[tile] = {tile, static_cast<std::uint8_t>(log2), 0};
-    return {};
 }
 
 // --- commands
@@ -200,7 +200,7 @@ void store_blocks(const MapCommand& command, const Format& format, const MapArra
 
 } // namespace
 
-std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options, Maps& maps) {
+void make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options, Maps& maps) {
     maps.anisotropy = granted_anisotropy(options.anisotropy);
     const PackHeader& h = pack.header;
     // Whose other maps are streamed has no bytes to load these from.
@@ -220,21 +220,18 @@ std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], con
             own.tail_log2 = own.top_log2 = pack_log2[kind];
             own.layers[own.top_log2] = pack.tile_count();
         }
-        if (own.top_log2 > max_texture_log2) return std::string(formats[kind].option) + ": top_log2 is out of range";
-        std::string error = check_slots(formats[kind], own, pack_log2[kind], pack.tile_count(), streamed);
-        if (error.empty())
-            error = make_arrays(formats[kind], own, pack.tile_count(), streamed, maps.anisotropy, arrays, maps.bytes);
-        if (error.empty() && !streamed) error = load_all(pack, formats[kind], arrays);
-        if (!error.empty()) return error;
+        if (own.top_log2 > max_texture_log2) fail(std::string(formats[kind].option) + ": top_log2 is out of range");
+        check_slots(formats[kind], own, pack_log2[kind], pack.tile_count(), streamed);
+        make_arrays(formats[kind], own, pack.tile_count(), streamed, maps.anisotropy, arrays, maps.bytes);
+        if (!streamed) load_all(pack, formats[kind], arrays);
     }
-    return {};
 }
 
-std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, std::uint64_t& bytes) {
+void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, std::uint64_t& bytes) {
     for (const MapCommand& command : commands)
         if (!is_good(command, maps))
-            return "a map command for tile " + std::to_string(command.tile) +
-                   " names a size, a layer or blocks that RendererOptions has no room for";
+            fail("a map command for tile " + std::to_string(command.tile) +
+                 " names a size, a layer or blocks that RendererOptions has no room for");
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, ring.buffer());
     for (const MapCommand& command : commands) {
         const auto kind = static_cast<std::uint32_t>(command.map);
@@ -243,19 +240,17 @@ std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring&
         bytes += command.blocks.size();
     }
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    return {};
 }
 
-std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
+void show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     MapArrays& arrays = maps.kind[static_cast<std::uint32_t>(kind)];
-    if (from.empty()) return {};
-    if (from.size() != arrays.tiles.size()) return "show_maps() needs one TileMap a tile";
+    if (from.empty()) return;
+    if (from.size() != arrays.tiles.size()) fail("show_maps() needs one TileMap a tile");
     for (const TileMap& map : from)
         if ((map.side_log2 != 0 && !has_layer(arrays, map.side_log2, map.layer)) || !std::isfinite(map.min_lod))
-            return "a TileMap names a size or a layer that RendererOptions has no room for";
+            fail("a TileMap names a size or a layer that RendererOptions has no room for");
     std::copy(from.begin(), from.end(), arrays.tiles.begin());
     maps.all_there = false;
-    return {};
 }
 
 SampleToTexel sample_to_texel(std::uint32_t texture_log2, std::uint32_t tile_log2) {

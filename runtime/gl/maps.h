@@ -5,7 +5,7 @@
 // tile, loaded at creation; of a streamed one there are the sizes and layers of MapLayers, empty at first, and
 // MapCommands fill them. Whatever its size, a tile's map covers the same square of uv: that of the pack's own size, so
 // an upgrade does not shift the picture. Internal to runtime/gl. Memory: half a byte a colour texel, 1 a
-// normal texel and 8 a horizon texel, times 4/3 for the mips. Failure: one line that names the chunk, the limit or
+// normal texel and 8 a horizon texel, times 4/3 for the mips. Failure: io::Failure names the chunk, the limit or
 // the option.
 #pragma once
 
@@ -48,16 +48,14 @@ struct MapOptions {
     bool horizons = true, splat = true; // load a whole pack's
 };
 // slots: of each kind; with top_log2 != 0 it is streamed, otherwise all that the pack has of it is loaded.
-[[nodiscard]] std::string make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options,
-                                    Maps& maps);
+void make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapOptions& options, Maps& maps);
 
 // Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these
 // maps.
-[[nodiscard]] std::string run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring,
-                                       std::uint64_t& bytes);
+void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, std::uint64_t& bytes);
 
 // Refuses what has no layer. `from`: one a tile.
-[[nodiscard]] std::string show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps);
+void show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps);
 
 // uv of sample i of a tile = i * scale + offset: the first and last texel centre of mip 0 lie on the tile's border.
 struct SampleToTexel {

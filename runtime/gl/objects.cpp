@@ -6,6 +6,8 @@
 
 #include <epoxy/gl.h>
 
+#include "gl/fail.h"
+
 namespace fjell::gl {
 
 void delete_buffer(unsigned name) {
@@ -53,7 +55,7 @@ bool attach(unsigned program, GLenum stage, const std::string& defines, const st
 }
 
 // `good`: all stages were attached.
-Program link(Program program, bool good, const char* name, std::string log, std::string& error) {
+Program link(Program program, bool good, const char* name, std::string log) {
     if (good) {
         int linked = 0, length = 0;
         ++made;
@@ -65,8 +67,7 @@ Program link(Program program, bool good, const char* name, std::string log, std:
         glGetProgramInfoLog(program.get(), length, nullptr, buffer.data());
         log = buffer.data();
     }
-    error = std::string("the driver rejects shader '") + name + "': " + log;
-    return {};
+    fail(std::string("the driver rejects shader '") + name + "': " + log);
 }
 
 } // namespace
@@ -75,24 +76,24 @@ std::uint64_t programs_made() {
     return made;
 }
 
-Program make_program(const ProgramSource& source, std::string& error) {
+Program make_program(const ProgramSource& source) {
     Program program(glCreateProgram());
     std::string log;
     bool good = attach(program.get(), GL_VERTEX_SHADER, source.defines, source.vertex, log) &&
                 attach(program.get(), GL_FRAGMENT_SHADER, source.defines, source.fragment, log);
     if (good && !source.geometry.empty())
         good = attach(program.get(), GL_GEOMETRY_SHADER, source.defines, source.geometry, log);
-    return link(std::move(program), good, source.name, std::move(log), error);
+    return link(std::move(program), good, source.name, std::move(log));
 }
 
-Program make_compute_program(const char* name, const std::string& source, std::string& error) {
+Program make_compute_program(const char* name, const std::string& source) {
     Program program(glCreateProgram());
     std::string log;
     const bool good = attach(program.get(), GL_COMPUTE_SHADER, {}, source, log);
-    return link(std::move(program), good, name, std::move(log), error);
+    return link(std::move(program), good, name, std::move(log));
 }
 
-std::string Ring::create(std::size_t region_bytes) {
+void Ring::create(std::size_t region_bytes, const char* lower) {
     int uniform = 0, storage = 0;
     glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &uniform);
     glGetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &storage);
@@ -105,9 +106,8 @@ std::string Ring::create(std::size_t region_bytes) {
     const auto bytes = static_cast<GLsizeiptr>(regions * region_bytes_);
     glNamedBufferStorage(name, bytes, nullptr, how);
     mapped_ = static_cast<std::byte*>(glMapNamedBufferRange(name, 0, bytes, how));
-    if (mapped_ != nullptr) return {};
-    return "the driver cannot map " + std::to_string(regions * region_bytes_) +
-           " bytes for uploads: lower RendererOptions::ring_bytes or ::ranges";
+    if (mapped_ != nullptr) return;
+    fail("the driver cannot map " + std::to_string(regions * region_bytes_) + " bytes for uploads: lower " + lower);
 }
 
 Ring::~Ring() {

@@ -49,17 +49,17 @@ struct ProgramSource {
     const char* name;
     std::string defines, vertex, geometry, fragment;
 };
-// Empty error on success; otherwise the compiler's or linker's log in one string.
-[[nodiscard]] Program make_program(const ProgramSource& source, std::string& error);
+// Throws with the compiler's or linker's log.
+[[nodiscard]] Program make_program(const ProgramSource& source);
 // How many this thread has made so far.
 [[nodiscard]] std::uint64_t programs_made();
-[[nodiscard]] Program make_compute_program(const char* name, const std::string& source, std::string& error);
+[[nodiscard]] Program make_compute_program(const char* name, const std::string& source);
 
 // Where the CPU writes what the GPU reads: one buffer, mapped once and for good, in three regions.
 //
 // The CPU fills one region while the GPU reads the others. A region is left with a fence behind the last command that
 // reads it, and entered again when that fence has passed: asked without waiting, and waited for only when the GPU is
-// three regions behind. Internal to runtime/gl. Thread: the context's. Failure: create() with one line.
+// three regions behind. Internal to runtime/gl. Thread: the context's. Failure: create() throws.
 struct RingSlice {
     std::byte* data = nullptr; // write in order, never read: the memory may be write-combined
     std::size_t offset = 0;    // in the buffer, aligned for any binding
@@ -74,7 +74,8 @@ public:
     Ring(const Ring&) = delete;
     Ring& operator=(const Ring&) = delete;
 
-    [[nodiscard]] std::string create(std::size_t region_bytes);
+    // lower: what the host has to lower where there is no room.
+    void create(std::size_t region_bytes, const char* lower);
     // What n bytes take up.
     [[nodiscard]] std::size_t aligned(std::size_t bytes) const {
         return (bytes + alignment_ - 1) / alignment_ * alignment_;

@@ -8,8 +8,8 @@
 
 #include <epoxy/gl.h>
 
-#include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
+#include "gl/fail.h"
 #include "gl/state.h"
 
 namespace fjell::gl {
@@ -50,24 +50,24 @@ std::string light_defines(unsigned bits) {
 }
 
 // GL guarantees 128 MB to a buffer that a shader writes.
-std::string check_limits(const RendererOptions& options) {
+void check_limits(const RendererOptions& options) {
     if (options.vertices == 0 || options.indices == 0)
-        return "RendererOptions::vertices and ::indices must not be 0: give them the method's budget";
+        fail("RendererOptions::vertices and ::indices must not be 0: give them the method's budget");
     GLint64 most = 0;
     glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
     const auto bytes = std::max<GLint64>(GLint64{options.vertices} * GLint64{sizeof(MorphVertex)},
                                          GLint64{options.indices} * GLint64{sizeof(std::uint32_t)});
-    if (!options.morph || bytes <= most) return {};
-    return "RendererOptions::vertices and ::indices make buffers of " + std::to_string(bytes) +
-           " bytes and this GPU's shaders write at most " + std::to_string(most) + ": lower them";
+    if (!options.morph || bytes <= most) return;
+    fail("RendererOptions::vertices and ::indices make buffers of " + std::to_string(bytes) +
+         " bytes and this GPU's shaders write at most " + std::to_string(most) + ": lower them");
 }
 
 } // namespace
 
-std::string Renderer::State::make_program_of(const DrawOptions& now) {
+void Renderer::State::make_program_of(const DrawOptions& now) {
     const Mode mode = now.mode;
     Program& program = program_of(now);
-    if (program.get() != 0) return {};
+    if (program.get() != 0) return;
     const char* const modes[mode_count] = {"#define SHADED\n", "#define LEVELS\n", "#define DISTANCE\n",
                                            "#define TILES\n",  "#define MIPS\n",   "#define RESIDENCY\n",
                                            "#define ERROR\n"};
@@ -85,21 +85,15 @@ std::string Renderer::State::make_program_of(const DrawOptions& now) {
     if (shaded && now.lit) fragment += std::string(light_shader()) + layers_shader() + ground_light_shader();
     fragment += std::string(overlay_shader()) + terrain_main_shader();
     const bool per_triangle = now.wireframe || mode == Mode::levels || mode == Mode::error;
-    std::string error;
     program = make_program({"terrain", std::move(before), terrain_vertex_shader(),
-                            per_triangle ? terrain_geometry_shader() : "", std::move(fragment)},
-                           error);
-    return error;
+                            per_triangle ? terrain_geometry_shader() : "", std::move(fragment)});
 }
 
-std::string Renderer::State::make_sky_program() {
-    std::string error;
+void Renderer::State::make_sky_program() {
     Program& program = sky[light_bits & light_air];
     if (program.get() == 0)
         program = make_program({"sky", light_defines(light_bits & light_air) + common_shader(), sky_vertex_shader(), "",
-                                std::string(light_shader()) + sky_fragment_shader()},
-                               error);
-    return error;
+                                std::string(light_shader()) + sky_fragment_shader()});
 }
 
 void Renderer::State::make_buffers() {
@@ -139,8 +133,7 @@ const DrawStats& Renderer::stats() const {
     return state_->stats;
 }
 
-std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& pack, const RendererOptions& options,
-                                           std::string& error) {
+std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& pack, const RendererOptions& options) {
     std::unique_ptr<Renderer> result(new Renderer);
     State& s = *result->state_;
     s.terrain = terrain;
@@ -152,24 +145,22 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     s.spacing_z_m = terrain.header().spacing_m[1];
     s.diagonal_m =
         std::hypot(s.spacing_x_m * (terrain.header().columns - 1), s.spacing_z_m * (terrain.header().rows - 1));
-    error = terrain.valid() ? check_limits(options) : "there is no terrain behind the handle; create it first";
+    if (!terrain.valid()) fail("there is no terrain behind the handle; create it first");
+    check_limits(options);
     // llvmpipe walks an ellipse of texels whose size it does not bound where uv is extrapolated at the rim of tiny
     // multisampled triangles: frames of half a minute were seen.
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
-    if (error.empty())
-        error = make_maps(pack, {options.colour, options.normal, options.horizon, options.splat},
-                          {anisotropy, options.horizons, options.splat_maps}, s.maps);
-    if (error.empty()) error = s.prepare({.light = options.light});
-    if (error.empty() && options.morph) error = s.scatter.create();
-    if (!error.empty()) return nullptr;
+    make_maps(pack, {options.colour, options.normal, options.horizon, options.splat},
+              {anisotropy, options.horizons, options.splat_maps}, s.maps);
+    s.prepare({.light = options.light});
+    if (options.morph) s.scatter.create();
     s.stats.texture_bytes = s.maps.bytes;
     while (glGetError() != GL_NO_ERROR) {
     } // so that the check below speaks of these buffers
     s.make_buffers();
-    error = s.ring.create(s.ring_bytes() + s.draw_bytes(s.range_capacity()));
+    s.ring.create(s.ring_bytes() + s.draw_bytes(s.range_capacity()), "RendererOptions::ring_bytes or ::ranges");
     if (glGetError() != GL_NO_ERROR)
-        error = "the GPU has no room for the mesh buffers: lower RendererOptions::vertices, ::indices or ::ranges";
-    if (!error.empty()) return nullptr;
+        fail("the GPU has no room for the mesh buffers: lower RendererOptions::vertices, ::indices or ::ranges");
     return result;
 }
 
@@ -195,25 +186,19 @@ std::unique_ptr<Renderer> Renderer::create(const io::LiveTerrain& terrain, const
     room.normal = stream_map_layers(terrain.stream(), MapKind::normal);
     room.horizon = stream_map_layers(terrain.stream(), MapKind::horizon);
     room.splat = stream_map_layers(terrain.stream(), MapKind::splat);
-    std::string error;
-    std::unique_ptr<Renderer> renderer = create(terrain.terrain(), terrain.pack(), room, error);
-    if (!renderer) throw io::Failure(3, error);
-    return renderer;
+    return create(terrain.terrain(), terrain.pack(), room);
 }
 
 void Renderer::upload(io::LiveTerrain& terrain) {
-    std::string error = upload(terrain.take_map_commands());
-    if (error.empty())
-        error = show_maps(terrain.tile_maps(MapKind::colour), terrain.tile_maps(MapKind::normal),
-                          terrain.tile_maps(MapKind::horizon), terrain.tile_maps(MapKind::splat));
-    if (error.empty()) error = upload(terrain.frame().mesh, terrain.take_changes());
-    if (!error.empty()) throw io::Failure(3, error);
+    upload(terrain.take_map_commands());
+    show_maps(terrain.tile_maps(MapKind::colour), terrain.tile_maps(MapKind::normal),
+              terrain.tile_maps(MapKind::horizon), terrain.tile_maps(MapKind::splat));
+    upload(terrain.frame().mesh, terrain.take_changes());
 }
 
 void Renderer::draw(io::LiveTerrain& terrain, const View& view, const DrawOptions& options, const Target& target) {
     upload(terrain);
-    if (const std::string error = draw_uploaded(terrain.frame().mesh.mesh, view, options, target); !error.empty())
-        throw io::Failure(3, error);
+    draw_uploaded(terrain.frame().mesh.mesh, view, options, target);
 }
 
 std::size_t Renderer::State::range_capacity() const {
@@ -234,31 +219,31 @@ std::size_t Renderer::State::draw_bytes(std::size_t ranges) const {
            ring.aligned(ranges * sizeof(DrawCommand));
 }
 
-std::string Renderer::State::check(const MeshView& mesh_view, const View& view) const {
+void Renderer::State::check(const MeshView& mesh_view, const View& view) const {
     if (const Status status = validate(view); !status.ok())
-        return std::string("the view cannot be drawn: ") + status.field + ": " + message(status.code);
+        fail(std::string("the view cannot be drawn: ") + status.field + ": " + message(status.code));
     if (mesh_view.vertices.size() > options.vertices)
-        return "the mesh has " + std::to_string(mesh_view.vertices.size()) +
-               " vertex slots: raise RendererOptions::vertices";
+        fail("the mesh has " + std::to_string(mesh_view.vertices.size()) +
+             " vertex slots: raise RendererOptions::vertices");
     if (mesh_view.indices.size() > options.indices)
-        return "the mesh has " + std::to_string(mesh_view.indices.size()) + " indices: raise RendererOptions::indices";
+        fail("the mesh has " + std::to_string(mesh_view.indices.size()) + " indices: raise RendererOptions::indices");
     if (mesh_view.tiles.size() > range_capacity())
-        return "the mesh has " + std::to_string(mesh_view.tiles.size()) + " ranges: raise RendererOptions::ranges";
+        fail("the mesh has " + std::to_string(mesh_view.tiles.size()) + " ranges: raise RendererOptions::ranges");
     const std::uint32_t tile_count = tiles_of(header);
     bool good = mesh_view.dirty_begin <= mesh_view.dirty_end && mesh_view.dirty_end <= mesh_view.vertices.size();
     for (const TileRange& range : mesh_view.tiles)
         good = good && range.tile < tile_count && range.first_index <= mesh_view.indices.size() &&
                range.index_count <= mesh_view.indices.size() - range.first_index;
-    return good ? std::string() : "the mesh is not of this terrain: a tile or a range lies outside it";
+    if (!good) fail("the mesh is not of this terrain: a tile or a range lies outside it");
 }
 
 // What a mode needs besides its shader.
-std::string Renderer::State::prepare(const DrawOptions& now) {
+void Renderer::State::prepare(const DrawOptions& now) {
     if (now.mode == Mode::error) {
-        if (!heights.present()) return "Mode::error has nothing to compare with: call set_heights() before";
-        if (!(now.error_full_px > 0)) return "DrawOptions::error_full_px must be above 0";
+        if (!heights.present()) fail("Mode::error has nothing to compare with: call set_heights() before");
+        if (!(now.error_full_px > 0)) fail("DrawOptions::error_full_px must be above 0");
     }
-    if (std::string error = validate(now.layers); !error.empty()) return error;
+    validate(now.layers);
     light_bits = lighting.variant(now.light);
     if (now.layers.on && ground_layers.present() && now.mode == Mode::shaded && now.lit &&
         lighting.units > static_cast<int>(material_normal_unit)) {
@@ -270,23 +255,21 @@ std::string Renderer::State::prepare(const DrawOptions& now) {
     const auto horizons = static_cast<int>(maps.kind[2].sizes);
     if (now.light.shadows && horizons != 0 && lighting.units >= static_cast<int>(horizon_unit) + horizons)
         light_bits |= light_shadows;
-    if (std::string error = lighting.follow(now.light, light_bits); !error.empty()) return error;
-    if (std::string error = make_program_of(now); !error.empty()) return error;
-    if (std::string error = make_sky_program(); !error.empty()) return error;
-    return now.mode == Mode::residency ? residency.follow(terrain) : std::string();
+    lighting.follow(now.light, light_bits);
+    make_program_of(now);
+    make_sky_program();
+    if (now.mode == Mode::residency) residency.follow(terrain);
 }
 
-std::string Renderer::set_heights(const HeightGrid& grid) {
+void Renderer::set_heights(const HeightGrid& grid) {
     return state_->heights.set(grid, state_->terrain, state_->options.texture_side);
 }
 
-std::string Renderer::set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
-                                 std::span<const std::string> names) {
+void Renderer::set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
+                          std::span<const std::string> names) {
     State& s = *state_;
-    std::string error =
-        s.ground_layers.set({materials, rules, names}, s.options.material_bytes, s.maps.anisotropy, is_software());
+    s.ground_layers.set({materials, rules, names}, s.options.material_bytes, s.maps.anisotropy, is_software());
     s.stats.texture_bytes = s.maps.bytes + s.ground_layers.bytes;
-    return error;
 }
 
 void Renderer::State::set_up(const Target& target, const DrawOptions& now) const {
@@ -351,25 +334,24 @@ void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, con
     }
 }
 
-std::string Renderer::draw(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target) {
-    if (std::string error = state_->check(mesh, view); !error.empty()) return error;
-    if (std::string error = upload(mesh); !error.empty()) return error;
+void Renderer::draw(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target) {
+    state_->check(mesh, view);
+    upload(mesh);
     return draw_uploaded(mesh, view, options, target);
 }
 
-std::string Renderer::draw(const CutMesh& mesh, const CutChanges& changes, const View& view, const DrawOptions& options,
-                           const Target& target) {
-    if (std::string error = state_->check(mesh.mesh, view); !error.empty()) return error;
-    if (std::string error = upload(mesh, changes); !error.empty()) return error;
+void Renderer::draw(const CutMesh& mesh, const CutChanges& changes, const View& view, const DrawOptions& options,
+                    const Target& target) {
+    state_->check(mesh.mesh, view);
+    upload(mesh, changes);
     return draw_uploaded(mesh.mesh, view, options, target);
 }
 
-std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,
-                                    const Target& target) {
+void Renderer::draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target) {
     State& s = *state_;
-    if (std::string error = s.check(mesh, view); !error.empty()) return error;
-    if (s.uploaded != mesh.vertices.data()) return "the mesh was not uploaded: call upload() after the update";
-    if (std::string error = s.prepare(options); !error.empty()) return error;
+    s.check(mesh, view);
+    if (s.uploaded != mesh.vertices.data()) fail("the mesh was not uploaded: call upload() after the update");
+    s.prepare(options);
     s.make_arrays();
     s.upload_indices(mesh);
     s.drawn = true;
@@ -387,10 +369,9 @@ std::string Renderer::draw_uploaded(const MeshView& mesh, const View& view, cons
     glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     glBindVertexArray(0);
     ++s.stats.frames;
-    return {};
 }
 
-std::string Renderer::rehearse(const DrawOptions& options, const Target& target) {
+void Renderer::rehearse(const DrawOptions& options, const Target& target) {
     State& s = *state_;
     const View view = make_view({0, s.header.max_m + 1, 0}, {1, -1, 1}, {0, 1, 0}, 1, target.width(), target.height(),
                                 0.1, 10 * (s.diagonal_m + 1));
@@ -403,13 +384,12 @@ std::string Renderer::rehearse(const DrawOptions& options, const Target& target)
     mesh.indices = indices;
     mesh.tiles = {&range, 1};
     mesh.dirty_end = 3;
-    if (s.options.vertices < 3 || s.options.indices < 3) return {};
+    if (s.options.vertices < 3 || s.options.indices < 3) return;
     const DrawStats before = s.stats;
-    std::string error = draw(mesh, view, options, target);
-    if (error.empty() && s.options.morph) rehearse_scatter(s.scatter, s.ring, s.mesh);
+    draw(mesh, view, options, target);
+    if (s.options.morph) rehearse_scatter(s.scatter, s.ring, s.mesh);
     invalidate(); // what was drawn is nobody's mesh
     s.stats = before;
-    return error;
 }
 
 void Renderer::leave_context() {
@@ -457,12 +437,12 @@ void Renderer::invalidate() {
     state_->kept_indices = nullptr;
 }
 
-std::string Renderer::upload(const MeshView& mesh) {
+void Renderer::upload(const MeshView& mesh) {
     State& s = *state_;
     s.morph_frame = {};
     if (mesh.vertices.size() > s.options.vertices || mesh.dirty_end > mesh.vertices.size() ||
         mesh.dirty_begin > mesh.dirty_end)
-        return "the mesh has more vertex slots than RendererOptions::vertices, or its dirty range lies outside them";
+        fail("the mesh has more vertex slots than RendererOptions::vertices, or its dirty range lies outside them");
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
     const bool whole = s.begin_upload(mesh);
@@ -471,17 +451,16 @@ std::string Renderer::upload(const MeshView& mesh) {
     write_buffer(s.mesh.vertices, begin * sizeof(MeshVertex), (end - begin) * sizeof(MeshVertex),
                  mesh.vertices.data() + begin);
     s.stats.bytes_uploaded += (end - begin) * sizeof(MeshVertex);
-    return {};
 }
 
-std::string Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
+void Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
     State& s = *state_;
     const MeshView& mesh = cut.mesh;
-    if (!s.options.morph) return "a live cut needs RendererOptions::morph";
+    if (!s.options.morph) fail("a live cut needs RendererOptions::morph");
     if (mesh.vertices.size() > s.options.vertices || mesh.indices.size() > s.options.indices)
-        return "the cut has more slots than RendererOptions::vertices or ::indices: give them the cut's budget";
+        fail("the cut has more slots than RendererOptions::vertices or ::indices: give them the cut's budget");
     if (cut.morph.size() != mesh.vertices.size())
-        return "the cut's morph vertices are not one for one with its vertices";
+        fail("the cut's morph vertices are not one for one with its vertices");
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
     s.morph_frame = cut.frame;
@@ -495,26 +474,23 @@ std::string Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
         s.stats.bytes_uploaded += scatter(s.scatter, s.ring, cut, changes, s.mesh);
     }
     s.stats.ring_waits = s.ring.waits();
-    return {};
 }
 
-std::string Renderer::upload(std::span<const MapCommand> commands) {
+void Renderer::upload(std::span<const MapCommand> commands) {
     State& s = *state_;
-    if (commands.empty()) return {};
+    if (commands.empty()) return;
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
-    std::string error = run_commands(commands, s.maps, s.ring, s.stats.map_bytes_uploaded);
+    run_commands(commands, s.maps, s.ring, s.stats.map_bytes_uploaded);
     s.stats.ring_waits = s.ring.waits();
-    return error;
 }
 
-std::string Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
-                                std::span<const TileMap> horizon, std::span<const TileMap> splat) {
+void Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
+                         std::span<const TileMap> horizon, std::span<const TileMap> splat) {
     Maps& maps = state_->maps;
     for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal),
                                       std::pair(horizon, MapKind::horizon), std::pair(splat, MapKind::splat)})
-        if (std::string error = gl::show_maps(tiles, kind, maps); !error.empty()) return error;
-    return {};
+        gl::show_maps(tiles, kind, maps);
 }
 
 } // namespace fjell::gl

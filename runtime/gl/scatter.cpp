@@ -97,14 +97,12 @@ private:
 
 } // namespace
 
-std::string Scatter::create() {
-    std::string error;
-    vertices = make_compute_program("vertex slots", vertex_shader, error);
-    if (error.empty()) triangles = make_compute_program("triangle slots", triangle_shader, error);
+void Scatter::create() {
+    vertices = make_compute_program("vertex slots", vertex_shader);
+    triangles = make_compute_program("triangle slots", triangle_shader);
     int groups = 0;
     glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
     lanes = group * static_cast<std::uint32_t>(std::clamp(groups, 1, 1 << 16));
-    return error;
 }
 
 void rehearse_scatter(const Scatter& shaders, Ring& ring, const MeshBuffers& to) {

@@ -3,7 +3,7 @@
 //
 // The slots lie anywhere, in hundreds of short runs. A call a run costs a microsecond or more each; here the calls are
 // the same few whatever the runs, and the GPU's own order keeps the former picture whole: the shader runs after the
-// draws before it and before those after it, so nothing waits. Internal to runtime/gl. Failure: create() with one line.
+// draws before it and before those after it, so nothing waits. Internal to runtime/gl. Failure: create() throws.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct Scatter {
     Program vertices, triangles;
     std::uint32_t lanes = 0; // records that one dispatch may have
 
-    [[nodiscard]] std::string create();
+    void create();
 };
 
 // The GPU's buffers of a mesh.

@@ -75,15 +75,15 @@ struct Renderer::State {
                         : now.lit                ? light_bits
                                                  : light_none];
     }
-    std::string make_program_of(const DrawOptions& now);
-    std::string make_sky_program();
+    void make_program_of(const DrawOptions& now);
+    void make_sky_program();
     void make_buffers();
     void make_arrays();
     [[nodiscard]] std::size_t range_capacity() const;
     [[nodiscard]] std::size_t ring_bytes() const;
     [[nodiscard]] std::size_t draw_bytes(std::size_t ranges) const;
-    std::string check(const MeshView& mesh, const View& view) const;
-    std::string prepare(const DrawOptions& now);
+    void check(const MeshView& mesh, const View& view) const;
+    void prepare(const DrawOptions& now);
     void set_up(const Target& target, const DrawOptions& now) const;
     void bind_maps(Mode mode) const;
     void draw_picture(const DrawData& data, unsigned primitive, const DrawOptions& now);

@@ -6,7 +6,7 @@
 
 #include <epoxy/gl.h>
 
-#include "fjell/io/failure.h"
+#include "gl/fail.h"
 #include "gl/objects.h"
 
 namespace fjell::gl {
@@ -22,18 +22,17 @@ struct Target::Objects {
 
 namespace {
 
-std::string check_size(const TargetOptions& options) {
+void check_size(const TargetOptions& options) {
     int largest = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     const std::uint32_t samples = max_target_samples();
     const auto limit = static_cast<std::uint32_t>(largest);
     if (options.width < 1 || options.height < 1 || options.width > limit || options.height > limit)
-        return "a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
-               " pixels is not possible here: each side must be 1 to " + std::to_string(limit);
+        fail("a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+             " pixels is not possible here: each side must be 1 to " + std::to_string(limit));
     if (options.samples < 1 || options.samples > samples)
-        return std::to_string(options.samples) + " samples a pixel are not possible here: 1 to " +
-               std::to_string(samples);
-    return {};
+        fail(std::to_string(options.samples) + " samples a pixel are not possible here: 1 to " +
+             std::to_string(samples));
 }
 
 Renderbuffer make_renderbuffer(const TargetOptions& options, GLenum format, std::uint32_t samples) {
@@ -76,15 +75,7 @@ Target::Target() : objects_(std::make_unique<Objects>()) {}
 Target::~Target() = default;
 
 std::unique_ptr<Target> Target::create(const TargetOptions& options) {
-    std::string error;
-    std::unique_ptr<Target> target = create(options, error);
-    if (!target) throw io::Failure(3, error);
-    return target;
-}
-
-std::unique_ptr<Target> Target::create(const TargetOptions& options, std::string& error) {
-    error = check_size(options);
-    if (!error.empty()) return nullptr;
+    check_size(options);
     std::unique_ptr<Target> result(new Target);
     Objects& o = *result->objects_;
     o.options = options;
@@ -100,9 +91,8 @@ std::unique_ptr<Target> Target::create(const TargetOptions& options, std::string
             complete && glCheckNamedFramebufferStatus(o.resolved.get(), GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
     }
     if (complete && glGetError() != GL_OUT_OF_MEMORY) return result;
-    error = "the driver cannot give a picture of " + std::to_string(options.width) + "x" +
-            std::to_string(options.height) + " pixels; ask for a smaller one";
-    return nullptr;
+    fail("the driver cannot give a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+         " pixels; ask for a smaller one");
 }
 
 std::uint32_t Target::width() const {

@@ -8,6 +8,7 @@
 #include <epoxy/gl.h>
 
 #include "fjell/pages.h"
+#include "gl/fail.h"
 
 namespace fjell::gl {
 
@@ -15,20 +16,19 @@ namespace {
 
 constexpr float hole_m = -3e38f; // what the shader takes for one: below -1e38
 
-std::string check(const HeightGrid& grid, const Terrain& terrain) {
-    if (!terrain.valid()) return "the terrain is destroyed; create it again, and a renderer for it";
+void check(const HeightGrid& grid, const Terrain& terrain) {
+    if (!terrain.valid()) fail("the terrain is destroyed; create it again, and a renderer for it");
     const auto along = [&](std::uint32_t extent) { // the last one at the rim or beyond
         return static_cast<std::int32_t>(((extent - 1 + (1u << grid.step_log2) - 1) >> grid.step_log2) + 1);
     };
     if (grid.step_log2 > terrain.header().tile_log2)
-        return "HeightGrid::step_log2 is more than a tile's: take every 2^step_log2-th sample, a tile's corners at "
-               "most";
+        fail("HeightGrid::step_log2 is more than a tile's: take every 2^step_log2-th sample, a tile's corners at "
+             "most");
     if (grid.columns != along(terrain.columns()) || grid.rows != along(terrain.rows()) ||
         grid.heights_m.size() != static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows))
-        return "the heights are not this terrain's: HeightGrid must have " + std::to_string(along(terrain.columns())) +
-               " columns and " + std::to_string(along(terrain.rows())) +
-               " rows for its step_log2, and a height for each";
-    return {};
+        fail("the heights are not this terrain's: HeightGrid must have " + std::to_string(along(terrain.columns())) +
+             " columns and " + std::to_string(along(terrain.rows())) +
+             " rows for its step_log2, and a height for each");
 }
 
 // Parts of equal size, as few as `most` allows.
@@ -39,12 +39,12 @@ std::int32_t part_of(std::int32_t extent, std::int32_t most) {
 
 } // namespace
 
-std::string Heights::set(const HeightGrid& grid, const Terrain& terrain, std::uint32_t texture_side) {
+void Heights::set(const HeightGrid& grid, const Terrain& terrain, std::uint32_t texture_side) {
     if (grid.heights_m.empty()) {
         texture_ = Texture();
-        return {};
+        return;
     }
-    if (std::string error = check(grid, terrain); !error.empty()) return error;
+    check(grid, terrain);
     int most = 0, most_layers = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
@@ -52,8 +52,8 @@ std::string Heights::set(const HeightGrid& grid, const Terrain& terrain, std::ui
     const std::int32_t w = part_of(grid.columns, most), h = part_of(grid.rows, most);
     const std::int32_t across = (grid.columns + w - 1) / w, down = (grid.rows + h - 1) / h;
     if (across > most_layers / down)
-        return "this GPU's textures have no room for " + std::to_string(grid.heights_m.size()) +
-               " heights: give a HeightGrid of a larger step_log2";
+        fail("this GPU's textures have no room for " + std::to_string(grid.heights_m.size()) +
+             " heights: give a HeightGrid of a larger step_log2");
     while (glGetError() != GL_NO_ERROR) {
     } // so that the check below speaks of this texture
     unsigned name = 0;
@@ -61,8 +61,8 @@ std::string Heights::set(const HeightGrid& grid, const Terrain& terrain, std::ui
     Texture texture(name);
     glTextureStorage3D(name, 1, GL_R32F, w, h, across * down);
     if (glGetError() != GL_NO_ERROR)
-        return "the GPU has no room for " + std::to_string(grid.heights_m.size()) +
-               " heights: give a HeightGrid of a larger step_log2";
+        fail("the GPU has no room for " + std::to_string(grid.heights_m.size()) +
+             " heights: give a HeightGrid of a larger step_log2");
     glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
@@ -82,7 +82,6 @@ std::string Heights::set(const HeightGrid& grid, const Terrain& terrain, std::ui
     step_log2 = static_cast<std::int32_t>(grid.step_log2);
     wide = w;
     high = h;
-    return {};
 }
 
 namespace {
@@ -110,9 +109,9 @@ std::uint32_t resident_step_log2(const Terrain& terrain, std::uint32_t tile, std
     return z;
 }
 
-std::string Residency::follow(const Terrain& terrain) {
-    if (!terrain.valid()) return "the terrain is destroyed; create it again, and a renderer for it";
-    if (texture_.get() != 0 && changes_ == page_changes(terrain)) return {};
+void Residency::follow(const Terrain& terrain) {
+    if (!terrain.valid()) fail("the terrain is destroyed; create it again, and a renderer for it");
+    if (texture_.get() != 0 && changes_ == page_changes(terrain)) return;
     const PackHeader& h = terrain.header();
     const std::uint32_t a_side = 1u << (h.tile_log2 - residency_square_log2(h));
     const std::uint32_t wide = h.tiles_x * a_side, high = h.tiles_y * a_side;
@@ -120,9 +119,8 @@ std::string Residency::follow(const Terrain& terrain) {
         int largest = 0;
         glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
         if (std::max(wide, high) > static_cast<std::uint32_t>(largest))
-            return "the terrain has " + std::to_string(std::max(wide, high)) +
-                   " blocks a side and this GPU's textures " + std::to_string(largest) +
-                   " texels: residency cannot be drawn, use Mode::levels";
+            fail("the terrain has " + std::to_string(std::max(wide, high)) + " blocks a side and this GPU's textures " +
+                 std::to_string(largest) + " texels: residency cannot be drawn, use Mode::levels");
         unsigned name = 0;
         glCreateTextures(GL_TEXTURE_2D, 1, &name);
         texture_ = Texture(name);
@@ -146,7 +144,6 @@ std::string Residency::follow(const Terrain& terrain) {
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     changes_ = page_changes(terrain);
     ++updates_;
-    return {};
 }
 
 } // namespace fjell::gl

@@ -17,8 +17,8 @@ namespace fjell::gl {
 // are stored as a height that none has, because GLSL need not know NaN.
 class Heights {
 public:
-    // Copies. texture_side: as RendererOptions'. Empty, or one line; then what was there before is kept.
-    [[nodiscard]] std::string set(const HeightGrid& grid, const Terrain& terrain, std::uint32_t texture_side);
+    // Copies. texture_side: as RendererOptions'. When it throws, what was there before is kept.
+    void set(const HeightGrid& grid, const Terrain& terrain, std::uint32_t texture_side);
     [[nodiscard]] bool present() const { return texture_.get() != 0; }
     [[nodiscard]] unsigned texture() const { return texture_.get(); }
 
@@ -40,8 +40,8 @@ private:
 // smaller: 4 KB for 4,097 x 4,097 samples. The context's thread must be the one that loads pages.
 class Residency {
 public:
-    // Brings the texture up to date. Empty, or one line.
-    [[nodiscard]] std::string follow(const Terrain& terrain);
+    // Brings the texture up to date.
+    void follow(const Terrain& terrain);
     [[nodiscard]] unsigned texture() const { return texture_.get(); }
     [[nodiscard]] std::uint64_t updates() const { return updates_; }
 

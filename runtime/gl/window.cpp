@@ -3,6 +3,8 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include "gl/fail.h"
+
 namespace fjell::gl {
 namespace {
 
@@ -16,11 +18,9 @@ std::string glfw_reason() {
 
 } // namespace
 
-std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string& error) {
-    if (open_windows == 0 && !glfwInit()) {
-        error = "no window: " + glfw_reason() + "; start it under a display, or use --headless";
-        return nullptr;
-    }
+std::unique_ptr<Window> Window::create(const WindowOptions& options) {
+    if (open_windows == 0 && !glfwInit())
+        fail("no window: " + glfw_reason() + "; start it under a display, or use --headless");
     glfwDefaultWindowHints();
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
@@ -39,9 +39,9 @@ std::unique_ptr<Window> Window::create(const WindowOptions& options, std::string
         window = create();
     }
     if (window == nullptr) {
-        error = "no window with OpenGL 4.5 core: " + glfw_reason() + "; update the driver, or use --headless";
+        const std::string why = "no window with OpenGL 4.5 core: " + glfw_reason();
         if (open_windows == 0) glfwTerminate();
-        return nullptr;
+        fail(why + "; update the driver, or use --headless");
     }
     ++open_windows;
     std::unique_ptr<Window> result(new Window);

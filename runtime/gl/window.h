@@ -1,8 +1,8 @@
 // A window with an OpenGL 4.5 core context, through GLFW: for our programs. A host has a window of its own.
 //
 // Ownership: the object owns its context; everything made in it (Target, Renderer) must be destroyed first, while the
-// context is current. Thread: the main one, as GLFW has it. Failure: create() returns null and fills `error` with one
-// line that says what to do; nothing aborts.
+// context is current. Thread: the main one, as GLFW has it. Failure: create() throws io::Failure, 3, whose one line
+// says what to do; nothing aborts.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ private:
 // One window at a time: GLFW is started with the first and stopped with the last.
 class Window {
 public:
-    [[nodiscard]] static std::unique_ptr<Window> create(const WindowOptions& options, std::string& error);
+    [[nodiscard]] static std::unique_ptr<Window> create(const WindowOptions& options);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;

@@ -25,6 +25,7 @@
 #include "gltf/geometry.h"
 #include "gltf/scene.h"
 #include "io/file.h"
+#include "io/json.h"
 
 namespace fjell::gltf {
 
@@ -104,24 +105,24 @@ Json crs_of(const Chunks& pack) {
 Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& counts) {
     const PackHeader& h = pack.header;
     const View& view = info.view;
-    return {{"error_px", info.error_px},
-            {"error_px_effective", info.error_bound_px},
-            {"corner_safe", info.corner_safe},
-            {"quantum_m", static_cast<double>(h.quantum_m)},
-            {"viewport", {view.width_px, view.height_px}},
-            {"fov_y_deg", 2 * std::atan(std::max(view.top, -view.bottom)) * 180 / std::numbers::pi},
-            {"eye", {view.eye_m.x, view.eye_m.y, view.eye_m.z}},
-            {"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
-            {"origin_m", {h.origin_m[0], h.origin_m[1]}},
-            {"crs", crs_of(pack)},
-            {"size", {h.columns, h.rows}},
-            {"converged", info.converged},
-            {"morphed", info.morphed},
-            {"lagging", info.lagging},
-            {"culled", info.culled},
-            {"vertices", counts.vertices},
-            {"triangles", counts.triangles},
-            {"pack_hash", fmt::format("{:016x}", h.directory_hash)}};
+    Json all = {{"error_px", info.error_px},
+                {"error_px_effective", info.error_bound_px},
+                {"corner_safe", info.corner_safe},
+                {"quantum_m", static_cast<double>(h.quantum_m)},
+                {"viewport", {view.width_px, view.height_px}},
+                {"fov_y_deg", 2 * std::atan(std::max(view.top, -view.bottom)) * 180 / std::numbers::pi},
+                {"eye", {view.eye_m.x, view.eye_m.y, view.eye_m.z}},
+                {"crs", crs_of(pack)},
+                {"size", {h.columns, h.rows}},
+                {"converged", info.converged},
+                {"morphed", info.morphed},
+                {"lagging", info.lagging},
+                {"culled", info.culled},
+                {"vertices", counts.vertices},
+                {"triangles", counts.triangles},
+                {"pack_hash", fmt::format("{:016x}", h.directory_hash)}};
+    all.update(io::place_json(h));
+    return all;
 }
 
 // The textures of one tile after the other, in buffers that are kept.

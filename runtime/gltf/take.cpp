@@ -30,7 +30,8 @@ void check(const Terrain& terrain, const SnapshotInfo& info) {
 }
 
 // A tile may have several ranges, one after the other.
-std::vector<TileGeometry> tiles_of(const Terrain& terrain, const MeshView& mesh, std::span<const float> drawn_m) {
+std::vector<TileGeometry> tiles_of(const Terrain& terrain, const MeshView& mesh, std::span<const float> drawn_m,
+                                   bool lagging) {
     std::vector<TileGeometry> tiles;
     TileCollector collector(terrain);
     for (std::size_t first = 0, end = 0; first < mesh.tiles.size(); first = end) {
@@ -38,7 +39,9 @@ std::vector<TileGeometry> tiles_of(const Terrain& terrain, const MeshView& mesh,
         TileGeometry geometry = collector.collect(mesh, mesh.tiles.subspan(first, end - first), drawn_m);
         if (!geometry.indices.empty()) tiles.push_back(std::move(geometry));
     }
-    if (tiles.empty()) throw io::Failure(2, "the mesh has no triangle: the camera sees none of the terrain; turn it");
+    if (tiles.empty())
+        throw io::Failure(2, lagging ? "the mesh has no triangle yet: work or pages are missing; take a later frame"
+                                     : "the mesh has no triangle: the camera sees none of the terrain; turn it");
     return tiles;
 }
 
@@ -46,7 +49,7 @@ SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<cons
                     const SnapshotInfo& info, Snapshot& snapshot) {
     try {
         check(terrain, info);
-        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m)};
+        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)};
         SnapshotResult result;
         for (const TileGeometry& tile : content.tiles) {
             result.vertices += tile.vertices.size();

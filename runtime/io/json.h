@@ -9,6 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fjell/pack.h"
+
 namespace fjell::io {
 
 // name: of the file, for messages. line: which one of the file the text begins with. Comments are skipped where they
@@ -20,5 +22,9 @@ enum class JsonComments : bool { no, yes };
 // The line on which an item of a list begins that stands in the outermost object, of a text that parse_json() takes;
 // 1 when there is none. For what is wrong with an item. O(text).
 [[nodiscard]] std::size_t line_of_item(std::string_view text, std::string_view list, std::size_t item);
+
+// Where a terrain lies: spacing_m, and origin_m of sample (0, 0) along the CRS' axes; crs_origin and crs_step say the
+// same in units of the CRS, which may be feet or degrees. crs_step is null where it is not known.
+[[nodiscard]] nlohmann::json place_json(const PackHeader& header);
 
 } // namespace fjell::io

@@ -265,7 +265,7 @@ constexpr ProfileKey keys[] = {
      .about =
          "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; 0: no "
          "limit. An item takes 100 to 400 ns, depending on the cache. When they do not suffice, the mesh lags behind "
-         "the camera and the report says \"items\". (Incremental; building the first frame is not bounded.)",
+         "the camera and the report says \"items\". (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = Items::get,
      .set = Items::set},

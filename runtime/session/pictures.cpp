@@ -13,10 +13,6 @@ namespace fjell::session {
 
 using io::Failure;
 
-void require_graphics(bool made, const std::string& error) {
-    if (!made) throw Failure(3, error);
-}
-
 struct Pictures::State { // in the order of destruction, last first
     std::unique_ptr<gl::Headless> context;
     std::unique_ptr<gl::Target> target;
@@ -45,9 +41,8 @@ gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double ti
     return draw;
 }
 
-std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile,
-                                        std::string& error) {
-    return gl::Target::create({width, height, std::min(profile.samples, gl::max_target_samples())}, error);
+std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile) {
+    return gl::Target::create({width, height, std::min(profile.samples, gl::max_target_samples())});
 }
 
 namespace {
@@ -58,13 +53,12 @@ void set_layers(gl::Renderer& renderer, const GroundLayers& layers, const Sessio
         throw Failure(1, session.loaded.path +
                              ": has no splat map that says where materials lie; give rules too, "
                              "--layers content/materials/rules/alpine.json, or bake it with --layers");
-    if (const std::string error = renderer.set_layers(layers.materials, layers.rules, names); !error.empty())
-        throw Failure(1, error);
+    renderer.set_layers(layers.materials, layers.rules, names);
 }
 
 } // namespace
 
-std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session, std::string& error) {
+std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session) {
     gl::RendererOptions slots;
     session.method->make_room(options.profile, session.streamed != nullptr, slots);
     if (session.streamed) {
@@ -77,36 +71,33 @@ std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const 
     slots.splat_maps = options.layers && options.profile.layers.splat;
     slots.light = options.profile.light;
     slots.material_bytes = options.profile.material_bytes;
-    auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots, error);
-    if (renderer && options.layers) set_layers(*renderer, *options.layers, session);
-    return error.empty() ? std::move(renderer) : nullptr;
+    auto renderer = gl::Renderer::create(session.terrain(), session.loaded.pack, slots);
+    if (options.layers) set_layers(*renderer, *options.layers, session);
+    return renderer;
 }
 
-std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
+void upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry) {
     if (entry.rebuilt) renderer.invalidate();
     if (session.streamed) {
         const Stream stream = session.streamed->stream();
-        std::string error = renderer.upload(stream_map_commands(stream));
-        if (error.empty())
-            error = renderer.show_maps(
-                stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
-                stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::splat));
-        if (!error.empty()) return error;
+        renderer.upload(stream_map_commands(stream));
+        renderer.show_maps(stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
+                           stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::splat));
     }
-    return session.method->upload(renderer);
+    session.method->upload(renderer);
 }
 
 Pictures::Pictures(const FlightOptions& options, const Session& session) : state_(std::make_unique<State>()) {
-    std::string error;
-    state_->context = gl::Headless::create({}, error);
-    require_graphics(state_->context != nullptr, error);
-    state_->target = make_target(options.profile.width_px, options.profile.height_px, options.profile, error);
-    require_graphics(state_->target != nullptr, error);
-    state_->renderer = make_renderer(options, session, error);
-    if (!state_->renderer && !session.streamed)
-        (void)io::check_all_chunks(session.loaded.pack,
-                                   session.loaded.path); // a damaged pack is not the machine's fault
-    require_graphics(state_->renderer != nullptr, error);
+    state_->context = gl::Headless::create();
+    state_->target = make_target(options.profile.width_px, options.profile.height_px, options.profile);
+    try {
+        state_->renderer = make_renderer(options, session);
+    } catch (const Failure&) {
+        if (!session.streamed)
+            (void)io::check_all_chunks(session.loaded.pack,
+                                       session.loaded.path); // a damaged pack is not the machine's fault
+        throw;
+    }
     state_->mode = options.mode;
     state_->profile = options.profile;
     state_->folder = options.render_folder;
@@ -122,17 +113,14 @@ bool is_picture_name(std::string_view name) {
 Pictures::~Pictures() = default;
 
 void Pictures::follow(const Session& session, const FrameEntry& entry) {
-    const std::string error = upload_mesh(*state_->renderer, session, entry);
-    require_graphics(error.empty(), error);
+    upload_mesh(*state_->renderer, session, entry);
 }
 
 void Pictures::write(const Session& session, const View& view, std::size_t frame, double time_s) {
-    std::string error = state_->renderer->draw_uploaded(
-        session.mesh(), view, draw_options(state_->mode, state_->profile, time_s), *state_->target);
-    require_graphics(error.empty(), error);
+    state_->renderer->draw_uploaded(session.mesh(), view, draw_options(state_->mode, state_->profile, time_s),
+                                    *state_->target);
     state_->target->read_colour(state_->image);
-    error = gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));
-    require_graphics(error.empty(), error);
+    gl::write_png(state_->image, fmt::format("{}/frame_{:05}.png", state_->folder, frame));
 }
 
 } // namespace fjell::session

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <string_view>
 
 #include "fjell/gl/renderer.h"
@@ -18,17 +17,14 @@ namespace fjell::session {
 
 // The profile's light, in this mode. time_s: of the flight, for what moves by itself.
 [[nodiscard]] gl::DrawOptions draw_options(PictureMode mode, const Profile& profile, double time_s);
-// Throws Failure 3 with that line.
-void require_graphics(bool made, const std::string& error);
-// A target of this size with the profile's samples, or as many as this GPU has. Empty with an error.
-[[nodiscard]] std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height, const Profile& profile,
-                                                      std::string& error);
+// A target of this size with the profile's samples, or as many as this GPU has.
+[[nodiscard]] std::unique_ptr<gl::Target> make_target(std::uint32_t width, std::uint32_t height,
+                                                      const Profile& profile);
 
-// A renderer with room for the session's mesh, whichever method makes it. Empty with an error, as Renderer::create.
-[[nodiscard]] std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session,
-                                                          std::string& error);
+// A renderer with room for the session's mesh, whichever method makes it.
+[[nodiscard]] std::unique_ptr<gl::Renderer> make_renderer(const FlightOptions& options, const Session& session);
 // Uploads what the last update wrote: once after every update, drawn or not.
-[[nodiscard]] std::string upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry);
+void upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntry& entry);
 
 class Pictures {
 public:

@@ -63,9 +63,7 @@ public:
 
     void operator()(const gltf::TileTexels& t) {
         if (!set_) {
-            const std::string error =
-                colour_.set(layers_->materials, layers_->rules, names_, settings_, std::max(t.step_x_m, t.step_z_m));
-            if (!error.empty()) throw Failure(1, error);
+            colour_.set(layers_->materials, layers_->rules, names_, settings_, std::max(t.step_x_m, t.step_z_m));
             set_ = true;
         }
         gl::GroundTexels texels{t.side, t.x_m, t.z_m, t.step_x_m, t.step_z_m};

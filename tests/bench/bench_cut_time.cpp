@@ -186,19 +186,18 @@ private:
     std::vector<std::uint8_t> flags_;
 };
 
-// Teleports in succession with 2 ms a frame, each from the mesh that the last one left: how much of what the view will
-// show stands after five frames, and after how many does 99% of it?
-void teleport_recovery(benchmark::State& state) {
+// Teleports in succession with so much time or so many items a frame, each from the mesh that the last one left: how
+// much of what the view will show stands after five frames, after how many does 99% of it, and what does an item take?
+void teleport_recovery(benchmark::State& state, CutSettings settings) {
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
     const std::size_t bytes = cut_bytes(t, cut_budget);
     const io::AlignedMemory memory = io::allocate(bytes);
     LiveCut cut;
     if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
-    CutSettings settings;
     settings.max_error_px = scene.error_px;
     std::vector<double> frames_to_99;
-    double after_five = 0;
+    double after_five = 0, us = 0, items = 0;
     constexpr int teleports = 8;
     for (auto _ : state)
         for (int n = 0; n < teleports; ++n) {
@@ -207,11 +206,12 @@ void teleport_recovery(benchmark::State& state) {
             view.eye_m.y = data_of(t).ground_m(view.eye_m.x, view.eye_m.z) + 400;
             const Visible whole(t, view, settings.max_error_px);
             state.counters["visible_vertices"] = static_cast<double>(whole.count());
-            settings.max_time_us = 2000;
             CutReport report;
             int frame = 1;
             for (; frame <= 200; ++frame) {
+                const auto start = Clock::now();
                 (void)update_cut(cut, {&view, 1}, settings, report);
+                us += us_since(start), items += report.work;
                 const double share = whole.share(cut_mesh(cut).mesh);
                 if (frame == 5) after_five += share / teleports;
                 if (share >= 0.99) break;
@@ -221,6 +221,7 @@ void teleport_recovery(benchmark::State& state) {
         }
     state.counters["frames_to_99"] = rank(frames_to_99, 0.5);
     state.counters["share_after_5"] = after_five;
+    state.counters["ns_an_item"] = us * 1000 / items;
     state.counters["frames_to_99_worst"] = rank(frames_to_99, 1);
 }
 
@@ -275,7 +276,9 @@ void declare_frames_that_time_ends() {
     declare("lag-500us", [](benchmark::State& s) { lag(s, 500); });
     declare("teleport-300us/all-around", [](benchmark::State& s) { teleport_budget(s, 1); });
     declare("teleport-300us/offscreen-8", [](benchmark::State& s) { teleport_budget(s, 8); });
-    declare("teleport-2ms", teleport_recovery);
+    declare("teleport-2ms", [](benchmark::State& s) { teleport_recovery(s, {.max_time_us = 2000}); });
+    declare("teleport-20000-items", [](benchmark::State& s) { teleport_recovery(s, {.max_work = 20'000}); });
+    declare("teleport-5000-items", [](benchmark::State& s) { teleport_recovery(s, {.max_work = 5'000}); });
     declare("teleport-claims/2ms", [](benchmark::State& s) { teleport_claims(s, 2000); });
     declare("teleport-claims/300us", [](benchmark::State& s) { teleport_claims(s, 300); });
 }

@@ -40,10 +40,6 @@ using namespace fjell;
     std::fprintf(stderr, "bench_draw: %s\n", why.c_str());
     std::exit(3);
 }
-void require(const std::string& error) {
-    if (!error.empty()) stop(error);
-}
-
 const io::LoadedPack& scene() {
     static const io::LoadedPack pack = [] {
         const std::string path =
@@ -86,11 +82,8 @@ struct Picture {
 void draw(benchmark::State& state, const Picture& picture) {
     const auto [error_px, width, height, samples, above_m, drawing] = picture;
     const io::LoadedPack& pack = scene();
-    std::string error;
-    const auto context = gl::Headless::create({}, error);
-    require(error);
-    const auto target = gl::Target::create({width, height, samples}, error);
-    require(error);
+    const auto context = gl::Headless::create();
+    const auto target = gl::Target::create({width, height, samples});
     const CutBudget budget{1u << 21, 1u << 22, 1024, 1};
     const std::size_t bytes = cut_bytes(pack.terrain, budget);
     const io::AlignedMemory memory = io::allocate(bytes);
@@ -100,9 +93,8 @@ void draw(benchmark::State& state, const Picture& picture) {
     options.ranges = budget.triangles / budget.segment_triangles;
     options.morph = true;
     options.light = drawing.light;
-    const auto renderer = gl::Renderer::create(pack.terrain, pack.pack, options, error);
-    require(error);
-    if (drawing.layers.on) require(renderer->set_layers(ground_layers().first, ground_layers().second));
+    const auto renderer = gl::Renderer::create(pack.terrain, pack.pack, options);
+    if (drawing.layers.on) renderer->set_layers(ground_layers().first, ground_layers().second);
     CutSettings settings;
     settings.max_error_px = error_px;
     CutReport report;
@@ -114,13 +106,13 @@ void draw(benchmark::State& state, const Picture& picture) {
     View now = view();
     (void)rebuild_cut(cut, {&now, 1}, settings, report);
     double drawn = 0, uploaded = 0;
-    require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target)); // uploads all
+    renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target); // uploads all
     glFinish();
     for (auto _ : state) {
         eye = eye + Vec3{0.8, 0, -0.6} * 15.0; // a quarter of a cell
         now = view();
         (void)update_cut(cut, {&now, 1}, settings, report);
-        require(renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target));
+        renderer->draw(cut_mesh(cut), cut_take_changes(cut), now, drawing, *target);
         glFinish();
         drawn += report.triangles_drawn;
         uploaded += static_cast<double>(renderer->stats().bytes_uploaded);

@@ -59,11 +59,8 @@ struct Device {
     gl::VertexArray array;
 
     Device() {
-        std::string error;
-        context = gl::Headless::create({}, error);
-        if (!context) stop(error);
-        target = gl::Target::create({320, 240, 1}, error);
-        if (!target) stop(error);
+        context = gl::Headless::create();
+        target = gl::Target::create({320, 240, 1});
         const auto make = [](std::size_t bytes) {
             unsigned name = 0;
             glCreateBuffers(1, &name);
@@ -72,16 +69,12 @@ struct Device {
         };
         mesh = {make(vertex_slots * sizeof(MeshVertex)), make(vertex_slots * sizeof(MorphVertex)),
                 make(triangle_slots * 12)};
-        error = ring.create(4u << 20);
-        if (error.empty()) error = scatter.create();
-        if (error.empty())
-            program =
-                gl::make_program({"points of a map", "",
-                                  "layout(location = 0) in ivec2 at; layout(location = 1) in float height;\n"
-                                  "void main() { gl_Position = vec4(vec2(at) / 1024.0 - 1.0, height * 1e-4, 1); }",
-                                  "", "out vec4 colour; void main() { colour = vec4(gl_FragCoord.z); }"},
-                                 error);
-        if (!error.empty()) stop(error);
+        ring.create(4u << 20, "the region");
+        scatter.create();
+        program = gl::make_program({"points of a map", "",
+                                    "layout(location = 0) in ivec2 at; layout(location = 1) in float height;\n"
+                                    "void main() { gl_Position = vec4(vec2(at) / 1024.0 - 1.0, height * 1e-4, 1); }",
+                                    "", "out vec4 colour; void main() { colour = vec4(gl_FragCoord.z); }"});
         unsigned name = 0;
         glCreateVertexArrays(1, &name);
         array = gl::VertexArray(name);

@@ -24,10 +24,6 @@ constexpr double finest_px = 0.01;
 void need(const Status& status) {
     if (!status.ok()) throw io::Failure(1, fmt::format("{}: {}", status.field, message(status.code)));
 }
-void need_gl(const std::string& error) {
-    if (!error.empty()) throw io::Failure(3, error);
-}
-
 // Of all threads: a software renderer has several.
 double process_worked_ms() {
     timespec t{};
@@ -51,8 +47,8 @@ struct Drawing::Method {
     virtual ~Method() = default;
     virtual void update(const View& view) = 0;
     virtual void rest(const View& view) = 0;
-    virtual std::string draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
-                             const gl::Target& target) = 0;
+    virtual void draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
+                      const gl::Target& target) = 0;
 };
 
 namespace {
@@ -77,9 +73,9 @@ std::unique_ptr<Drawing::Method> Drawing::recursive(double error_px) {
             note(*this, report);
         }
         void rest(const View& view) override { update(view); }
-        std::string draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
-                         const gl::Target& target) override {
-            return renderer.draw(recursive_mesh(method), view, options, target);
+        void draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
+                  const gl::Target& target) override {
+            renderer.draw(recursive_mesh(method), view, options, target);
         }
     };
     auto made = std::make_unique<Recursive>();
@@ -104,9 +100,9 @@ std::unique_ptr<Drawing::Method> Drawing::incremental(double error_px, double of
             need(rebuild_cut(cut, {&view, 1}, settings, report));
             update(view);
         }
-        std::string draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
-                         const gl::Target& target) override {
-            return renderer.draw(cut_mesh(cut), cut_take_changes(cut), view, options, target);
+        void draw(gl::Renderer& renderer, const View& view, const gl::DrawOptions& options,
+                  const gl::Target& target) override {
+            renderer.draw(cut_mesh(cut), cut_take_changes(cut), view, options, target);
         }
     };
     auto made = std::make_unique<Incremental>();
@@ -121,23 +117,25 @@ std::unique_ptr<Drawing::Method> Drawing::incremental(double error_px, double of
 
 std::unique_ptr<Drawing> Drawing::create(const io::LoadedPack& pack, std::uint32_t vertices, std::string& reason) {
     std::unique_ptr<Drawing> drawing(new Drawing(pack, vertices));
-    drawing->context_ = gl::Headless::create({}, reason);
-    if (!drawing->context_) return nullptr;
-    drawing->target_ = gl::Target::create({picture_width_px, picture_height_px, 1}, reason);
-    if (!drawing->target_) return nullptr;
     const std::uint32_t triangles = 2 * vertices + 1024 * pack.terrain.tile_count();
     gl::RendererOptions options{vertices, 3 * triangles};
     options.ranges = triangles / 512;
     options.morph = true; // the live cut's meshes need it
-    drawing->renderer_ = gl::Renderer::create(pack.terrain, pack.pack, options, reason);
-    if (!drawing->renderer_) return nullptr;
+    try {
+        drawing->context_ = gl::Headless::create();
+        drawing->target_ = gl::Target::create({picture_width_px, picture_height_px, 1});
+        drawing->renderer_ = gl::Renderer::create(pack.terrain, pack.pack, options);
+    } catch (const io::Failure& failure) {
+        reason = failure.what();
+        return nullptr;
+    }
     return drawing;
 }
 
 const gl::Image& Drawing::picture(Method& method, const View& view) {
     gl::DrawOptions options;
     options.light.dither = false;
-    need_gl(method.draw(*renderer_, view, options, *target_));
+    method.draw(*renderer_, view, options, *target_);
     target_->read_colour(image_);
     return image_;
 }
@@ -160,7 +158,7 @@ nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const
     const auto method = c.way == Way::recursive ? recursive(c.error_px) : incremental(c.error_px, c.offscreen_factor);
     method->rest(views[0]);
     const gl::DrawOptions options = bare();
-    for (int i = 0; i < 2; ++i) need_gl(method->draw(*renderer_, views[0], options, *target_)); // uploads all
+    for (int i = 0; i < 2; ++i) method->draw(*renderer_, views[0], options, *target_); // uploads all
     glFinish();
     std::vector<double> ms, worked_ms;
     double vertices = 0, triangles = 0, worst_px = 0;
@@ -168,12 +166,12 @@ nlohmann::json Drawing::fly(const Case& c, const std::vector<View>& views, const
         io::check_interrupt();
         const View& view = views[frame];
         method->rest(views[frame > 0 ? frame - 1 : 0]);
-        need_gl(method->draw(*renderer_, views[frame > 0 ? frame - 1 : 0], options, *target_));
+        method->draw(*renderer_, views[frame > 0 ? frame - 1 : 0], options, *target_);
         glFinish();
         const auto start = test::Clock::now();
         const double worked = process_worked_ms();
         method->update(view);
-        need_gl(method->draw(*renderer_, view, options, *target_));
+        method->draw(*renderer_, view, options, *target_);
         glFinish();
         worked_ms.push_back(process_worked_ms() - worked);
         ms.push_back(test::us_since(start) * 1e-3);

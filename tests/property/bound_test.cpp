@@ -119,7 +119,7 @@ TEST_CASE("no sample is farther from a live mesh than its bound, however far it 
                 lagging += !report.converged;
                 told += !report.converged && report.error_bound_px < unbounded_px;
             }
-            if (whole && !terrain.has_voids() && measured_px < 1e6) {
+            if (whole && !is_building(cut) && !terrain.has_voids() && measured_px < 1e6) {
                 REQUIRE(bound_px <= std::max(1e-3, 1.1 * measured_px));
                 ++tight;
             }

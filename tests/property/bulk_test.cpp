@@ -83,6 +83,65 @@ TEST_CASE("after a jump of the camera a whole mesh stands beside the one that is
     CHECK(rested > rounds(30, 150));
 }
 
+TEST_CASE("work items bound a first frame and a jump, which take as many of them whatever a frame may spend") {
+    Random random(106);
+    for (int round = 0; round < rounds(8, 60); ++round) {
+        const auto pack = random_terrain(random, 300, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut whole(terrain, ample_cut(terrain)), bounded(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random) / 4;
+        CutSettings few = settings;
+        few.max_work = static_cast<std::uint32_t>(pick(random, 20, 4'000));
+        for (int jump = 0; jump < 3; ++jump) {
+            const View view = random_view(random, terrain);
+            const CutReport once = whole.update({&view, 1}, settings);
+            REQUIRE(once.converged);
+            std::uint64_t work = 0, frames = 0;
+            CutReport report;
+            do {
+                report = bounded.update({&view, 1}, few);
+                REQUIRE(report.work <= few.max_work);
+                // And not in what it says only: a unit is a page at most.
+                REQUIRE(report.vertices_changed <= few.max_work * parts_an_item + max_page_vertices);
+                REQUIRE(report.triangles_changed <=
+                        few.max_work * parts_an_item * triangles_a_part + 2 * max_page_vertices);
+                work += report.work;
+                CAPTURE(round, jump, few.max_work, once.work, work, ++frames);
+                REQUIRE(check_frame(bounded, terrain, report, few) == "");
+                REQUIRE(frames <= once.work * 1.1 / few.max_work + 3);
+            } while (!report.converged);
+            CAPTURE(round, jump, few.max_work, once.work, work, frames);
+            CHECK(triangles_of(bounded.mesh()) == triangles_of(whole.mesh()));
+            CHECK(work <= once.work * 1.1 + 10);
+            // What is built beside takes fewer than one by one would.
+            CHECK(once.work <= once.evaluations + once.activations + once.deactivations);
+        }
+    }
+}
+
+TEST_CASE("a camera that jumps in every frame is followed all the same, however few items and visits there are") {
+    Random random(107);
+    for (int round = 0; round < rounds(6, 40); ++round) {
+        const auto pack = rich_terrain(random, 257, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.max_error_px = 1;
+        settings.max_work = round % 2 == 0 ? 60 : unlimited_work;
+        settings.visits = round % 2 == 0 ? unlimited_work : 10;
+        int installed = 0;
+        for (int frame = 0; frame < 400; ++frame) {
+            const View view = random_view(random, terrain);
+            const CutReport report = cut.update({&view, 1}, settings);
+            installed += report.activations != 0 && cut.state().bulk.phase >= BulkPhase::releasing;
+            if (frame % 20 == 0) REQUIRE(check_frame(cut, terrain, report, settings) == "");
+        }
+        CAPTURE(round);
+        CHECK(installed > 0);
+    }
+}
+
 TEST_CASE("a jump that the clock has cut into frames is replayed by their visits") {
     Random random(105);
     int building = 0;

@@ -15,9 +15,9 @@ namespace {
 // when cut_golden_compilers passes.
 // Of the terrain's records: changes with the baker's errors, radii and heights, and then the others do as well.
 constexpr std::uint64_t terrain_hash = 0xa76c839edf1dc46d;
-constexpr std::uint64_t triangles_hash = 0x2830f5e10d813e12;
+constexpr std::uint64_t triangles_hash = 0x5f6e4663dd035eb6;
 // Of the counts in the reports: changes also with the order of work.
-constexpr std::uint64_t work_hash = 0x441eac2515a7ab57;
+constexpr std::uint64_t work_hash = 0x64ac2bcf337f7a70;
 
 } // namespace
 

@@ -104,6 +104,8 @@ TEST_CASE("a cut is the same bit for bit with any number of workers, in whatever
             view = frame % 8 == 0 ? random_view(random, terrain) : moved(random, view, random_step_m(random, terrain));
             settings.visits =
                 pick(random, 0, 3) == 0 ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 90));
+            settings.max_work =
+                pick(random, 0, 1) == 0 ? unlimited_work : static_cast<std::uint32_t>(pick(random, 1, 4'000));
             settings.now_s += 1.0 / 60;
             const auto step = [&](Cut& cut, JobSystem jobs) {
                 settings.jobs = jobs;

@@ -51,9 +51,11 @@ TEST_CASE("with one item a frame every single step is a whole mesh, and the step
         const auto pack = random_terrain(random, 24, 4);
         const Terrain& terrain = pack.terrain;
         Cut cut(terrain, ample_cut(terrain));
+        const View view = random_view(random, terrain); // one that jumps would have its mesh built beside
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random) * 30;
+        (void)cut.rebuild({&view, 1}, settings);
         for (int leg = 0; leg < 3; ++leg) {
-            const View view = random_view(random, terrain);
-            CutSettings settings;
             settings.max_error_px = random_threshold(random) * 3;
             settings.max_work = 1;
             CutReport report;

@@ -40,8 +40,8 @@ struct HugeSet {
         for (const At at : places) {
             baker::Dem here = dem;
             for (const int axis : {0, 1}) here.spacing_m[axis] = spacing_m;
-            here.origin_m[0] = 5e5 + at.x * tile_cells * spacing_m;
-            here.origin_m[1] = 6e6 - at.y * tile_cells * spacing_m;
+            here.crs_origin[0] = 5e5 + at.x * tile_cells * spacing_m;
+            here.crs_origin[1] = 6e6 - at.y * tile_cells * spacing_m;
             const std::string name = std::to_string(at.x) + "-" + std::to_string(at.y) + ".fjell";
             (void)baker::bake(std::move(here), small_bake(tile_log2), folder / name);
             set.packs.push_back({name, at.x, at.y, 2, 1, 0, false});

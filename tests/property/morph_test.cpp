@@ -166,7 +166,7 @@ TEST_CASE("the narrowest nesting does not hold the governor up") {
     CutBudget budget = ample_cut(pack.terrain);
     Cut ample(pack.terrain, budget);
     budget.vertices = ample.rebuild({&view, 1}, settings).vertices / 4;
-    settings.max_work = 1000; // no bulk pass, which finds its threshold at once
+    settings.max_work = 1000;
     Cut cut(pack.terrain, budget);
     CutReport report;
     int frames = 0;

@@ -421,8 +421,8 @@ TEST_CASE("packs baked apart are one set where floats do not hold their spacing,
         {
             const io::PackFile opened(path);
             CHECK(opened.packs() == 3);
-            CHECK(opened.pack().header.origin_m[0] == Approx(apart.west).epsilon(1e-12));
-            CHECK(opened.pack().header.origin_m[1] == Approx(apart.north).epsilon(1e-12));
+            CHECK(opened.pack().header.crs_origin[0] == Approx(apart.west).epsilon(1e-12));
+            CHECK(opened.pack().header.crs_origin[1] == Approx(apart.north).epsilon(1e-12));
         }
         const auto reader = baker::PackSource(path).reader();
         const auto holds = [&](std::uint32_t tile_x, std::uint32_t tile_y, bool mirrored) {

@@ -51,7 +51,7 @@ void require_same_contents(const Pack& a, const Pack& b) {
     PackHeader of_a = a.header, of_b = b.header;
     for (PackHeader* const h : {&of_a, &of_b}) {
         h->file_bytes = h->directory_offset = h->directory_hash = h->notes_offset = h->header_hash = h->voids = 0;
-        for (double& origin : h->origin_m) origin = std::round(origin * 1e3);
+        for (double& origin : h->crs_origin) origin = std::round(origin * 1e3);
     }
     REQUIRE(std::memcmp(&of_a, &of_b, sizeof of_a) == 0);
     REQUIRE((a.header.voids == 0) == (b.header.voids == 0));

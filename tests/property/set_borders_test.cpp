@@ -137,7 +137,7 @@ baker::Dem ground(Random& random, std::int32_t tiles_x, std::int32_t tiles_y) {
         for (std::int32_t x = 50; x < dem.columns; x += apart_side)
             dem.heights_m[dem.index(x, y)] = 0, dem.heights_m[dem.index(x + 1, y)] = 200;
     dem.spacing_m[0] = dem.spacing_m[1] = 30;
-    dem.origin_m[0] = 500'000, dem.origin_m[1] = 6'700'000;
+    dem.crs_origin[0] = 500'000, dem.crs_origin[1] = 6'700'000;
     dem.crs_wkt = R"(LOCAL_CS["ground",UNIT["metre",1]])";
     dem.native_quantum_m = 1;
     return dem;
@@ -154,8 +154,8 @@ baker::Dem tiles_of_ground(const baker::Dem& whole, std::int32_t x, std::int32_t
             whole.heights_m.begin() + static_cast<std::ptrdiff_t>(whole.index(x * apart_side, y * apart_side + row));
         part.heights_m.insert(part.heights_m.end(), from, from + part.columns);
     }
-    part.origin_m[0] += x * apart_side * part.spacing_m[0];
-    part.origin_m[1] -= y * apart_side * part.spacing_m[1];
+    part.crs_origin[0] += x * apart_side * part.spacing_m[0];
+    part.crs_origin[1] -= y * apart_side * part.spacing_m[1];
     return part;
 }
 
@@ -377,12 +377,12 @@ TEST_CASE("packs that overlap, lie off each other's tiles or are of other scales
         CHECK(!pair.has_index());
     };
     baker::Dem east = tiles_of_ground(whole, 1, 0, 1, 1);
-    east.origin_m[0] -= 30;
+    east.crs_origin[0] -= 30;
     refused_with_east(east, "west.fjell and east.fjell: lie 0.992188 tiles apart from west to east; packs of a set");
     refused_with_east(tiles_of_ground(whole, 0, 0, 1, 1),
                       "east.fjell and west.fjell: both have tile (0, 0) of the set");
     east = tiles_of_ground(whole, 1, 0, 1, 1);
-    east.origin_m[0] += 1e12;
+    east.crs_origin[0] += 1e12;
     refused_with_east(east, "east.fjell: lies ");
     east = tiles_of_ground(whole, 1, 0, 1, 1);
     for (float& height : east.heights_m) height += 3;

@@ -151,3 +151,39 @@ TEST_CASE("reads that never return leave a whole mesh, and what does return is u
     REQUIRE(seen.lost > rounds<std::uint64_t>(2, 5));
     REQUIRE(seen.removed > rounds<std::uint64_t>(4, 10));
 }
+
+// A stream's own cut keeps pages by asking for them to be released; others lose their vertices with the page.
+TEST_CASE("several cuts of one streamed terrain each claim what is true of their own views") {
+    Random random(304);
+    std::size_t beyond = 0, served = 0;
+    for (int round = 0; round < rounds(10, 120); ++round) {
+        const auto pack = streamed_terrain(random, false);
+        const std::uint32_t slots = pack.terrain.tile_count() + static_cast<std::uint32_t>(pick(random, 2, 30));
+        Streamed on(pack.pack, std::min(slots, pack.terrain.page_count()));
+        Cut other(on.paged.terrain, ample_cut(pack.terrain));
+        ScriptedClient client(random, on, {.most_delay = 4});
+        const bool both = round % 2 == 0; // of the cuts' views are given to the stream
+        View views[] = {random_view(random, pack.terrain), random_view(random, pack.terrain)};
+        CutSettings settings;
+        settings.max_error_px = std::pow(10.0, uniform(random, 0, 1.5));
+        StreamSettings stream_settings;
+        CutReport report;
+        for (int frame = 0; frame < 40; ++frame) {
+            for (View& view : views)
+                if (frame < 20) view = moved(random, view, random_step_m(random, pack.terrain) / 4);
+            stream_settings.now_s += 1.0 / 60;
+            client.act();
+            const StreamReport streamed = on.update({views, both ? 2u : 1u}, settings, stream_settings);
+            client.follow();
+            (void)on.cut.update({views, 1}, settings);
+            report = other.update({views + 1, 1}, settings);
+            const double shown_px = measure_error(pack.terrain, other.mesh(), views[1]).max_px;
+            CAPTURE(round, both, frame, settings.max_error_px, streamed.missing_px);
+            REQUIRE(shown_px <= report.error_bound_px * (1 + 1e-6));
+            beyond += shown_px > std::max(settings.max_error_px, streamed.missing_px) * 1.01;
+        }
+        served += both && report.converged;
+    }
+    CHECK(beyond > 3); // what the stream says of its own views would be wrong
+    CHECK(served > 1);
+}

@@ -51,7 +51,7 @@ DemSource::DemSource(Dem dem) : dem_(std::move(dem)) {
     columns = dem_.columns;
     rows = dem_.rows;
     std::copy_n(dem_.spacing_m, 2, spacing_m);
-    std::copy_n(dem_.origin_m, 2, origin_m);
+    std::copy_n(dem_.crs_origin, 2, crs_origin);
     crs_wkt = dem_.crs_wkt;
     std::copy_n(dem_.crs_step, 2, crs_step);
     if (!(crs_step[0] > 0 && crs_step[1] > 0)) crs_step_of(spacing_m, crs_wkt, crs_step);
@@ -75,8 +75,9 @@ SourceProperties DemSource::properties(const ReadStatistics& statistics) const {
 
 std::string DemSource::identity() const {
     return fmt::format("{} x {} in memory, {} {} ({} {}) at {} {} step {} heights {:016x} voids {:016x} crs {:016x}",
-                       columns, rows, spacing_m[0], spacing_m[1], crs_step[0], crs_step[1], origin_m[0], origin_m[1],
-                       dem_.native_quantum_m, hash(dem_.heights_m.data(), dem_.heights_m.size() * sizeof(float)),
+                       columns, rows, spacing_m[0], spacing_m[1], crs_step[0], crs_step[1], crs_origin[0],
+                       crs_origin[1], dem_.native_quantum_m,
+                       hash(dem_.heights_m.data(), dem_.heights_m.size() * sizeof(float)),
                        hash(dem_.voids.data(), dem_.voids.size()), hash(crs_wkt.data(), crs_wkt.size()));
 }
 
@@ -124,7 +125,7 @@ Dem read_dem(const HeightSource& source) {
     dem.columns = source.columns;
     dem.rows = source.rows;
     std::copy_n(source.spacing_m, 2, dem.spacing_m);
-    std::copy_n(source.origin_m, 2, dem.origin_m);
+    std::copy_n(source.crs_origin, 2, dem.crs_origin);
     std::copy_n(source.crs_step, 2, dem.crs_step);
     dem.crs_wkt = source.crs_wkt;
     const ReadStatistics statistics = read_all(source, dem);

@@ -23,7 +23,7 @@ struct Dem {
     std::vector<float> heights_m;    // columns * rows
     std::vector<std::uint8_t> voids; // columns * rows, 1: no height there, a hole; empty: none
     double spacing_m[2] = {1, 1};    // along columns, along rows; > 0
-    double origin_m[2] = {0, 0};     // of sample (0, 0) in CRS axes
+    double crs_origin[2] = {0, 0};   // of sample (0, 0) in CRS axes
     double crs_step[2] = {0, 0};     // between samples in CRS units; 0: what spacing_m is in them, if they count metres
     std::string crs_wkt;             // empty: none
     // The step that the source's numbers are multiples of (integer types: |scale|), 0 when not known.

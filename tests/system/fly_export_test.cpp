@@ -114,6 +114,37 @@ TEST_CASE("an export is the mesh of its frame, and says what was asked, what it 
     for (const char* name : {"few.toml", "f.glb"}) fs::remove(export_place().folder.path / name);
 }
 
+TEST_CASE("what is called _m is in metres, also in a CRS that counts feet") {
+    const ExportPlace& place = export_place();
+    std::string grid = "ncols 5\nnrows 5\nxllcorner 6000000\nyllcorner 2000000\ncellsize 100\n";
+    for (int i = 0; i < 25; ++i) grid += std::to_string(1000 + 10 * i) + " ";
+    spit(place.folder.path / "feet.asc", grid);
+    spit(
+        place.folder.path / "feet.prj",
+        R"(PROJCS["California 1",GEOGCS["NAD83",DATUM["D_North_American_1983",SPHEROID["GRS_1980",6378137,298.257222101]],)"
+        R"(PRIMEM["Greenwich",0],UNIT["Degree",0.0174532925199433]],PROJECTION["Lambert_Conformal_Conic"],)"
+        R"(PARAMETER["Standard_Parallel_1",40],PARAMETER["Standard_Parallel_2",41.66666666666666],)"
+        R"(PARAMETER["Latitude_Of_Origin",39.33333333333334],PARAMETER["Central_Meridian",-122],)"
+        R"(PARAMETER["False_Easting",6561666.666666666],PARAMETER["False_Northing",1640416.666666667],)"
+        R"(UNIT["Foot_US",0.30480060960121924]])");
+    const Run baked = run_in(place.folder.path,
+                             FJELL_BIN_DIR "/fjell-bake feet.asc -o feet.fjell --vertical-unit us-ft && " FJELL_BIN_DIR
+                                           "/fjell-bake info feet.fjell --json info.json");
+    INFO(baked.err);
+    REQUIRE(baked.code == 0);
+    REQUIRE(place.fly("feet.fjell --headless --frames 1 --export 0:feet.glb").code == 0);
+    constexpr double foot_m = 1200.0 / 3937;
+    for (const json& said : {json::parse(slurp(place.folder.path / "info.json")), extras_of("feet.glb")}) {
+        CHECK(said["crs_origin"] == json::array({6'000'050, 2'000'450}));
+        CHECK(said["crs_step"] == json::array({100, 100}));
+        CHECK(said["origin_m"][0].get<double>() == Approx(6'000'050 * foot_m).epsilon(1e-12));
+        CHECK(said["origin_m"][1].get<double>() == Approx(2'000'450 * foot_m).epsilon(1e-12));
+        CHECK(said["spacing_m"][0].get<double>() == Approx(100 * foot_m).epsilon(1e-12));
+    }
+    CHECK(json::parse(slurp(place.folder.path / "info.json"))["height_m"][1].get<double>() ==
+          Approx(1240 * foot_m).epsilon(1e-6));
+}
+
 TEST_CASE("a still camera stands where it was put and looks where it was told") {
     const Run r = export_place().fly(
         "small.fjell --headless --frames 3 --eye 1000,4000.5,9000 --look 7000,500,-5000 --export 2:s.glb --csv -");
@@ -254,7 +285,7 @@ gl::Image texture_of(const std::string& name, const std::string& end) {
         const json& view = document["bufferViews"][texture["bufferView"].get<std::size_t>()];
         spit(folder / "texture.png",
              glb.substr(28 + length + view.value("byteOffset", std::size_t{0}), view["byteLength"].get<std::size_t>()));
-        REQUIRE(gl::read_png((folder / "texture.png").string(), image).empty());
+        image = gl::read_png((folder / "texture.png").string());
         break;
     }
     return image;

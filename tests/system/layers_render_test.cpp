@@ -60,15 +60,13 @@ struct Layered {
     Scene scene;
     OwnMesh mesh;
     explicit Layered(baker::Dem dem) : scene(std::move(dem), 6), mesh(full_resolution(scene.loaded.terrain)) {
-        std::string error;
-        scene.target = gl::Target::create({layered_wide, layered_high, 1}, error);
-        REQUIRE(scene.target);
+        scene.target = gl::Target::create({layered_wide, layered_high, 1});
         scene.light.exposure = gl::Exposure::fixed;
         scene.light.tone_curve = gl::ToneCurve::none;
         scene.light.ev100 = 14;
     }
     void set(const MaterialFile& file, std::span<const gl::LayerRule> rules) {
-        REQUIRE(scene.renderer->set_layers(file.materials, rules).empty());
+        scene.renderer->set_layers(file.materials, rules);
     }
     [[nodiscard]] View camera(double east, double south, double above_m, double heading_deg, double pitch_deg) const {
         View view = scene.camera(east, south, above_m, heading_deg, pitch_deg);
@@ -103,7 +101,7 @@ TEST_CASE("layers change near ground, and from their distance on no bit of the p
         l.scene.light.detail = detail;
         const Picture without = l.draw(view, {});
         // On, but with nothing to draw: the same shaders, the same picture.
-        REQUIRE(l.scene.renderer->set_layers({}, {}).empty());
+        l.scene.renderer->set_layers({}, {});
         CHECK(l.draw(view, {.on = true}).colour.rgb == without.colour.rgb);
         l.set(file, rules);
         CHECK(l.draw(view, {}).colour.rgb == without.colour.rgb);
@@ -194,7 +192,7 @@ TEST_CASE("ground is painted for exports as shaders draw it", "[picture]") {
     const Picture picture = l.draw(view, settings);
     const double pixel_m = 60 * (view.top - view.bottom) / layered_high;
     gl::GroundColour painter;
-    REQUIRE(painter.set(file.materials, rules, {}, settings, pixel_m).empty());
+    painter.set(file.materials, rules, {}, settings, pixel_m);
 
     // Mips are chosen a little differently, so squares of pixels are compared.
     constexpr std::uint32_t square = 8;
@@ -255,16 +253,14 @@ TEST_CASE("textures of materials count as memory, and stay in their budget", "[p
     // Two materials, 64 texels a side down to 4: 2 bytes a texel as blocks, 6 where a driver without a GPU gets texels.
     const std::uint64_t texels = 2 * (64 * 64 + 32 * 32 + 16 * 16 + 8 * 8 + 4 * 4);
     CHECK((with == 2 * texels || with == 6 * texels));
-    REQUIRE(l.scene.renderer->set_layers({}, {}).empty());
+    l.scene.renderer->set_layers({}, {});
     CHECK(l.scene.renderer->stats().texture_bytes == before);
 
-    std::string error;
     const auto few = gl::Renderer::create(l.scene.loaded.terrain, l.scene.loaded.pack,
-                                          {.vertices = 16, .indices = 16, .material_bytes = with / 3}, error);
-    REQUIRE(few);
-    REQUIRE(few->set_layers(file.materials, rules).empty());
+                                          {.vertices = 16, .indices = 16, .material_bytes = with / 3});
+    few->set_layers(file.materials, rules);
     CHECK(few->stats().texture_bytes > before);
     CHECK(few->stats().texture_bytes <= before + with / 3);
     const std::array bad{gl::LayerRule{.material = 2}};
-    CHECK(few->set_layers(file.materials, bad) == "set_layers(): rule 0: material must be one of the materials");
+    CHECK_THROWS_WITH(few->set_layers(file.materials, bad), "rule 0: material must be one of the materials");
 }

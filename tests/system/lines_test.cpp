@@ -18,19 +18,12 @@ struct Drawer {
     Scene& scene;
     std::unique_ptr<gl::Lines> lines;
 
-    explicit Drawer(Scene& of, const gl::LinesOptions& options = {}) : scene(of) {
-        std::string error;
-        lines = gl::Lines::create(options, error);
-        INFO(error);
-        REQUIRE(lines);
-    }
+    explicit Drawer(Scene& of, const gl::LinesOptions& options = {}) : scene(of) { lines = gl::Lines::create(options); }
     // Over a picture of the mesh.
     gl::Image draw(const MeshView& mesh, const View& view, std::span<const gl::Line> some,
                    std::span<const gl::Ball> balls, const gl::LineStyle& style) {
-        REQUIRE(scene.renderer->draw(mesh, view, {.light = scene.light}, *scene.target).empty());
-        const std::string error = lines->draw(some, balls, view, *scene.target, style);
-        INFO(error);
-        REQUIRE(error.empty());
+        scene.renderer->draw(mesh, view, {.light = scene.light}, *scene.target);
+        lines->draw(some, balls, view, *scene.target, style);
         gl::Image image;
         scene.target->read_colour(image);
         REQUIRE(context().log().errors == 0);
@@ -306,21 +299,21 @@ TEST_CASE("more lines or balls than there is room for are refused with the numbe
     std::vector<gl::Line> lines(13);
     const gl::Ball balls[2] = {};
     (void)scene.draw(mesh, view);
-    CHECK_THAT(drawer.lines->draw(lines, {}, view, *scene.target), Catch::Contains("LinesOptions::lines"));
-    CHECK_THAT(drawer.lines->draw({}, balls, view, *scene.target), Catch::Contains("LinesOptions::balls"));
-    CHECK_THAT(drawer.lines->draw({}, {}, view, *scene.target, {.width_px = 0}), Catch::Contains("width_px"));
+    CHECK_THROWS_WITH(drawer.lines->draw(lines, {}, view, *scene.target), Catch::Contains("LinesOptions::lines"));
+    CHECK_THROWS_WITH(drawer.lines->draw({}, balls, view, *scene.target), Catch::Contains("LinesOptions::balls"));
+    CHECK_THROWS_WITH(drawer.lines->draw({}, {}, view, *scene.target, {.width_px = 0}), Catch::Contains("width_px"));
     lines.resize(12);
     gl::frustum_lines(scene.camera(0.5, 0.5, 100, 0, -10), 1000, red, std::span<gl::Line, 12>(lines.data(), 12));
     lines[3].from.x = NAN;       // is left out
     for (int i = 0; i < 20; ++i) // round the ring
-        CHECK(drawer.lines->draw(lines, {balls, 1}, view, *scene.target).empty());
+        drawer.lines->draw(lines, {balls, 1}, view, *scene.target);
     view.top = view.bottom;
-    CHECK_FALSE(drawer.lines->draw(lines, {}, view, *scene.target).empty());
+    CHECK_THROWS_AS(drawer.lines->draw(lines, {}, view, *scene.target), io::Failure);
     CHECK(context().log().errors == 0);
     // The next picture is none the worse for it.
     view = scene.camera(0.5, 0.9, 150, 0, -10);
     const Picture plain = scene.draw(mesh, view);
-    CHECK(drawer.lines->draw(lines, {}, view, *scene.target).empty());
+    drawer.lines->draw(lines, {}, view, *scene.target);
     const Picture again = scene.draw(mesh, view);
     CHECK((plain.colour.rgb == again.colour.rgb));
     CHECK((plain.depth == again.depth));

@@ -309,9 +309,7 @@ TEST_CASE("every mode draws, multisampled too, and the driver reports no error",
     for (std::size_t i = 0; i < images.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) CHECK((images[i].rgb != images[j].rgb));
 
-    std::string error;
-    scene.target = gl::Target::create({width_px, height_px, 4}, error);
-    REQUIRE(scene.target);
+    scene.target = gl::Target::create({width_px, height_px, 4});
     const Picture smooth = scene.draw(mesh, view);
     std::size_t far_off = 0;
     for (std::size_t i = 0; i < smooth.colour.rgb.size(); ++i)
@@ -324,43 +322,37 @@ TEST_CASE("what cannot be drawn is refused with the number to change", "[picture
     Scene scene(mountains(129), 5);
     const View view = scene.camera(0.5, 0.9, 150, 0, -5);
     OwnMesh mesh = copy_of(scene.refined(view, 2));
-    std::string error;
-    const auto small =
-        gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, {.vertices = 16, .indices = 16}, error);
-    REQUIRE(small);
+    const auto small = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, {.vertices = 16, .indices = 16});
     scene.make_cut();
     scene.follow(view, 2);
     const CutMesh cut = cut_mesh(scene.cut);
-    CHECK_THAT(small->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
-               Catch::Contains("RendererOptions::vertices"));
+    CHECK_THROWS_WITH(small->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
+                      Catch::Contains("RendererOptions::vertices"));
     gl::RendererOptions slots{.vertices = static_cast<std::uint32_t>(cut.mesh.vertices.size()),
                               .indices = static_cast<std::uint32_t>(cut.mesh.indices.size())};
-    const auto few = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, slots, error);
-    REQUIRE(few);
+    const auto few = gl::Renderer::create(scene.loaded.terrain, scene.loaded.pack, slots);
     REQUIRE(cut.mesh.tiles.size() > scene.loaded.terrain.tile_count());
-    CHECK_THAT(few->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
-               Catch::Contains("RendererOptions::ranges"));
-    CHECK_THAT(few->upload(cut, cut_take_changes(scene.cut)), Catch::Contains("RendererOptions::morph"));
-    CHECK_THAT(few->draw_uploaded(mesh.view(), view, {}, *scene.target), Catch::Contains("upload()"));
-    CHECK_THAT(small->draw(mesh.view(), view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
-    CHECK_FALSE(gl::Target::create({0, 10, 1}, error));
-    CHECK_THAT(error, Catch::Contains("each side must be"));
-    CHECK_FALSE(gl::Target::create({10, 1u << 24, 1}, error));
+    CHECK_THROWS_WITH(few->draw(cut, cut_take_changes(scene.cut), view, {}, *scene.target),
+                      Catch::Contains("RendererOptions::ranges"));
+    CHECK_THROWS_WITH(few->upload(cut, cut_take_changes(scene.cut)), Catch::Contains("RendererOptions::morph"));
+    CHECK_THROWS_WITH(few->draw_uploaded(mesh.view(), view, {}, *scene.target), Catch::Contains("upload()"));
+    CHECK_THROWS_WITH(small->draw(mesh.view(), view, {}, *scene.target), Catch::Contains("RendererOptions::vertices"));
+    CHECK_THROWS_WITH(gl::Target::create({0, 10, 1}), Catch::Contains("each side must be"));
+    CHECK_THROWS_AS(gl::Target::create({10, 1u << 24, 1}), io::Failure);
     View broken = view;
     broken.top = broken.bottom;
-    CHECK_FALSE(scene.renderer->draw(mesh.view(), broken, {}, *scene.target).empty());
+    CHECK_THROWS_AS(scene.renderer->draw(mesh.view(), broken, {}, *scene.target), io::Failure);
     mesh.tiles[0].index_count = 1u << 30;
-    CHECK_FALSE(scene.renderer->draw(mesh.view(), view, {}, *scene.target).empty());
+    CHECK_THROWS_AS(scene.renderer->draw(mesh.view(), view, {}, *scene.target), io::Failure);
     CHECK(context().log().errors == 0);
-    CHECK_FALSE(gl::Headless::create({.debug = false, .device = 999}, error));
-    CHECK_THAT(error, Catch::Contains("device") && !Catch::Contains("\n"));
+    CHECK_THROWS_WITH(gl::Headless::create({.debug = false, .device = 999}),
+                      Catch::Contains("device") && !Catch::Contains("\n"));
     REQUIRE(context().make_current());
 
     const char* display = std::getenv("DISPLAY");
     const std::string before = display ? display : "";
     unsetenv("DISPLAY");
-    CHECK_FALSE(gl::Window::create({}, error));
-    CHECK_THAT(error, Catch::Contains("--headless") && !Catch::Contains("\n"));
+    CHECK_THROWS_WITH(gl::Window::create({}), Catch::Contains("--headless") && !Catch::Contains("\n"));
     if (display) setenv("DISPLAY", before.c_str(), 1);
 }
 
@@ -372,14 +364,13 @@ TEST_CASE("a PNG is complete or absent", "[picture]") {
     for (std::uint32_t i = 0; i < 61 * 37 * 3; ++i)
         image.rgb.push_back(static_cast<std::uint8_t>(i * 2654435761u >> 24));
     const std::string path = folder / "picture.png";
-    CHECK(gl::write_png(image, path).empty());
-    gl::Image back;
-    CHECK(gl::read_png(path, back).empty());
+    gl::write_png(image, path);
+    gl::Image back = gl::read_png(path);
     CHECK(back.width == 61);
     CHECK((back.rgb == image.rgb));
-    CHECK_THAT(gl::write_png(image, folder / "no" / "such.png"), Catch::Contains("no/such.png"));
-    CHECK_FALSE(gl::write_png(image, folder).empty()); // a folder has that name
-    CHECK_FALSE(gl::write_png({10, 10, {}}, folder / "empty.png").empty());
+    CHECK_THROWS_WITH(gl::write_png(image, folder / "no" / "such.png"), Catch::Contains("no/such.png"));
+    CHECK_THROWS_AS(gl::write_png(image, folder), io::Failure); // a folder has that name
+    CHECK_THROWS_AS(gl::write_png({10, 10, {}}, folder / "empty.png"), io::Failure);
 
     // A disk that fills up: writes beyond a kilobyte fail.
     rlimit before{};
@@ -388,11 +379,10 @@ TEST_CASE("a PNG is complete or absent", "[picture]") {
     const rlimit tight{1024, before.rlim_max};
     setrlimit(RLIMIT_FSIZE, &tight);
     image.rgb[0] ^= 0xff;
-    const std::string error = gl::write_png(image, path);
+    CHECK_THROWS_AS(gl::write_png(image, path), io::Failure);
     setrlimit(RLIMIT_FSIZE, &before);
     std::signal(SIGXFSZ, handler);
-    CHECK_FALSE(error.empty());
-    CHECK(gl::read_png(path, back).empty()); // the older picture is still there
+    back = gl::read_png(path); // the older picture is still there
     CHECK(back.rgb[0] == (image.rgb[0] ^ 0xff));
     CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
     fs::remove_all(folder);

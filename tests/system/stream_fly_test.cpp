@@ -108,9 +108,7 @@ float least_up(const std::string& glb) {
 }
 
 gl::Image picture(const char* folder, const char* name) {
-    gl::Image image;
-    REQUIRE(gl::read_png((streamed_place().folder.path / folder / name).string(), image) == "");
-    return image;
+    return gl::read_png((streamed_place().folder.path / folder / name).string());
 }
 
 // A byte in the middle of a stored page or map changed.

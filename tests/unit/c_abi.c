@@ -25,7 +25,7 @@ int c_abi_is_compiled(void) {
     TYPE(FjellPackHeader, 512, AT(magic, 0) AT(version, 8) AT(header_bytes, 12) AT(layout_hash, 16)
         AT(file_bytes, 24) AT(directory_offset, 32) AT(directory_count, 40) AT(directory_hash, 48) AT(columns, 56)
         AT(rows, 60) AT(tiles_x, 64) AT(tiles_y, 68) AT(tile_log2, 72) AT(order, 76) AT(estimate, 80) AT(nesting, 84)
-        AT(spacing_m, 88) AT(origin_m, 104) AT(base_m, 120) AT(quantum_m, 124) AT(min_m, 128) AT(max_m, 132)
+        AT(spacing_m, 88) AT(crs_origin, 104) AT(base_m, 120) AT(quantum_m, 124) AT(min_m, 128) AT(max_m, 132)
         AT(max_error_m, 136) AT(colour_log2, 140) AT(normal_log2, 144) AT(crs_bytes, 148) AT(error_floor_m, 152)
         AT(error_ratio, 156) AT(error_nesting_steps, 160) AT(height_steps, 164) AT(voids, 168) AT(level_radius_m, 176)
         AT(crs_step, 272) AT(notes_offset, 288) AT(notes_hash, 296) AT(notes_bytes, 304) AT(horizon_log2, 312)

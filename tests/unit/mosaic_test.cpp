@@ -32,8 +32,8 @@ TEST_CASE("files side by side, in any order and direction, read as one") {
     const Dem dem = read_dem({s, e, w}, {});
     check_slope(dem, 200, 180);
     CHECK(dem.voids.empty());
-    CHECK(dem.origin_m[0] == 1000);
-    CHECK(dem.origin_m[1] == 2000);
+    CHECK(dem.crs_origin[0] == 1000);
+    CHECK(dem.crs_origin[1] == 2000);
     CHECK(dem.native_quantum_m == 1);
     check_windows(*open_source({s, e, w}, {}));
 }

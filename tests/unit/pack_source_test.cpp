@@ -54,7 +54,7 @@ TEST_CASE("a pack is where its height field was, and its heights as a GeoTIFF ar
     const PackSource source(pack);
     CHECK(source.crs_wkt == from->crs_wkt);
     for (const int axis : {0, 1}) {
-        CHECK(source.origin_m[axis] == from->origin_m[axis]);
+        CHECK(source.crs_origin[axis] == from->crs_origin[axis]);
         CHECK(source.spacing_m[axis] == from->spacing_m[axis]);
         CHECK(source.crs_step[axis] == from->crs_step[axis]);
     }
@@ -62,8 +62,8 @@ TEST_CASE("a pack is where its height field was, and its heights as a GeoTIFF ar
     const Dem dem = read_dem(path, {}), again = read_dem(back, {});
     CHECK(again.voids == dem.voids);
     CHECK(again.heights_m == dem.heights_m);
-    CHECK(again.origin_m[0] == dem.origin_m[0]);
-    CHECK(again.origin_m[1] == dem.origin_m[1]);
+    CHECK(again.crs_origin[0] == dem.crs_origin[0]);
+    CHECK(again.crs_origin[1] == dem.crs_origin[1]);
     CHECK(again.crs_step[0] == 20);
     CHECK(again.crs_wkt.find("32632") != std::string::npos);
     // Baked again it is the same pack but for what stands under its holes.

@@ -64,10 +64,10 @@ TEST_CASE("a pack that was read back holds every sample, map and the CRS") {
     Random random(22);
     baker::Dem dem = random_dem(random, 33, 25, Shape::fractal);
     dem.crs_wkt = "LOCAL_CS[\"test\"]";
-    dem.origin_m[0] = 432000.25;
+    dem.crs_origin[0] = 432000.25;
     const auto pack = bake_and_load(dem, small_bake(3));
     REQUIRE(pack.crs == dem.crs_wkt);
-    REQUIRE(pack.terrain.header().origin_m[0] == 432000.25);
+    REQUIRE(pack.terrain.header().crs_origin[0] == 432000.25);
     const auto steps = steps_of(dem, pack);
     for (std::int32_t y = 0; y < 25; ++y)
         for (std::int32_t x = 0; x < 33; ++x)

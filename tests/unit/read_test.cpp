@@ -34,7 +34,7 @@ TEST_CASE("the same heights read alike from every format") {
         const Dem dem = read_dem(write(r, dir / "a.nc", "netCDF"), {});
         check_slope(dem, 20, 15);
         CHECK(dem.spacing_m[0] == Approx(10));
-        CHECK(dem.origin_m[1] == Approx(2000));
+        CHECK(dem.crs_origin[1] == Approx(2000));
     }
     SECTION("USGS DEM") {
         r = raster(20, 15, slope);
@@ -69,8 +69,8 @@ TEST_CASE("raster pixels are samples, and place and spacing are kept") {
     const Dem dem = read_dem(write(r, dir / "a.tif"), {});
     CHECK(dem.spacing_m[0] == 10);
     CHECK(dem.spacing_m[1] == 20);
-    CHECK(dem.origin_m[0] == 1000);
-    CHECK(dem.origin_m[1] == 2000);
+    CHECK(dem.crs_origin[0] == 1000);
+    CHECK(dem.crs_origin[1] == 2000);
     CHECK(dem.crs_wkt.find("32632") != std::string::npos);
     const Dem wider = read_dem(dir / "a.tif", spaced(12));
     CHECK(wider.spacing_m[0] == 12);
@@ -83,8 +83,8 @@ TEST_CASE("row 0 is north and column 0 is west, whichever way the file runs") {
     r.geotransform = {1000 + 195, -10, 0, 2000 - 145, 0, 10};
     const Dem dem = read_dem(write(r, dir / "a.tif"), {});
     check_slope(dem, 20, 15);
-    CHECK(dem.origin_m[0] == 1000);
-    CHECK(dem.origin_m[1] == 2000);
+    CHECK(dem.crs_origin[0] == 1000);
+    CHECK(dem.crs_origin[1] == 2000);
 }
 
 TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make the height") {
@@ -119,33 +119,6 @@ TEST_CASE("scale, offset and unit of the band, then --zscale and offset, make th
     check_refusal(refusal([&] { (void)read(0, 0, "", {}); }), 1, dir / "a.tif", {"scale"});
 }
 
-TEST_CASE("heights over a vertical axis that points down are asked about") {
-    const TempDir dir;
-    Raster r = raster(9, 9, slope);
-    r.crs = "EPSG:32633+5715"; // mean sea level depth
-    const std::string path = write(r, dir / "depth.tif");
-    check_refusal(refused(path), 1, path, {"depths", "--zscale -1", "--zscale 1"});
-    ReadOptions o;
-    o.zscale = -1;
-    CHECK(read_dem(path, o).at(3, 4) == static_cast<float>(-slope(3, 4)));
-    r.crs = "EPSG:32633+5714"; // and height
-    CHECK(read_dem(write(r, dir / "height.tif"), {}).at(3, 4) == static_cast<float>(slope(3, 4)));
-}
-
-TEST_CASE("a CRS in feet gives a spacing in metres") {
-    const TempDir dir;
-    Raster r = raster(4, 3, slope);
-    r.crs = "EPSG:2263"; // New York, US survey feet
-    const std::string path = write(r, dir / "a.tif");
-    ReadOptions o;
-    o.zscale = 1;
-    CHECK(read_dem(path, o).spacing_m[0] == Approx(10 * 1200.0 / 3937).epsilon(1e-12));
-    // Whether what counts feet across counts them upwards only the user knows.
-    check_refusal(refused(path), 1, path, {"0.3048006", "--zscale 1 if they are in metres"});
-    r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("US survey foot"); };
-    CHECK(read_dem(write(r, dir / "b.tif"), {}).heights_m[0] == Approx(slope(0, 0) * 1200 / 3937));
-}
-
 TEST_CASE("the step that heights are multiples of is found") {
     const TempDir dir;
     const auto quantum = [&](double unit) {
@@ -174,7 +147,7 @@ TEST_CASE("a DEM that is written comes back bit for bit") {
         CHECK(back.heights_m == dem.heights_m);
         CHECK(back.spacing_m[0] == 1.5);
         CHECK(back.spacing_m[1] == 2);
-        CHECK(back.origin_m[0] == 0);
+        CHECK(back.crs_origin[0] == 0);
         CHECK(back.native_quantum_m == 0.1);
         CHECK(back.crs_wkt.empty());
     }

@@ -23,6 +23,7 @@ Recipe full() {
     r.order = "hz";
     r.spacing = 0.1;
     r.zscale = 14.4;
+    r.vertical_unit = "us-ft";
     r.zoffset = -127;
     r.nesting = 0.07;
     r.quantum = 1.0 / 3;

@@ -150,8 +150,8 @@ TEST_CASE("a box keeps the samples inside it, at their place, both ends included
         const Dem dem = read_dem(path, o);
         CHECK(dem.columns == 4);
         CHECK(dem.rows == 6);
-        CHECK(dem.origin_m[0] == 1020);
-        CHECK(dem.origin_m[1] == 1950);
+        CHECK(dem.crs_origin[0] == 1020);
+        CHECK(dem.crs_origin[1] == 1950);
         CHECK(dem.at(0, 0) == slope(2, 5));
         CHECK(dem.at(3, 5) == slope(5, 10));
         check_windows(*open_source({path}, o));

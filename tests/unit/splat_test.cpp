@@ -258,7 +258,7 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
     dem.columns = dem.rows = 65;
     dem.heights_m.assign(65 * 65, 10);
     dem.spacing_m[0] = dem.spacing_m[1] = 10;
-    dem.origin_m[0] = 500'000, dem.origin_m[1] = 5'000'000;
+    dem.crs_origin[0] = 500'000, dem.crs_origin[1] = 5'000'000;
     dem.crs_step[0] = dem.crs_step[1] = 10;
     OGRSpatialReference utm;
     utm.importFromEPSG(32633);

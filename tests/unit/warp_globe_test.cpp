@@ -50,7 +50,8 @@ Found compare(const Dem& dem, const Degrees& f) {
     Found found;
     for (int y = 0; y < dem.rows; ++y)
         for (int x = 0; x < dem.columns; ++x) {
-            double longitude = dem.origin_m[0] + x * dem.crs_step[0], latitude = dem.origin_m[1] - y * dem.crs_step[1];
+            double longitude = dem.crs_origin[0] + x * dem.crs_step[0],
+                   latitude = dem.crs_origin[1] - y * dem.crs_step[1];
             REQUIRE(back->Transform(1, &longitude, &latitude));
             const bool whole = f.columns * f.step > 359.999;
             double column = (longitude - f.west) / f.step;

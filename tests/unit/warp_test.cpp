@@ -77,7 +77,7 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
     const Dem dem = read_dem(path, {});
     CHECK(dem.spacing_m[0] == dem.spacing_m[1]);
     CHECK(dem.spacing_m[0] == Approx(66.5).epsilon(0.01)); // 46.4 m x 95.5 m at 60.8 N
-    CHECK(std::fmod(dem.origin_m[0], dem.spacing_m[0]) == Approx(dem.spacing_m[0] / 2));
+    CHECK(std::fmod(dem.crs_origin[0], dem.spacing_m[0]) == Approx(dem.spacing_m[0] / 2));
     CHECK(dem.crs_wkt.find("\"32632\"") != std::string::npos);
     CHECK(dem.native_quantum_m == 0);
     double worst = 0;
@@ -88,7 +88,8 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
                 ++holes;
                 continue;
             }
-            const double east = dem.origin_m[0] + x * dem.spacing_m[0], north = dem.origin_m[1] - y * dem.spacing_m[1];
+            const double east = dem.crs_origin[0] + x * dem.spacing_m[0],
+                         north = dem.crs_origin[1] - y * dem.spacing_m[1];
             worst = std::max(worst, std::abs(dem.at(x, y) - (east / 100 + north / 1000)));
         }
     // Cubic interpolation of a plane is that plane but within two samples of the rim, where it is cut off: half a
@@ -96,183 +97,6 @@ TEST_CASE("a plane on the ground is a plane after reprojection, at its place, sq
     CHECK(worst < 0.4);
     CHECK(holes > 0); // corners
     CHECK(static_cast<double>(holes) < 0.1 * dem.columns * dem.rows);
-}
-
-namespace {
-
-// A plane with one hill, on a field of 161 x 141 samples in a CRS around a place. Its top is 25% of the width and 30%
-// of the height from the middle, to the east and to the north of it as the Earth has them.
-struct Hill {
-    Raster field;
-    double east_m = 0, north_m = 0; // of the top from the middle, on the ground
-};
-Hill hill_in(const std::string& name, double longitude, double latitude, double step) {
-    register_drivers();
-    OGRSpatialReference degrees, crs;
-    degrees.importFromEPSG(4326);
-    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    crs.SetFromUserInput(name.c_str());
-    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    const std::unique_ptr<OGRCoordinateTransformation> there(OGRCreateCoordinateTransformation(&degrees, &crs));
-    constexpr double metre = 1 / 111'200.0; // of latitude, in degrees: to 0.6%
-    double x[2] = {longitude, longitude + 1500 * metre / std::cos(latitude * M_PI / 180)};
-    double y[2] = {latitude, latitude + 1200 * metre};
-    REQUIRE(there->Transform(2, x, y));
-    Hill hill;
-    hill.east_m = 1500, hill.north_m = 1200;
-    hill.field = raster(161, 141, [&](int i, int j) {
-        const double px = x[0] + (i - 80) * step, py = y[0] - (j - 70) * step;
-        return 100 + 200 * std::exp(-(std::pow(px - x[1], 2) + std::pow(py - y[1], 2)) / (200 * step * step));
-    });
-    hill.field.geotransform = {x[0] - 80.5 * step, step, 0, y[0] + 70.5 * step, 0, -step};
-    hill.field.crs = name;
-    return hill;
-}
-
-} // namespace
-
-TEST_CASE("a hill lies where it is on the ground, as far as it is, in any projected CRS") {
-    const TempDir dir;
-    struct Case {
-        const char* crs;
-        double longitude, latitude, step; // in units of the CRS, some 30 m of ground
-        bool reprojected;
-    };
-    for (const Case& c : {Case{"EPSG:32632", 9, 47, 30, false},
-                          {"EPSG:25833", 15, 62, 30, false},
-                          {"EPSG:3857", 15, 62, 63.8, true},
-                          {"EPSG:3857", -120, 38, 38, true},
-                          {"EPSG:3857", 37, 0.1, 30, true},
-                          {"EPSG:32662", 10, 60, 40, true},
-                          {"EPSG:54009", 100, -40, 30, true},
-                          {"ESRI:54009", 100, -40, 30, true},
-                          {"EPSG:2048", 19, -33, 30, true},
-                          {"EPSG:5513", 15, 50, 30, true},
-                          {"EPSG:2065", 15, 50, 30, true},
-                          {"EPSG:32631", 25, 45, 30, true}}) {
-        OGRSpatialReference known;
-        const GdalMessages quiet;
-        if (known.SetFromUserInput(c.crs) != OGRERR_NONE) continue; // not in every PROJ
-        const Hill hill = hill_in(c.crs, c.longitude, c.latitude, c.step);
-        const std::string path = write(hill.field, dir / "hill.tif");
-        const Dem dem = read_dem(path, {});
-        CAPTURE(c.crs, c.latitude, dem.columns, dem.rows, dem.spacing_m[0]);
-        const auto source = open_source({path}, {});
-        CHECK(source->facts.reprojected_from.empty() == !c.reprojected);
-        // The top, and the middle of the plane: the mean of all places that are there.
-        double top = 0, middle_x = 0, middle_y = 0, count = 0;
-        int top_x = 0, top_y = 0;
-        for (int y = 0; y < dem.rows; ++y)
-            for (int x = 0; x < dem.columns; ++x) {
-                if (!dem.voids.empty() && dem.is_void(x, y)) continue;
-                middle_x += x, middle_y += y, ++count;
-                if (dem.at(x, y) > top) top = dem.at(x, y), top_x = x, top_y = y;
-            }
-        CHECK(top == Approx(300).margin(3));
-        const double east_m = (top_x - middle_x / count) * dem.spacing_m[0];
-        const double north_m = (middle_y / count - top_y) * dem.spacing_m[1];
-        // To a cell, the half percent that is allowed, and what two planes are turned against each other.
-        CHECK(std::hypot(east_m, north_m) == Approx(std::hypot(hill.east_m, hill.north_m)).epsilon(0.012).margin(45));
-        if (c.reprojected) {
-            CHECK(east_m == Approx(hill.east_m).margin(110));
-            CHECK(north_m == Approx(hill.north_m).margin(110));
-        }
-    }
-    // As it is, when that is asked for, and another spacing is resampled to.
-    const Hill hill = hill_in("EPSG:3857", 15, 62, 63.8);
-    const std::string path = write(hill.field, dir / "hill.tif");
-    ReadOptions keep;
-    keep.crs = "keep";
-    CHECK(open_source({path}, keep)->spacing_m[0] == Approx(63.8));
-    CHECK(open_source({path}, keep)->facts.ground_scale[1] == Approx(2.12).margin(0.02));
-    const Hill utm = hill_in("EPSG:32633", 15, 62, 30);
-    ReadOptions wider;
-    wider.spacing_m = 90;
-    const auto resampled = open_source({write(utm.field, dir / "utm.tif")}, wider);
-    CHECK(resampled->spacing_m[0] == 90);
-    CHECK(resampled->columns == Approx(161 / 3.0).margin(2));
-}
-
-TEST_CASE("degrees on a sphere become metres of a transverse Mercator on it, and other bodies are no Earth") {
-    const TempDir dir;
-    for (const double radius_m : {1'737'400.0, 3'396'190.0, 6'371'229.0}) { // the Moon, Mars, a weather model
-        Raster r = raster(301, 201, [](int x, int y) {
-            return 100 + 200 * std::exp(-(std::pow(x - 200, 2) + std::pow(y - 60, 2)) / 200.0);
-        });
-        r.geotransform = {20, 0.01, 0, 12, 0, -0.01};
-        r.crs = "+proj=longlat +R=" + std::to_string(radius_m) + " +no_defs";
-        const Dem dem = read_dem(write(r, dir / "sphere.tif"), {});
-        int top_x = 0, top_y = 0;
-        double middle_x = 0, middle_y = 0, count = 0;
-        for (int y = 0; y < dem.rows; ++y)
-            for (int x = 0; x < dem.columns; ++x) {
-                if (!dem.voids.empty() && dem.is_void(x, y)) continue;
-                middle_x += x, middle_y += y, ++count;
-                if (dem.at(x, y) > dem.at(top_x, top_y)) top_x = x, top_y = y;
-            }
-        const double degree_m = radius_m * M_PI / 180, cell_m = 0.01 * degree_m;
-        CHECK((top_x - middle_x / count) * dem.spacing_m[0] ==
-              Approx(0.5 * degree_m * std::cos(11.4 * M_PI / 180)).margin(3 * cell_m));
-        CHECK((middle_y / count - top_y) * dem.spacing_m[1] == Approx(0.4 * degree_m).margin(3 * cell_m));
-    }
-}
-
-TEST_CASE("tiles on both sides of the antimeridian are neighbours, whichever way their longitudes count") {
-    const TempDir dir;
-    const auto tile = [&](const char* name, double west, int first) {
-        Raster r = raster(121, 121, [=](int x, int y) { return 100 + 3 * (first + x) + y; });
-        const double step = 1 / 120.0;
-        r.geotransform = {west - step / 2, step, 0, 1 + step / 2, 0, -step};
-        r.crs = "EPSG:4326";
-        return write(r, dir / name);
-    };
-    const std::string west = tile("w.tif", 179, 0), east = tile("e.tif", -180, 120), same = tile("s.tif", 180, 120);
-    const Dem plain = read_dem({west, same}, {});
-    CHECK(plain.columns < 260);
-    for (const std::vector<std::string>& files : {std::vector{west, east}, {east, west}, {east, same, west}}) {
-        for (const char* const crs : {"auto", "EPSG:32601"}) {
-            ReadOptions o;
-            o.crs = crs;
-            const Dem dem = read_dem(files, o);
-            CHECK(dem.columns == plain.columns);
-            CHECK(dem.rows == plain.rows);
-            CHECK(dem.heights_m == plain.heights_m);
-        }
-    }
-    // Far apart they make more of nothing than anybody wants.
-    ReadOptions named;
-    named.crs = "EPSG:3395";
-    const std::string far = tile("far.tif", 60, 0);
-    CHECK(refusal([&] { (void)open_source({west, far, tile("polar.tif", -60, 0)}, named); }).says("--bbox for a part"));
-}
-
-TEST_CASE("reprojection digs no trench beside a cliff and builds no wall on it, whatever the spacing") {
-    const TempDir dir;
-    // An island, level and 300 m high, in a level sea.
-    const auto island = [](double longitude, double latitude) {
-        return std::hypot((longitude - 8.63) * 0.5, latitude - 60.8) < 0.1 ? 300.0 : 0.0;
-    };
-    const std::string file = write(degrees(island), dir / "island.tif");
-    for (const double spacing_m : {0.0, 20.0, 90.0, 300.0, 900.0}) { // 0: the source's own, 47 by 95 m
-        ReadOptions options;
-        if (spacing_m > 0) {
-            options.crs = "EPSG:32632";
-            options.spacing_m = spacing_m;
-        }
-        const Dem dem = read_dem(file, options);
-        std::size_t outside = 0, sea = 0, land = 0;
-        for (std::size_t i = 0; i < dem.heights_m.size(); ++i) {
-            if (!dem.voids.empty() && dem.voids[i] != 0) continue;
-            const float height = dem.heights_m[i];
-            outside += height < 0 || height > 300;
-            sea += height == 0;
-            land += height == 300;
-        }
-        CAPTURE(spacing_m, outside, sea, land, dem.heights_m.size());
-        CHECK(outside == 0);
-        CHECK(sea > dem.heights_m.size() / 3);
-        CHECK(land > 100);
-    }
 }
 
 TEST_CASE("what is reprojected is the same bit for bit in any windows, orders, readers, threads and caches") {
@@ -316,8 +140,8 @@ TEST_CASE("a CRS that is named is reprojected to, and a box and a spacing count 
     const Dem box = read_dem(path, o);
     CHECK(box.columns == 100);
     CHECK(box.rows == 50);
-    CHECK(box.origin_m[0] == 460050);
-    CHECK(box.origin_m[1] == 6739950);
+    CHECK(box.crs_origin[0] == 460050);
+    CHECK(box.crs_origin[1] == 6739950);
     CHECK(box.voids.empty());
     CHECK(box.at(10, 10) == Approx(461050 / 100.0 + 6738950 / 1000.0).margin(0.01));
     o.bbox = {{0, 0, 1000, 1000}};
@@ -396,7 +220,10 @@ TEST_CASE("a vertical axis in feet counts where the band says nothing, and one t
     CHECK(read_dem(dir / "a.vrt", {}).at(3, 4) == Approx(slope(3, 4) * 1200 / 3937));
     r.more = [](GDALDataset& file) { file.GetRasterBand(1)->SetUnitType("metre"); };
     const std::string both = write(r, dir / "b.tif");
-    check_refusal(refused(both), 1, both, {"\"metre\"", "US survey foot", "gdal_edit.py -a_srs"});
+    check_refusal(refused(both), 1, both, {"\"metre\"", "US survey foot", "--vertical-unit"});
+    ReadOptions o;
+    o.vertical_unit = "m";
+    CHECK(read_dem(both, o).at(3, 4) == static_cast<float>(slope(3, 4)));
 }
 
 TEST_CASE("real fields in degrees are reprojected to where GDAL's own program puts them") {
@@ -409,8 +236,8 @@ TEST_CASE("real fields in degrees are reprojected to where GDAL's own program pu
     std::snprintf(command, sizeof command,
                   "gdalwarp -q -et 0 -r cubic -dstnodata -9999 -ot Float32 -t_srs EPSG:32630 -te %.9f %.9f %.9f %.9f "
                   "-ts %d %d %s %s",
-                  dem.origin_m[0] - dem.spacing_m[0] / 2, dem.origin_m[1] - (dem.rows - 0.5) * dem.spacing_m[1],
-                  dem.origin_m[0] + (dem.columns - 0.5) * dem.spacing_m[0], dem.origin_m[1] + dem.spacing_m[1] / 2,
+                  dem.crs_origin[0] - dem.spacing_m[0] / 2, dem.crs_origin[1] - (dem.rows - 0.5) * dem.spacing_m[1],
+                  dem.crs_origin[0] + (dem.columns - 0.5) * dem.spacing_m[0], dem.crs_origin[1] + dem.spacing_m[1] / 2,
                   dem.columns, dem.rows, path.c_str(), (dir / "w.tif").c_str());
     if (std::system(command) != 0) {
         WARN("skipped: gdalwarp does not run");

@@ -191,30 +191,37 @@ int measure(World& world, Drawer& drawer, const fjell::gl::Target& target, Measu
     return 0;
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]]");
-    std::string error;
     Measured times;
     const bool measured = argc == 4 && argv[2] == std::string_view("--times");
     if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(argv[3], wrong);
-    const auto context = fjell::gl::Headless::create({}, error); // your engine has its window
-    const auto target = context ? fjell::gl::Target::create({640, 720}, error) : nullptr;
-    if (!target) return fail("graphics", error);
+    const auto context = fjell::gl::Headless::create(); // your engine has its window
+    const auto target = fjell::gl::Target::create({640, 720});
     World world;
     if (measured) world.pages.page_slots = TIMES_PAGES;
     if (argc > 4) world.pages.page_slots = std::uint32_t(std::atoi(argv[4]));
-    if (error = world.file.open(argv[1]); !error.empty()) return fail("pack", error);
+    if (const std::string error = world.file.open(argv[1]); !error.empty()) return fail("pack", error);
     if (fjell::Status s = world.create(); !s.ok()) return fail("world", s);
     Drawer drawer;
-    error = drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),
-                          fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
+    const std::string error =
+        drawer.create(GAME_SHADERS, capacities, fjell::stream_map_layers(world.stream, fjell::MapKind::colour),
+                      fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
     if (!error.empty()) return fail("shaders", error);
     if (measured) return measure(world, drawer, *target, times);
     const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600);
     fjell::gl::Image picture;
     target->read_colour(picture);
-    error = fjell::gl::write_png(picture, argv[2]);
-    return error.empty() ? code : fail(argv[2], error);
+    fjell::gl::write_png(picture, argv[2]);
+    return code;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const fjell::io::Failure& failure) { // what fjell::gl throws
+        return fail("graphics", failure.what());
+    }
 }

@@ -7,7 +7,8 @@
 // says otherwise; the frustum decides what is drawn, and what is refined first.
 //
 // Work is counted in items: one group evaluated, or one vertex activated or deactivated (which includes evaluating its
-// group again), each bounded by a constant. A limit in microseconds is checked before every group. When a frame's items
+// group again), each bounded by a constant. A mesh that is built beside the drawn one takes about a sixth of an item
+// for each, so that an item takes as long. A limit in microseconds is checked before every group. When a frame's items
 // do not suffice, the mesh lags behind the view and the report says by how much. When a capacity does not suffice, the
 // effective threshold rises until it does; it falls again when there is room. Where vertices morph it does so
 // gradually.
@@ -81,7 +82,9 @@ struct CutSettings {
     double max_error_px = 1;  // the threshold (kappa), 0.001 to 1e6, of views without their own
     double hysteresis = 0;    // a vertex is deactivated only below max_error_px / (1 + hysteresis); 0 to 10
     bool corner_safe = false; // bound pixels in the image's corners too
-    std::uint32_t max_work = unlimited_work; // work items that this frame may do
+    // Work items that this frame may do; 0: none, the mesh stands still. What a step of building costs beyond them, 256
+    // at most, is charged to the frames that follow.
+    std::uint32_t max_work = unlimited_work;
     // Groups, units of building and looks at pages: replays a frame that max_time_us ended.
     std::uint32_t visits = unlimited_work;
     double max_time_us = 0; // time that it may take; 0: no limit
@@ -118,7 +121,9 @@ struct BudgetUse {
 // What an update has done, and how good the mesh is.
 struct CutReport {
     std::uint64_t frame = 0;
-    std::uint32_t work = 0; // items: evaluations + activations + deactivations
+    // Items: evaluations + activations + deactivations. Those of a mesh that is built beside the drawn one are counted
+    // in the frames that build it, six for an item; its activations below where it is drawn.
+    std::uint32_t work = 0;
     std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
@@ -161,9 +166,8 @@ Status destroy_cut(LiveCut cut);
 // 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
 // and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
 // After a jump of 32 cells or more, and in the first frame, what the views see is built beside what is drawn, which
-// stays until it stands: in as many frames as the time budget makes of it, with what is not seen to follow. That takes
-// slots that are free, a quarter of those in use at least, and CutSettings::max_work unlimited; otherwise the cut is
-// refined vertex by vertex, worst first.
+// stays until it stands: in as many frames as items and time make of it, with what is not seen to follow. That takes
+// slots that are free, a quarter of those in use at least; otherwise the cut is refined vertex by vertex, worst first.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in

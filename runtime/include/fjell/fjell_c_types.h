@@ -98,7 +98,7 @@ typedef struct FjellPackHeader {
     FjellErrorEstimate estimate;
     float nesting;
     double spacing_m[2];
-    double origin_m[2];
+    double crs_origin[2];
     float base_m, quantum_m;
     float min_m, max_m;
     float max_error_m;

@@ -69,7 +69,7 @@ struct PackHeader {
     ErrorEstimate estimate;
     float nesting;             // mu
     double spacing_m[2];       // along columns (x) and rows (y)
-    double origin_m[2];        // of sample (0, 0), in CRS axes
+    double crs_origin[2];      // of sample (0, 0), in CRS axes and units, which may be feet
     float base_m, quantum_m;   // the vertical height scale
     float min_m, max_m;        // heights that occur
     float max_error_m;         // the largest world-space error of any vertex

@@ -48,9 +48,7 @@ public:
     void make_room(const Profile& profile, bool streamed, gl::RendererOptions& slots) const override {
         slots = gl::room_for(budget_, streamed ? profile.stream.map_bytes : 0);
     }
-    [[nodiscard]] std::string upload(gl::Renderer& renderer) const override {
-        return renderer.upload(mesh(), cut_take_changes(cut_));
-    }
+    void upload(gl::Renderer& renderer) const override { renderer.upload(mesh(), cut_take_changes(cut_)); }
 
     [[nodiscard]] gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const override {
         return gltf::take_snapshot(terrain_, cut_, *view_, settings_, report_, snapshot);

@@ -86,7 +86,7 @@ public:
 
     // The slots of a renderer that has room for the mesh; and the last update's part of it, for one that has.
     virtual void make_room(const Profile& profile, bool streamed, gl::RendererOptions& slots) const = 0;
-    [[nodiscard]] virtual std::string upload(gl::Renderer& renderer) const = 0;
+    virtual void upload(gl::Renderer& renderer) const = 0;
 
     // The mesh of the last update as it stands, and the one that its view would settle on.
     [[nodiscard]] virtual gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const = 0;

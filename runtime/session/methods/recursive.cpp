@@ -47,9 +47,7 @@ public:
         slots.vertices = profile.budget.vertices;
         slots.indices = profile.budget.indices;
     }
-    [[nodiscard]] std::string upload(gl::Renderer& renderer) const override {
-        return renderer.upload(recursive_mesh(method_));
-    }
+    void upload(gl::Renderer& renderer) const override { renderer.upload(recursive_mesh(method_)); }
     [[nodiscard]] gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const override {
         return gltf::take_snapshot(terrain_, method_, *view_, settings_, report_, snapshot);
     }

@@ -188,6 +188,7 @@ void merge(const Pages& pages, BulkPass& b, Mesh& mesh, Frame& frame, const Bulk
         add(info.tile_x - 1, info.tile_y, unit.west);
         add(info.tile_x, info.tile_y - 1, unit.north);
         if (!b.beside) return; // all slots are written
+        charge_work(b, frame, unit.wanted * parts_a_placed_vertex);
         const BulkSlots slots(mesh, b);
         const std::uint32_t first = page.number + page.first[unit.rows.first];
         for (std::uint32_t n = first; n != first + unit.wanted; ++n) mesh.dirty_vertices.mark(slots[n]);
@@ -196,7 +197,9 @@ void merge(const Pages& pages, BulkPass& b, Mesh& mesh, Frame& frame, const Bulk
     page.wanted = static_cast<std::uint16_t>(page.wanted + unit.wanted);
     page.grades = static_cast<std::uint8_t>(std::max<std::uint32_t>(page.grades, unit.grades));
     b.taken += unit.wanted;
-    frame.report.evaluations += unit.waits ? 0 : unit.groups;
+    const std::uint32_t evaluated = unit.waits ? 0 : unit.groups;
+    frame.report.evaluations += evaluated;
+    charge_work(b, frame, evaluated * parts_a_group);
     if (b.phase == BulkPhase::centres && unit.last && !unit.waits &&
         has_centres(b, listed_squares(pages, unit.slot, unit.z)))
         b.listed[1][b.listed_count[1]++] = unit.slot;
@@ -262,7 +265,18 @@ std::uint32_t unit_limit(const BulkPass& bulk, const Frame& frame) {
     const std::uint32_t workers = worker_count(bulk, frame);
     if (workers == 1) return 1;
     if (!bulk.beside) return most_units;
-    return std::max(1u, std::min(4 * workers, frame.settings.visits - frame.report.visits));
+    // So many that one after the other would all be done too: the number of workers changes nothing.
+    constexpr std::uint32_t most_items = max_page_vertices * parts_a_placed_vertex / parts_an_item + 1;
+    const std::uint32_t items = frame.item_limit - std::min(frame.report.work, frame.item_limit);
+    return std::max(1u, std::min({4 * workers, frame.settings.visits - frame.report.visits, items / most_items}));
+}
+
+void charge_work(BulkPass& b, Frame& frame, std::uint32_t parts) {
+    b.parts += parts;
+    const std::uint32_t left = frame.item_limit - std::min(frame.report.work, frame.item_limit),
+                        items = std::min(b.parts / parts_an_item, left);
+    frame.report.work += items;
+    b.parts -= items * parts_an_item;
 }
 
 void begin_bulk(const Pages& pages, BulkPass& b, const Mesh& mesh, bool beside) {
@@ -378,9 +392,17 @@ std::uint32_t next_units(CutState& s, BulkUnit (&units)[most_units]) {
     return count;
 }
 
-BulkStatus step_tiles(Pages& pages, BulkPass& bulk, Mesh& mesh, const Morphing& morphing, const Frame& frame) {
+BulkStatus step_tiles(Pages& pages, BulkPass& bulk, Mesh& mesh, const Morphing& morphing, Frame& frame) {
     const bool morphs = morphing.now.morph != Morph::none;
-    if (bulk.beside && step_triangles(pages, bulk, mesh, morphs)) return BulkStatus::unfinished;
+    // A step writes triangles of one tile, and to the list of what is not drawn.
+    const BulkTile& hidden = bulk.tiles[mesh.tile_count];
+    const std::uint32_t tile = bulk.descents[0].tile, before = bulk.tiles[tile].total, hidden_before = hidden.total;
+    if (bulk.beside && step_triangles(pages, bulk, mesh, morphs)) {
+        const std::uint32_t now = bulk.descents[0].tile,
+                            made = bulk.tiles[now].total - (now == tile ? before : 0) + hidden.total - hidden_before;
+        charge_work(bulk, frame, made / triangles_a_part);
+        return BulkStatus::unfinished;
+    }
     if (!bulk.beside) build_tiles(pages, bulk, mesh, morphs, frame);
     return stop(pages, bulk, mesh, BulkStatus::built);
 }
@@ -433,6 +455,7 @@ bool decide_root(CutState& s, std::uint32_t tile, std::uint32_t group) {
     s.bulk.tiles[tile].root = {static_cast<std::uint16_t>(soon + ticks),
                                static_cast<std::uint8_t>(grade_of(v.code) + 1)};
     ++s.frame.report.evaluations;
+    charge_work(s.bulk, s.frame, parts_a_group);
     return v.wanted;
 }
 
@@ -503,11 +526,10 @@ BulkStatus build_bulk(CutState& s) {
 
 namespace {
 
-// Is it worth while to build anew what is seen, beside what there is? Not where work is counted one by one, or where
-// there is hardly any room.
-bool may_build_beside(const Mesh& mesh, const Frame& frame) {
+// Is it worth while to build anew what is seen, beside what there is? Not where there is hardly any room.
+bool may_build_beside(const Mesh& mesh) {
     const std::uint32_t free = free_vertices(mesh);
-    return frame.settings.max_work == unlimited_work && free >= (mesh.capacity - free) / 4;
+    return free >= (mesh.capacity - free) / 4;
 }
 
 // It takes states of pages that it finds, while those of what is drawn stay.
@@ -519,22 +541,25 @@ bool needs_pages(const Pages& pages) {
 
 bool run_bulk(CutState& s) {
     BulkPass& b = s.bulk;
-    // A page that the host has unloaded without waiting takes its vertices along, at once; and who has begun to count
-    // items has this frame's.
-    if (b.phase != BulkPhase::idle && (s.frame.settings.max_work != unlimited_work || has_lost_pages(s.pages)))
-        finish_bulk(s);
+    // A page that the host has unloaded without waiting takes its vertices along, at once.
+    if (b.phase != BulkPhase::idle && has_lost_pages(s.pages)) finish_bulk(s);
     b.again = b.again || s.views.leapt;
     CutReport& r = s.frame.report;
-    do {
-        if (b.again && b.phase < BulkPhase::triangles) {
+    charge_work(s.bulk, s.frame, 0); // what the frames before could not pay
+    while (!out_of_items(s.frame)) {
+        // One that is dropped at every jump would never come to its end.
+        const bool under_way = b.phase != BulkPhase::idle;
+        if (b.again && b.phase < BulkPhase::triangles && !(under_way && b.begun_again)) {
+            b.begun_again = b.begun_again || under_way;
             drop_bulk(s.pages, s.bulk, s.mesh);
             if (needs_pages(s.pages) && reclaim_page(s.pages, s.work, s.mesh, s.morphing)) {
                 ++r.visits;
+                if (out_of_time(s.frame, true)) break;
                 continue;
             }
             b.again = false;
             sync_pages(s); // a slot may hold another page by now
-            if (may_build_beside(s.mesh, s.frame)) {
+            if (may_build_beside(s.mesh)) {
                 watch_visited_pages(s);
                 begin_bulk(s.pages, s.bulk, s.mesh, true);
             } else if (r.visits != 0) {
@@ -545,22 +570,21 @@ bool run_bulk(CutState& s) {
         if (b.phase >= BulkPhase::releasing) {
             s.views.jumped = step_install(s) && s.views.jumped;
             r.visits += b.units;
-            continue;
+        } else {
+            const BulkStatus status = step_bulk(s);
+            r.visits += b.units;
+            if (status == BulkStatus::built) {
+                r.deactivations += s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
+                r.activations += b.taken;
+                install_mesh(s);
+            } else if (status != BulkStatus::unfinished) {
+                b.begun_again = false;
+                return false; // one by one, then
+            }
         }
-        const BulkStatus status = step_bulk(s);
-        r.visits += b.units;
-        switch (status) {
-        case BulkStatus::unfinished: break;
-        case BulkStatus::built:
-            r.deactivations += s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
-            r.activations += b.taken;
-            install_mesh(s);
-            break;
-        case BulkStatus::no_vertices:
-        case BulkStatus::no_triangles:
-        case BulkStatus::no_pages: return false; // one by one, then
-        }
-    } while (!out_of_time(s.frame, true));
+        if (out_of_time(s.frame, true)) break;
+    }
+    if (b.phase != BulkPhase::idle && out_of_items(s.frame)) r.exhausted |= cut_budget_work;
     return b.phase != BulkPhase::idle;
 }
 

@@ -143,7 +143,14 @@ struct BulkPass {
     std::uint32_t numbered;          // vertices that have their numbers
     double travelled_m[grade_count]; // by the odometers, since the pass began
     std::uint32_t units;             // that the last step has done
+    bool begun_again;                // since a mesh was installed: the next jump does not drop what has been decided
+    std::uint32_t parts;             // done, and not yet charged to a frame's work items
 };
+
+// What a pass does is charged in parts of a work item, such that an item takes as long as one that is spent vertex by
+// vertex (docs/notes/live-cut.md). A unit that a frame's items do not cover is charged to those after it too.
+inline constexpr std::uint32_t parts_an_item = 12, parts_a_group = 2, parts_a_placed_vertex = 1, triangles_a_part = 2,
+                               states_a_part = 4;
 
 // --- the pass
 
@@ -192,7 +199,11 @@ void finish_bulk(CutState& s);
 // is drawn is as it was. What is not seen is due when it has.
 [[nodiscard]] bool run_bulk(CutState& s);
 
-// Units that may be done side by side: a few for each thread, where time counts, and no more than are left to a replay.
+// Charges the frame what the pass has done, as far as its items go.
+void charge_work(BulkPass& bulk, Frame& frame, std::uint32_t parts);
+
+// Units that may be done side by side: a few for each thread, where time counts, and no more than are left to a replay
+// or, whatever they cost, to the items.
 [[nodiscard]] std::uint32_t unit_limit(const BulkPass& bulk, const Frame& frame);
 
 // The squares of one step in one page or, of coarse steps, in one tile; and of what the pass has found there.

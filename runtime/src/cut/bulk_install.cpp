@@ -224,11 +224,12 @@ void install_mesh(CutState& s) {
     forget_due(s.work.schedule);
     b.phase = BulkPhase::releasing;
     b.at = 0;
+    b.begun_again = false;
 }
 
 namespace {
 
-void install_pages(Pages& pages, Work& work, BulkPass& b, const Mesh& mesh, const Frame& frame) {
+void install_pages(Pages& pages, Work& work, BulkPass& b, const Mesh& mesh, Frame& frame) {
     std::uint32_t parents[most_units];
     const std::uint32_t* const slots = b.visited + b.at;
     b.units = std::min(unit_limit(b, frame), b.visited_count - b.at);
@@ -238,6 +239,7 @@ void install_pages(Pages& pages, Work& work, BulkPass& b, const Mesh& mesh, cons
         clear_page_schedule(work.schedule, slots[n]); // roots, again
         count_parents(pages, slots[n], parents[n]);
         const BulkPage& page = b.pages[slots[n]];
+        charge_work(b, frame, page.wanted / states_a_part + 1);
         if (page.grades != 0) install_ticks(work.schedule, slots[n], page.ticks, page.grades - 1u, b.travelled_m);
     }
     b.at += b.units;
@@ -255,7 +257,10 @@ bool step_install(CutState& s) {
             const bool used = page.parents != 0 || s.work.schedule.pages[slot].awake != no_index;
             if (page.page == no_index || !used) continue;
             if (is_clear(page) && found_in(s.bulk, slot) == nullptr) continue; // its root comes last
-            if (b.beside) release(s.pages, s.mesh, slot);
+            if (b.beside) {
+                charge_work(b, s.frame, page.active / states_a_part + 1);
+                release(s.pages, s.mesh, slot);
+            }
             clear_page_schedule(s.work.schedule, slot);
             if (found_in(s.bulk, slot) != nullptr) { // its groups are all written, when their lines come anyway
                 forget_active(s.pages, slot);

@@ -24,6 +24,9 @@ struct Frame {
     double reserved_us; // of this frame's time, for its own
 };
 
+[[nodiscard]] inline bool out_of_items(const Frame& frame) {
+    return frame.report.work >= frame.item_limit;
+}
 // Has the frame done what it may? Its time counts once it has done something.
 [[nodiscard]] bool out_of_time(Frame& frame, bool done_something);
 // A step of the bulk pass and a look at pages count too. Were one more group evaluated after the last that time

@@ -83,13 +83,31 @@ double report_use(const Pages& pages, Mesh& mesh, CutReport& r) {
 // Missing pages that no view wants at the threshold of the stream's search hide no more than that; a rebuild may refine
 // to a lower one.
 void claim_unsought_pages(const Grid& grid, double threshold_px) {
-    const TerrainData& t = *grid.terrain;
-    if (t.pages_missing != 0 && t.sought_px > threshold_px)
-        (void)set_missing_px(grid.handle, std::max(t.missing_px, t.sought_px));
+    TerrainData& t = *find(grid.handle);
+    if (t.pages_missing != 0 && t.sought_px > threshold_px) t.missing_px = std::max(t.missing_px, t.sought_px);
 }
 
-// What is left to do. overlooking: a view may see what nobody has looked at for it yet.
-void report_waiting(CutState& s, bool overlooking) {
+bool is_same(const View& a, const View& b) {
+    const auto same = [](Vec3 u, Vec3 v) { return u.x == v.x && u.y == v.y && u.z == v.z; };
+    return same(a.eye_m, b.eye_m) && same(a.forward, b.forward) && same(a.up, b.up) && a.left == b.left &&
+           a.right == b.right && a.bottom == b.bottom && a.top == b.top && a.width_px == b.width_px &&
+           a.height_px == b.height_px && a.near_m == b.near_m && a.far_m == b.far_m && a.max_error_px == b.max_error_px;
+}
+
+// What missing pages may hide from this cut's views. The stream has looked for what its own views want; from others any
+// page may hide anything.
+double missing_px(const CutState& s) {
+    const TerrainData& t = *s.pages.grid.terrain;
+    if (t.pages_missing == 0 || t.sought_px == 0) return t.missing_px;
+    const std::span sought(t.sought_view, t.sought_views);
+    for (const View& view : std::span(s.views.view, s.views.count))
+        if (std::ranges::none_of(sought, [&](const View& v) { return is_same(v, view); }))
+            return std::max(t.missing_px, any_mesh_px(s));
+    return t.missing_px;
+}
+
+// What is left to do. overlooking: a view may see what nobody has looked at for it yet. hidden_px: by missing pages.
+void report_waiting(CutState& s, bool overlooking, double hidden_px) {
     CutReport& r = s.frame.report;
     if (s.pages.some_wait) s.frame.full_capacities |= cut_budget_vertices;
     if (s.frame.full_capacities != 0 || r.threshold_px <= r.error_px_requested)
@@ -104,7 +122,7 @@ void report_waiting(CutState& s, bool overlooking) {
     const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
     s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested &&
-                  s.pages.grid.terrain->missing_px <= r.error_px_requested;
+                  hidden_px <= r.error_px_requested;
 }
 
 // What was changed: listed, reported and governed, and what the screen may lack of it claimed.
@@ -115,10 +133,11 @@ void finish(CutState& s) {
     const double use = report_use(s.pages, s.mesh, r);
     if (s.bulk.phase >= BulkPhase::releasing) r.vertices = s.mesh.corner_count + s.bulk.taken;
     const bool overlooking = s.bulk.phase == BulkPhase::idle && is_overlooking(s.pages, s.views, s.visibility);
-    report_waiting(s, overlooking);
+    const double hidden_px = missing_px(s);
+    report_waiting(s, overlooking, hidden_px);
     govern(s.pages.grid, s.views, s.governor, s.frame, use);
     // What waits, and what pages hide that are wanted and not there, bounds the screen as a threshold would.
-    r.error_bound_px = std::max({r.threshold_px, waiting_px(s, overlooking), s.pages.grid.terrain->missing_px});
+    r.error_bound_px = std::max({r.threshold_px, waiting_px(s, overlooking), hidden_px});
 }
 
 // What the host has not taken is kept for it.
@@ -184,13 +203,13 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (run_bulk(s)) {
         const auto built = Clock::now();
         finish(s);
-        r.work = r.evaluations + r.activations + r.deactivations;
         r.refine_us = microseconds(s.frame.started, built);
         r.output_us = microseconds(built, Clock::now());
         report = r;
         return {};
     }
-    r.work = r.evaluations + r.activations + r.deactivations;
+    const auto changes = [&] { return r.evaluations + r.activations + r.deactivations; };
+    [[maybe_unused]] const std::uint32_t beside = changes() - r.work; // what was built takes less
     sync_pages(s);
     watch_pages(s);
     take_turns(s.work.queues);
@@ -199,6 +218,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     evict_pages(s);
     keep_pages_at_hand(s.pages, s.work, s.mesh, s.morphing);
     refine(s);
+    FJELL_ASSERT(changes() - r.work == beside);
     const auto refined = Clock::now();
     finish(s);
     r.prepare_us = microseconds(s.frame.started, prepared);
@@ -252,6 +272,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
     r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
     r.work = r.evaluations + r.activations;
+    if (complete) r.work = r.work * parts_a_group / parts_an_item;
+    s.bulk.parts = 0;
     const auto built = Clock::now();
     finish(s);
     r.refine_us = microseconds(s.frame.started, built);

@@ -80,8 +80,8 @@ Status check_ranges(const PackHeader& h) {
         if (!in_range(spacing, min_spacing_m, max_spacing_m)) return bad("spacing_m");
     if (std::max((h.columns - 1) * h.spacing_m[0], (h.rows - 1) * h.spacing_m[1]) > max_extent_m)
         return bad("spacing_m");
-    for (const double origin : h.origin_m)
-        if (!std::isfinite(origin)) return bad("origin_m");
+    for (const double origin : h.crs_origin)
+        if (!std::isfinite(origin)) return bad("crs_origin");
     for (const double step : h.crs_step)
         if (!in_range(step, 0, 1e9)) return bad("crs_step");
     if (!in_range(h.quantum_m, 1e-9, 1e4)) return bad("quantum_m");

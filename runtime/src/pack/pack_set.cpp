@@ -45,7 +45,7 @@ double step_of(const PackHeader& h, int axis) {
 double origin_of(const SetPart& part, int axis) {
     const PackHeader& h = part.pack->header;
     const double cells = std::ldexp(axis == 0 ? part.tile_x : part.tile_y, static_cast<int>(h.tile_log2));
-    return axis == 0 ? h.origin_m[0] - cells * step_of(h, 0) : h.origin_m[1] + cells * step_of(h, 1);
+    return axis == 0 ? h.crs_origin[0] - cells * step_of(h, 0) : h.crs_origin[1] + cells * step_of(h, 1);
 }
 // Packs say their places in doubles, which are far finer than this part of a cell.
 constexpr double most_apart = 1e-3;
@@ -118,7 +118,7 @@ Status plan(const SetShape& shape, std::span<const SetPart> parts, PackHeader& h
     if (tiles > all) return {StatusCode::out_of_range, "packs (some lie over others)"};
     h.tiles_held = tiles == all ? 0 : static_cast<std::uint32_t>(tiles);
     h.features = features_of(h);
-    for (const int axis : {0, 1}) h.origin_m[axis] = origin_of(parts[0], axis);
+    for (const int axis : {0, 1}) h.crs_origin[axis] = origin_of(parts[0], axis);
     if (same_notes)
         h.notes_offset += sizeof(PackHeader); // the first part's
     else

@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <cstring>
 
+#include "fjell/cut.h"
 #include "fjell/terrain.h"
+#include "fjell/view.h"
 #include "handle.h"
 #include "shared/order.h"
 #include "shared/record.h"
@@ -51,7 +53,10 @@ struct TerrainData {
     std::uint64_t changes = 0; // pages loaded or unloaded so far; the n-th one in slot changed_slots[n % change_log]
     const std::uint32_t* changed_slots = nullptr;
     double missing_px = 0; // Terrain::missing_px()
-    double sought_px = 0;  // the threshold at which a stream last looked for missing pages; 0: whoever loads pages says
+    // The threshold at which a stream last looked for missing pages, and the views; 0: whoever loads pages says.
+    double sought_px = 0;
+    View sought_view[max_cut_views];
+    std::uint32_t sought_views = 0;
     TerrainMemory* memory = nullptr;
 
     [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }

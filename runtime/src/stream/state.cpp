@@ -213,9 +213,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a system call
 
-Status check(const StreamState& s, std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
+Status check(std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
     if (views.empty() || views.size() > max_cut_views) return {StatusCode::out_of_range, "views (1 to 8)"};
-    if (Status v = validate(views, cut, s.cut_state ? s.cut_state->budget.views : max_cut_views); !v.ok()) return v;
+    if (Status v = validate(views, cut, max_cut_views); !v.ok()) return v;
     if (!(c.texel_px >= 0.1 && c.texel_px <= 100))
         return {StatusCode::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
@@ -269,7 +269,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     StreamState* const found = find_stream(stream);
     if (found == nullptr) return no_stream;
     StreamState& s = *found;
-    if (Status v = check(s, views, cut, settings); !v.ok()) return v;
+    if (Status v = check(views, cut, settings); !v.ok()) return v;
     const auto started = Clock::now();
     const double seconds = s.frame == 0 ? 0 : settings.now_s - s.now_s;
     s.settings = settings;
@@ -282,6 +282,8 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     insert_pages(s);
     upload_maps(s);
     request_pages(s);
+    std::ranges::copy(views, s.terrain->sought_view);
+    s.terrain->sought_views = static_cast<std::uint32_t>(views.size());
     request_maps(s, seconds);
     finish(s);
     s.report.update_us = std::chrono::duration<double, std::micro>(Clock::now() - started).count();

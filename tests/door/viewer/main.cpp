@@ -16,23 +16,18 @@ int fail(const std::string& what) {
 }
 
 int draw(const fjell::io::LoadedPack& loaded, const fjell::View& view) {
-    std::string error;
-    const auto context = fjell::gl::Headless::create({}, error);
-    if (!context) return fail(error);
-    const auto target = fjell::gl::Target::create({view.width_px, view.height_px}, error);
-    if (!target) return fail(error);
+    const auto context = fjell::gl::Headless::create();
+    const auto target = fjell::gl::Target::create({view.width_px, view.height_px});
     const fjell::CutBudget budget{.vertices = 1u << 17, .triangles = 1u << 18};
     const auto renderer = fjell::gl::Renderer::create(
-        loaded.terrain, loaded.pack, {.ranges = budget.triangles / budget.segment_triangles, .morph = true}, error);
-    if (!renderer) return fail(error);
+        loaded.terrain, loaded.pack, {.ranges = budget.triangles / budget.segment_triangles, .morph = true});
     const std::size_t bytes = fjell::cut_bytes(loaded.terrain, budget);
     const fjell::io::AlignedMemory memory = fjell::io::allocate(bytes);
     fjell::LiveCut cut;
     if (!fjell::create_cut(loaded.terrain, budget, {memory.get(), bytes}, cut).ok()) return fail("no cut");
     fjell::CutReport report;
     if (!fjell::update_cut(cut, {&view, 1}, {}, report).ok()) return fail("no mesh");
-    error = renderer->draw(fjell::cut_mesh(cut), fjell::cut_take_changes(cut), view, {}, *target);
-    if (!error.empty()) return fail(error);
+    renderer->draw(fjell::cut_mesh(cut), fjell::cut_take_changes(cut), view, {}, *target);
     std::printf("drawn %u triangles\n", report.triangles_drawn);
     return 0;
 }

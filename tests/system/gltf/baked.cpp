@@ -47,8 +47,8 @@ baker::Dem hills(std::int32_t columns, std::int32_t rows, double spacing_x_m, do
     dem.rows = rows;
     dem.spacing_m[0] = spacing_x_m;
     dem.spacing_m[1] = spacing_z_m;
-    dem.origin_m[0] = 431234.56789;
-    dem.origin_m[1] = 6823456.7891;
+    dem.crs_origin[0] = 431234.56789;
+    dem.crs_origin[1] = 6823456.7891;
     dem.crs_wkt = "LOCAL_CS[\"Bl\xc3\xa5 fjell \\ \xe2\x80\x9ctest\xe2\x80\x9d\",UNIT[\"metre\",1]]";
     for (std::int32_t y = 0; y < rows; ++y)
         for (std::int32_t x = 0; x < columns; ++x) {

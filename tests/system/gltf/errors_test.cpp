@@ -105,16 +105,18 @@ TEST_CASE("a snapshot of something else than a mesh of this terrain is refused",
     const Fixture f;
     const MeshVertex vertices[] = {{0, 0, 0}, {0, 32, 0}, {32, 32, 0}, {33, 0, 0}};
     const std::uint32_t indices[] = {0, 1, 2, 0, 1, 3, 0, 1, 9, 0, 0, 1};
-    const auto write = [&](std::vector<TileRange> tiles) {
+    const auto write = [&](std::vector<TileRange> tiles, bool lagging = false) {
         const MeshView mesh{Topology::triangles, vertices, indices, tiles};
-        return gltf::write_snapshot(f.baked.pack, f.baked.terrain, mesh, {.view = f.view}, f.folder / "out.glb");
+        return gltf::write_snapshot(f.baked.pack, f.baked.terrain, mesh, {.view = f.view, .lagging = lagging},
+                                    f.folder / "out.glb");
     };
     f.require_refused(write({{0, 3, 3, 1}}), 2, "out of range");
     f.require_refused(write({{0, 6, 3, 1}}), 2, "out of range");
     f.require_refused(write({{0, 9, 6, 1}}), 2, "range");
     f.require_refused(write({{6, 0, 3, 1}}), 2, "range");
     f.require_refused(write({{0, 9, 3, 1}}), 2, "no triangle");
-    f.require_refused(write({}), 2, "no triangle");
+    f.require_refused(write({}), 2, "turn it");
+    f.require_refused(write({}, true), 2, "take a later frame"); // where turning the camera would not help
     CHECK(write({{0, 0, 3, 1}}).ok());
 }
 

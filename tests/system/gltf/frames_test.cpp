@@ -164,7 +164,10 @@ void add_corner_safe_frames(Frames& frames) {
         CHECK(info.corner_safe);
         CHECK(info.converged);
         Cut late(terrain, ample_cut(terrain));
-        settings.max_work = 300;
+        settings.max_error_px = 30;
+        (void)late.rebuild({&view, 1}, settings);
+        settings.max_error_px = 3;
+        settings.max_work = 30;
         report = late.update({&view, 1}, settings);
         CHECK(frames.add(pitch < -0.5 ? "corners-down-late" : "corners-late", late, view, settings, report).lagging);
     }

@@ -39,6 +39,8 @@ const fields = {
     eye: list(3, isNumber),
     spacing_m: list(2, isPositive),
     origin_m: list(2, isNumber),
+    crs_origin: list(2, isNumber),
+    crs_step: (v) => v === null || list(2, isPositive)(v),
     crs: (v) => v === null || (typeof v === 'string' && v.length > 0),
     size: list(2, (v) => isCount(v) && v >= 2),
     converged: isFlag,

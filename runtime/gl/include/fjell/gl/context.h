@@ -2,7 +2,7 @@
 //
 // Ownership: the object owns its context; everything made in it (Target, Renderer) must be destroyed first, while the
 // context is current. Thread: a context is current on one thread at a time; creation makes it current on the caller's.
-// Failure: create() returns null and fills `error` with one line that says what to do; nothing aborts.
+// Failure: create() throws io::Failure, 3, whose one line says what to do; nothing aborts.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "fjell/export.h"
+#include "fjell/io/failure.h"
 
 FJELL_API_BEGIN
 namespace fjell::gl {
@@ -30,8 +31,6 @@ struct HeadlessOptions {
 // A context of its own, for tools and tests.
 class Headless {
 public:
-    // Without error it throws io::Failure, 3.
-    [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options, std::string& error);
     [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options = {});
     ~Headless();
     Headless(const Headless&) = delete;

@@ -3,7 +3,7 @@
 //
 // Units: metres, degrees. Ownership: a GroundColour shares decoded texels with its copies; `materials` is read by set()
 // and not kept. Thread: paint() from several at once. Memory: at most 8 bytes a texel of the materials. Complexity of
-// paint(): O(texels). Failure: set() says what is wrong, in one line.
+// paint(): O(texels). Failure: set() throws io::Failure, 3.
 #pragma once
 
 #include <cstddef>
@@ -34,9 +34,9 @@ struct GroundTexels {
 
 class GroundColour {
 public:
-    // What Renderer::set_layers() takes; texel_m: how far apart the texels will be. Empty when done; else why not.
-    [[nodiscard]] std::string set(const io::Materials& materials, std::span<const LayerRule> rules,
-                                  std::span<const std::string> names, const LayerSettings& settings, double texel_m);
+    // What Renderer::set_layers() takes; texel_m: how far apart the texels will be.
+    void set(const io::Materials& materials, std::span<const LayerRule> rules, std::span<const std::string> names,
+             const LayerSettings& settings, double texel_m);
     // False, and nothing is painted: sizes do not agree, or nothing was set.
     [[nodiscard]] bool paint(const GroundTexels& texels) const;
 

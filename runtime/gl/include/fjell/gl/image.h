@@ -1,6 +1,6 @@
 // Pictures as files: 8-bit RGB PNG.
 //
-// Thread: any. Failure: one line in the returned string, empty when all went well; a failed write leaves nothing behind
+// Thread: any. Failure: io::Failure; a failed write leaves nothing behind
 // and an older file of that name untouched.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fjell/export.h"
+#include "fjell/io/failure.h"
 
 FJELL_API_BEGIN
 namespace fjell::gl {
@@ -25,9 +26,9 @@ struct Image {
 };
 
 // Writes beside the place and renames, so a reader never sees half a picture.
-[[nodiscard]] std::string write_png(const Image& image, const std::string& path);
+void write_png(const Image& image, const std::string& path);
 // Any 8-bit PNG, converted to RGB.
-[[nodiscard]] std::string read_png(const std::string& path, Image& image);
+[[nodiscard]] Image read_png(const std::string& path);
 
 } // namespace fjell::gl
 FJELL_API_END

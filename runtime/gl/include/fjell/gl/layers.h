@@ -5,7 +5,7 @@
 // Rules are laid in order, the last one uppermost, as a painter does: each covers its opacity of what lies below it
 // wherever the place is within its ranges. The first one is the ground under all of them, wherever it is asked for.
 // Units: metres, degrees, and shares from 0 to 1. Ownership: plain values. Thread: any. Complexity: O(rules). Failure:
-// validate() names the field, or the rule and the field, and the range.
+// validate() throws io::Failure, 3, which names the field, or the rule and the field, and the range.
 #pragma once
 
 #include <cstddef>
@@ -48,10 +48,10 @@ struct LayerRule {
     double opacity = 1;
 };
 
-// Empty, or one line: "LayerSettings::tint must be a number from 0 to 1".
-[[nodiscard]] std::string validate(const LayerSettings& settings);
-// "rule 2: slope_deg must be two numbers from 0 to 90, the lower first". materials: how many there are.
-[[nodiscard]] std::string validate(std::span<const LayerRule> rules, std::size_t materials);
+// Throws io::Failure, 3: "LayerSettings::tint must be a number from 0 to 1".
+void validate(const LayerSettings& settings);
+// 1: "rule 2: slope_deg must be two numbers from 0 to 90, the lower first". materials: how many there are.
+void validate(std::span<const LayerRule> rules, std::size_t materials);
 
 // How much of each rule shows at a place, as shaders compute it: shares[i] of rules[i], 1 in all (or none, where no
 // rule is). patches, spots: the two noises there, 0 to 1; 0.5 is their middle.

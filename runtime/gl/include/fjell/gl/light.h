@@ -2,7 +2,7 @@
 //
 // One struct for all of it, as profiles, command lines and editors set it; Renderer::draw() takes it in DrawOptions.
 // Units: degrees, kilometres, metres, stops (EV) and hours, where the name says so. Scene axes: x east, y up, z south.
-// Ownership: plain values. Thread: any. Complexity: O(1). Failure: validate() names the field and its range.
+// Ownership: plain values. Thread: any. Complexity: O(1). Failure: validate() throws io::Failure, 3.
 #pragma once
 
 #include <cstdint>
@@ -62,8 +62,9 @@ struct LightSettings {
     double water_level_m = 0; // -12000 to 100000
 };
 
-// Empty, or one line that names the field: "LightSettings::visibility_km must be a number from 1 to 280".
-[[nodiscard]] std::string validate(const LightSettings& light);
+// Throws io::Failure, 3, with one line that names the field: "LightSettings::visibility_km must be a number from 1 to
+// 280".
+void validate(const LightSettings& light);
 
 // A place on the sky.
 struct SunPosition {

@@ -7,8 +7,8 @@
 // facing south and east) in floats: exact to some 1e-7 of its radius. Nothing hides anything by itself: all are
 // blended in the order given, lines first. Ownership: GL objects of the context that was current at creation; destroy
 // while it is current. Thread: the context's. Memory, all at creation: three times 28 bytes a line and a ball.
-// Complexity of a draw: O(lines + balls) and at most four GL draws. Failure: one line with the number to change; the
-// target keeps its picture.
+// Complexity of a draw: O(lines + balls) and at most four GL draws. Failure: io::Failure, 3, with the number to change;
+// the target keeps its picture.
 #pragma once
 
 #include <array>
@@ -55,14 +55,14 @@ struct LineStyle {
 // Draws lines and balls.
 class Lines {
 public:
-    [[nodiscard]] static std::unique_ptr<Lines> create(const LinesOptions& options, std::string& error);
+    [[nodiscard]] static std::unique_ptr<Lines> create(const LinesOptions& options);
     ~Lines();
     Lines(const Lines&) = delete;
     Lines& operator=(const Lines&) = delete;
 
     // After Renderer::draw() into the same target with the same view.
-    [[nodiscard]] std::string draw(std::span<const Line> lines, std::span<const Ball> balls, const View& view,
-                                   const Target& target, const LineStyle& style = {});
+    void draw(std::span<const Line> lines, std::span<const Ball> balls, const View& view, const Target& target,
+              const LineStyle& style = {});
 
 private:
     Lines();

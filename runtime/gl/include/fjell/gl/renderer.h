@@ -13,7 +13,7 @@
 // and three times ring_bytes, 132 bytes a range and 2 KB. Complexity of an upload: a MeshView's dirty vertices and all
 // its indices, or a CutMesh's written slots and nothing else, in the same few GL calls however they lie; of a draw: the
 // ranges, then one draw call and the sky. A debug mode's first draw compiles its shader, as the first with layers does.
-// Failure: one line with the number to change; the target keeps its former picture.
+// Failure: io::Failure, 3, with one line that says which number to change; the target keeps its former picture.
 #pragma once
 
 #include <cstdint>
@@ -130,9 +130,9 @@ class Renderer {
 public:
     // The terrain must be the pack's. O(texels).
     [[nodiscard]] static std::unique_ptr<Renderer> create(const Terrain& terrain, const Pack& pack,
-                                                          const RendererOptions& options, std::string& error);
+                                                          const RendererOptions& options);
     // For a LiveTerrain: room for its mesh, with morphing, and for its streamed maps. Of options only what these do not
-    // say counts: light, anisotropy, material_bytes, texture_side. Throws io::Failure, 3, when the GPU has no room.
+    // say counts: light, anisotropy, material_bytes, texture_side.
     [[nodiscard]] static std::unique_ptr<Renderer> create(const io::LiveTerrain& terrain,
                                                           const RendererOptions& options = {});
     ~Renderer();
@@ -141,47 +141,45 @@ public:
 
     // Uploads what the last update wrote. draw() does it too; call it yourself after updates that are not drawn, or
     // their dirty ranges are lost. Another mesh than last time (by address or size) is uploaded whole.
-    [[nodiscard]] std::string upload(const MeshView& mesh);
+    void upload(const MeshView& mesh);
     // The same for the live cut, whose indices are kept on the GPU too; needs RendererOptions::morph. changes: of
     // cut_take_changes(), after one update or several.
-    [[nodiscard]] std::string upload(const CutMesh& mesh, const CutChanges& changes);
+    void upload(const CutMesh& mesh, const CutChanges& changes);
     // Carries out the stream's stream_map_commands(), each once and in order: copies within the GPU, and blocks.
-    [[nodiscard]] std::string upload(std::span<const MapCommand> commands);
+    void upload(std::span<const MapCommand> commands);
     // All that the last update of a LiveTerrain has brought: map commands, which tile shows which map, and the mesh.
-    // After every update that is not drawn. Throws io::Failure, 3.
+    // After every update that is not drawn.
     void upload(io::LiveTerrain& terrain);
     // What Mode::error compares with; copied, 4 bytes a sample. Of a grid with a step above 1 places that are drawn as
     // fine stay grey: only what is coarser can be compared. An empty grid frees them.
-    [[nodiscard]] std::string set_heights(const HeightGrid& grid);
+    void set_heights(const HeightGrid& grid);
     // What DrawOptions::layers draws near ground with; the bytes that `materials` points into are read here and not
     // kept. Empty materials and rules free them. The next draw that has them on compiles its shader.
     // names: of the pack's chunk `layers` (io::layer_names()), which its splat maps speak of; all must be materials,
     // but water_layer.
-    [[nodiscard]] std::string set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
-                                         std::span<const std::string> names = {});
+    void set_layers(const io::Materials& materials, std::span<const LayerRule> rules,
+                    std::span<const std::string> names = {});
     // How tiles are drawn from now on: the stream's stream_tile_maps() of each kind, one a tile; empty leaves
     // that kind as it is. Copied. Before it is called nothing of a streamed map shows.
-    [[nodiscard]] std::string show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
-                                        std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
+    void show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
+                   std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
     // Makes the next upload a whole one: faster after rebuild_cut(), and needed when changes were taken and not
     // uploaded.
     void invalidate();
 
     // view.width_px and height_px give the aspect; the picture fills the target.
-    [[nodiscard]] std::string draw(const MeshView& mesh, const View& view, const DrawOptions& options,
-                                   const Target& target);
-    [[nodiscard]] std::string draw(const CutMesh& mesh, const CutChanges& changes, const View& view,
-                                   const DrawOptions& options, const Target& target);
-    // The same of a LiveTerrain: uploads what its last update has brought, and draws it. Throws io::Failure, 3.
+    void draw(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target);
+    void draw(const CutMesh& mesh, const CutChanges& changes, const View& view, const DrawOptions& options,
+              const Target& target);
+    // The same of a LiveTerrain: uploads what its last update has brought, and draws it.
     void draw(io::LiveTerrain& terrain, const View& view, const DrawOptions& options, const Target& target);
     // Without the upload, for hosts that called it after the update. Indices of a mesh that is not a CutMesh's are
     // uploaded all the same.
-    [[nodiscard]] std::string draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options,
-                                            const Target& target);
+    void draw_uploaded(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target);
     // A draw of next to nothing with these options, which the target then shows: drivers compile for the machine at the
     // first draw of a kind, in software for half a second. target: of any size, with the samples of pictures to come.
     // The next upload is a whole one.
-    [[nodiscard]] std::string rehearse(const DrawOptions& options, const Target& target);
+    void rehearse(const DrawOptions& options, const Target& target);
     // In the context that has made this renderer, before it goes on in another one that shares objects with it, on
     // whatever thread: frees what contexts do not share, and waits for the GPU.
     void leave_context();

@@ -31,8 +31,7 @@ struct TargetOptions {
 // A picture to draw into.
 class Target {
 public:
-    // Null, and one line in error, where the GPU has no room; without error it throws io::Failure, 3.
-    [[nodiscard]] static std::unique_ptr<Target> create(const TargetOptions& options, std::string& error);
+    // Throws io::Failure, 3, where the GPU has no room.
     [[nodiscard]] static std::unique_ptr<Target> create(const TargetOptions& options);
     ~Target();
     Target(const Target&) = delete;

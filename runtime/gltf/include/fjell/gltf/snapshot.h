@@ -17,8 +17,10 @@
 // pixels of the picture too, not only angles), converged (nothing waits, and error_bound_px is no more than
 // error_px), morphed (heights between two levels), lagging (work, pages or vertices that morph by time were waiting),
 // culled (what the camera does not see was not refined), quantum_m, viewport [w, h], fov_y_deg, eye [x, y, z],
-// spacing_m [x, z], origin_m (of sample (0, 0), CRS axes), crs (WKT or null), size [columns, rows], vertices and
-// triangles (in the file: a border vertex counts once a tile), pack_hash (16 hexadecimal digits, as `fjell-bake info
+// spacing_m [x, z], origin_m (of sample (0, 0), along the axes of the CRS), crs_origin and crs_step (origin and spacing
+// in units of the CRS, such as feet; crs_step is null where that is not known), crs (WKT or null), size [columns,
+// rows], vertices and triangles (in the file: a border vertex counts once a tile), pack_hash (16 hexadecimal digits, as
+// `fjell-bake info
 // --json` has it).
 //
 // Tiles meet exactly: a tile's width is rounded to float once and every translation is a whole multiple of it, so a
