@@ -227,8 +227,9 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"zscale", Of::reading, &Recipe::zscale, "multiplies heights (after the file's own scale)"},
         {"zoffset", Of::reading, &Recipe::zoffset, "metres added to heights after --zscale"},
         {"bbox", Of::reading, &Recipe::bbox,
-         "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees of what "
-         "spans more than a plane holds, or columns and rows from the north-west where there is no georeference"},
+         "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees where the "
+         "field is in degrees and has the box so, or columns and rows from the north-west where there is no "
+         "georeference"},
         {"void", Of::reading, &Recipe::voids,
          "a number that stands for no height without the file saying so, as the file has it: before its scale and "
          "offset and before --zscale; give it again for more. none: every other number is a height, even one that "

@@ -131,6 +131,21 @@ json info_json(const PackFile& file) {
     return j;
 }
 
+// As its bake said it.
+std::string description_of(const PackFile& file) {
+    const PackHeader& h = file.pack().header;
+    BakeSummary s;
+    s.columns = static_cast<std::int32_t>(h.columns);
+    s.rows = static_cast<std::int32_t>(h.rows);
+    std::copy_n(h.spacing_m, 2, s.spacing_m);
+    s.min_m = h.min_m, s.max_m = h.max_m;
+    s.voids = h.voids;
+    s.crs_wkt = file.crs();
+    const std::optional<PackNotes> notes = read_notes(file);
+    if (notes) s.source = notes->source, s.images = notes->images;
+    return describe(s, notes.has_value());
+}
+
 int run_info(Arguments a) {
     if (a.pack.empty() && a.info_json != "-") a.pack = std::exchange(a.info_json, "-"); // info --json PACK
     if (a.pack.empty()) throw Failure(2, "no pack given; see fjell-bake info --help");
@@ -144,6 +159,7 @@ int run_info(Arguments a) {
         JsonOutput(a.info_json).write(info);
         return 0;
     }
+    fmt::print("{}", description_of(file));
     for (const auto& [key, value] : info.items()) {
         if (key == "crs" && value.is_string())
             fmt::print("{:<16} {:.60}...\n", key, value.get<std::string>()); // all of it: --json

@@ -117,27 +117,35 @@ std::string spacing_text(const double (&step)[2]) {
 }
 
 void add_source(json& to, const SourceFacts& f) {
-    for (const auto& [key, text] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
+    for (const auto& [key, text] : {std::pair{"driver", &f.driver},
+                                    {"type", &f.type},
+                                    {"voids", &f.voids},
+                                    {"band", &f.band},
+                                    {"height_unit", &f.height_unit},
+                                    {"resampled", &f.resampled}})
         to[key] = text->empty() ? json() : json(*text);
-    to["band"] = f.band.empty() ? json() : json(f.band);
-    to["height_unit"] = f.height_unit.empty() ? json() : json(f.height_unit);
     to["height_unit_m"] = f.height_unit_m;
     to["ground_scale"] = f.ground_scale[0] > 0 ? json{f.ground_scale[0], f.ground_scale[1]} : json();
     to["reprojected_from"] = json();
     if (!f.reprojected_from.empty())
-        to["reprojected_from"] = {
-            {"crs_name", f.reprojected_from}, {"spacing", {f.from_step[0], f.from_step[1]}}, {"unit", f.from_unit}};
+        to["reprojected_from"] = {{"crs_name", f.reprojected_from},
+                                  {"axes", f.axes.empty() ? "east, north" : f.axes},
+                                  {"spacing", {f.from_step[0], f.from_step[1]}},
+                                  {"unit", f.from_unit}};
 }
 
 } // namespace
 
-std::string describe(const BakeSummary& s) {
+std::string describe(const BakeSummary& s, bool source_known) {
     const SourceFacts& f = s.source;
-    std::string text = fmt::format("heights {:.6g} to {:.6g} m (", s.min_m, s.max_m);
-    if (!f.driver.empty()) text += f.driver + ", " + f.type + "; ";
-    if (!f.band.empty()) text += "band " + f.band + "; ";
-    text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
-    text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
+    std::string text = fmt::format("heights {:.6g} to {:.6g} m", s.min_m, s.max_m);
+    if (source_known) {
+        text += " (";
+        if (!f.driver.empty()) text += f.driver + ", " + f.type + "; ";
+        if (!f.band.empty()) text += "band " + f.band + "; ";
+        text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
+        text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
+    }
     const double samples = static_cast<double>(s.columns) * s.rows;
     text += s.voids
                 ? fmt::format("; {} samples are holes ({:.2g}%)", s.voids, 100 * static_cast<double>(s.voids) / samples)
@@ -146,8 +154,9 @@ std::string describe(const BakeSummary& s) {
     const std::string crs = crs_text(crs_label(s.crs_wkt));
     text += fmt::format("samples {} m apart, {}", spacing_text(s.spacing_m), crs.empty() ? "no CRS" : "in " + crs);
     if (!f.reprojected_from.empty())
-        text += fmt::format("; reprojected from {}, where they are {} {} apart", f.reprojected_from,
-                            spacing_text(f.from_step), f.from_unit);
+        text += fmt::format("; reprojected from {}{}, where they are {} {} apart{}", f.reprojected_from,
+                            f.axes.empty() ? "" : " (axes " + f.axes + ")", spacing_text(f.from_step), f.from_unit,
+                            f.resampled.empty() ? "" : ": " + f.resampled);
     const auto& [least, most] = f.ground_scale;
     if (least > 0) text += fmt::format("; a metre of ground is {:.4f} to {:.4f} m in it", least, most);
     text += "\n";
@@ -168,7 +177,7 @@ void add_description(json& to, const BakeSummary& s) {
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
     for (const char* key : {"images", "driver", "type", "voids", "ground_error_m", "read", "band", "height_unit",
-                            "height_unit_m", "ground_scale", "reprojected_from"})
+                            "height_unit_m", "ground_scale", "reprojected_from", "resampled"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;

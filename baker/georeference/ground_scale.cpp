@@ -9,6 +9,8 @@
 #include <numbers>
 #include <string>
 
+#include <cpl_string.h>
+
 namespace fjell::baker {
 
 std::vector<CrsPlace> CrsBox::nine_places() const {
@@ -69,12 +71,28 @@ OGRSpatialReference degrees_of(const OGRSpatialReference& crs) {
     return degrees;
 }
 
-bool points_east_and_north(const OGRSpatialReference& crs) {
+namespace {
+
+// Of x and of y.
+std::array<OGRAxisOrientation, 2> directions_of(const OGRSpatialReference& crs) {
     const std::vector<int>& order = crs.GetDataAxisToSRSAxisMapping();
-    OGRAxisOrientation points[2] = {OAO_East, OAO_North};
+    std::array<OGRAxisOrientation, 2> points{OAO_East, OAO_North};
     for (std::size_t axis = 0; axis < 2 && axis < order.size(); ++axis)
         (void)crs.GetAxis("PROJCS", std::abs(order[axis]) - 1, &points[axis]);
-    const auto [x, y] = points;
+    return points;
+}
+
+} // namespace
+
+std::string axes_text(const OGRSpatialReference& crs) {
+    std::string text;
+    for (const OGRAxisOrientation points : directions_of(crs))
+        text += (text.empty() ? "" : ", ") + CPLString(OSRAxisEnumToName(points)).tolower();
+    return text;
+}
+
+bool points_east_and_north(const OGRSpatialReference& crs) {
+    const auto [x, y] = directions_of(crs);
     if (x == y) return true; // about a pole
     return x != OAO_West && x != OAO_South && x != OAO_North && y != OAO_South && y != OAO_West && y != OAO_East;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <ogr_spatialref.h>
@@ -32,5 +33,7 @@ struct GroundScale {
 
 // False: x grows to the west, y to the south, or they stand for each other. Axes about a pole point nowhere and count.
 [[nodiscard]] bool points_east_and_north(const OGRSpatialReference& crs);
+// Where x and y of its rasters point: "west, south".
+[[nodiscard]] std::string axes_text(const OGRSpatialReference& crs);
 
 } // namespace fjell::baker

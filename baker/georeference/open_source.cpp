@@ -44,6 +44,7 @@ struct ReadPlan {
     ReadOptions options;
     MosaicLayout layout;
     bool warped = false;
+    double ratio = 1; // resampling_ratio()
     Placement target; // what windows are cut from: the layout's own grid, or the one it is reprojected to
     Window crop;      // of the target: the source's extents
     [[nodiscard]] const std::string& name() const { return layout.files.front().facts.path; }
@@ -77,6 +78,11 @@ Window crop_to(const ReadPlan& plan) {
     const Window all{0, 0, p.columns, p.rows};
     if (!plan.options.bbox) return all;
     auto [west, south, east, north] = *plan.options.bbox;
+    if (p.axes == Axes::degrees) { // longitudes count from anywhere
+        const double turn = turn_of(source_crs(p)).length;
+        const double off = turn * std::round((p.east((p.columns - 1) / 2.0) - (west + east) / 2) / turn);
+        west += off, east += off;
+    }
     const bool counted = p.axes == Axes::none; // columns and rows from the north-west
     if (!(west < east) || !(counted ? north < south : south < north))
         throw Failure(2, fmt::format("--bbox {},{},{},{}: give WEST,SOUTH,EAST,NORTH with WEST less than EAST and {}",
@@ -99,7 +105,10 @@ Window crop_to(const ReadPlan& plan) {
     return {left, top, right - left + 1, bottom - top + 1};
 }
 
-void check_order(const ReadOptions& o) {
+// In degrees a box may go across the antimeridian, from 179 to -179.
+void set_order(ReadOptions& o, Axes axes) {
+    if (o.bbox && axes == Axes::degrees && (*o.bbox)[0] <= 360 && (*o.bbox)[2] >= -360)
+        while ((*o.bbox)[0] >= (*o.bbox)[2]) (*o.bbox)[2] += 360;
     if (o.bbox && !((*o.bbox)[0] < (*o.bbox)[2]))
         throw Failure(2, fmt::format("--bbox: WEST {} is not less than EAST {}; give WEST,SOUTH,EAST,NORTH",
                                      (*o.bbox)[0], (*o.bbox)[2]));
@@ -107,18 +116,21 @@ void check_order(const ReadOptions& o) {
 
 std::shared_ptr<const ReadPlan> make_plan(const std::vector<std::string>& paths, const ReadOptions& options) {
     check_options(paths, options);
-    check_order(options);
     auto plan = std::make_shared<ReadPlan>();
     plan->options = options;
     plan->layout = lay_out(paths, options);
     plan->target = plan->layout.at;
+    set_order(plan->options, plan->layout.at.axes);
     const GdalMessages quiet;
-    const ReprojectionTarget target = choose_target(plan->layout.at, options, plan->names());
+    const ReprojectionTarget target = choose_target(plan->layout.at, plan->options, plan->names());
     if (target.crs) {
         PlacedDataset from(plan->layout.at, source_crs(plan->layout.at), [](const Window&, float*) {});
         plan->warped = true;
-        plan->target = target_grid(from, target, options, plan->names());
+        plan->target = target_grid(from, target, plan->options, plan->names());
         plan->crop = {0, 0, plan->target.columns, plan->target.rows};
+        Transformer transformer(from, plan->target.crs_wkt, plan->names());
+        transformer.set_target(plan->target);
+        plan->ratio = resampling_ratio(transformer, plan->layout.at, plan->target);
         double samples = 0;
         for (const MosaicFile& f : plan->layout.files)
             samples += static_cast<double>(f.facts.at.columns) * f.facts.at.rows;
@@ -209,8 +221,13 @@ SourceFacts facts_of(const ReadPlan& plan) {
     if (!plan.warped) return f;
     const Placement& from = plan.layout.at;
     const bool metres = from.axes == Axes::metres;
-    f.reprojected_from = crs_text(crs_label(wkt_of(source_crs(from))));
-    f.from_unit = metres ? "m" : "degrees";
+    const OGRSpatialReference own = source_crs(from);
+    f.reprojected_from = crs_text(crs_label(wkt_of(own)));
+    const char* angle = nullptr;
+    (void)own.GetAngularUnits(&angle);
+    f.from_unit = metres ? "m" : EQUAL(angle, "degree") ? "degrees" : std::string(angle) + "s";
+    f.resampled = plan.ratio < 1 ? fmt::format("cubic over {:.2g} samples", 1 / plan.ratio) : "cubic";
+    if (metres && !points_east_and_north(own)) f.axes = axes_text(own);
     for (const int axis : {0, 1}) f.from_step[axis] = from.step[axis] * (metres ? from.unit_m : 1);
     return f;
 }

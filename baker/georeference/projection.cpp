@@ -72,7 +72,22 @@ struct Degrees {
     double west, south, east, north;
 };
 
-// Of a field that no plane holds: the box, in degrees, that was asked for. Throws Failure.
+// Whole turns that bring a box to a field, in degrees; false: they do not meet.
+bool meets(const std::array<double, 4>& box, const Degrees& all, double& turns) {
+    turns = 360 * std::ceil((all.west - box[2]) / 360);
+    return box[0] + turns < all.east && box[2] + turns > all.west && box[1] < all.north && box[3] > all.south;
+}
+
+// A box that meets the field in degrees counts in these: as metres it would be smaller than a village, and elsewhere.
+bool is_in_degrees(const ReadOptions& options, const Degrees& all) {
+    double turns = 0;
+    if (!options.bbox) return false;
+    const auto& [west, south, east, north] = *options.bbox;
+    return std::abs(west) <= 540 && std::abs(east) <= 540 && std::abs(south) <= 90 && std::abs(north) <= 90 &&
+           meets(*options.bbox, all, turns);
+}
+
+// The box, in degrees, that was asked for; of a field that no plane holds there must be one. Throws Failure.
 Degrees box_in_degrees(const Degrees& all, const ReadOptions& options, const std::string& path,
                        const OGRSpatialReference& geographic) {
     const std::string spans = fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing",
@@ -84,9 +99,8 @@ Degrees box_in_degrees(const Degrees& all, const ReadOptions& options, const std
     const auto& [west, south, east, north] = *options.bbox;
     if (std::abs(south) > 90 || std::abs(north) > 90 || std::abs(west) > 540 || std::abs(east) > 540)
         throw Failure(1, fmt::format("{}; give --bbox in degrees, or --crs CRS for one in its units", spans));
-    // Longitudes count from anywhere.
-    const double turns = 360 * std::ceil((all.west - east) / 360);
-    if (!(west + turns < all.east && east + turns > all.west && south < all.north && north > all.south))
+    double turns = 0; // longitudes count from anywhere
+    if (!meets(*options.bbox, all, turns))
         throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it; it spans {:.6g},{:.6g},{:.6g},{:.6g} "
                                      "degrees",
                                      path, west, south, east, north, all.west, all.south, all.east, all.north));
@@ -105,9 +119,10 @@ ReprojectionTarget automatic_target(const Placement& from, const ReadOptions& op
     const double unit = own.GetAngularUnits() / (std::numbers::pi / 180); // in degrees
     const Degrees all{from.east(-0.5) * unit, from.north(from.rows - 0.5) * unit, from.east(from.columns - 0.5) * unit,
                       from.north(-0.5) * unit};
-    if (auto crs = crs_for(geographic, all.west, all.south, all.east, all.north)) return {std::move(crs), options.bbox};
+    auto crs = crs_for(geographic, all.west, all.south, all.east, all.north);
+    if (crs && !is_in_degrees(options, all)) return {std::move(crs), options.bbox};
     const Degrees box = box_in_degrees(all, options, path, geographic);
-    auto crs = crs_for(geographic, box.west, box.south, box.east, box.north);
+    if (!crs) crs = crs_for(geographic, box.west, box.south, box.east, box.north);
     if (!crs)
         throw Failure(1,
                       fmt::format("{}: --bbox spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; "
@@ -348,9 +363,11 @@ Transformer::Transformer(GDALDataset& from, const std::string& crs_wkt, const st
     columns_ = from.GetRasterXSize();
     std::array<double, 6> t{};
     const OGRSpatialReference* const own = from.GetSpatialRef();
-    const double turn = own ? 2 * std::numbers::pi / own->GetAngularUnits() : 0;
-    if (own && own->IsGeographic() && from.GetGeoTransform(t.data()) == CE_None && columns_ * t[1] > turn)
-        turn_ = turn / t[1];
+    if (!own || from.GetGeoTransform(t.data()) != CE_None) return;
+    const Turn turn = turn_of(*own);
+    const double slack = 0.01 * t[1], west = turn.middle - turn.length / 2, east = turn.middle + turn.length / 2;
+    const bool beyond = t[0] < west - slack || t[0] + columns_ * t[1] > east + slack;
+    if (turn.length > 0 && (own->IsGeographic() ? columns_ * t[1] > turn.length : beyond)) turn_ = turn.length / t[1];
 }
 
 Transformer::~Transformer() {
@@ -418,8 +435,8 @@ Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const
         const Extent box{{west, south}, {east, north}};
         if (!touches(transformer, box, from))
             throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it{}", path, west, south, east, north,
-                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f}", around[0],
-                                                             around[1], around[2], around[3])
+                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f} in {}", around[0],
+                                                             around[1], around[2], around[3], crs.GetName())
                                                : ""));
         x = (west + east) / 2, y = (south + north) / 2;
         if (!transformer.to_source(x, y)) x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();

@@ -27,8 +27,9 @@ struct ReprojectionTarget {
     std::optional<std::array<double, 4>> bbox; // in its units; none: all of the field
 };
 
-// Throws Failure: 1 degrees that need a decision; 2 a crs that is none or not projected. Of a field for which there is
-// no automatic CRS, --bbox is in degrees, and the CRS is one for that box.
+// Throws Failure: 1 degrees that need a decision; 2 a crs that is none or not projected. A box that meets a field of
+// degrees in degrees counts in these. Of a field for which there is no automatic CRS it must, and the CRS is one for
+// that box.
 [[nodiscard]] ReprojectionTarget choose_target(const Placement& from, const ReadOptions& options,
                                                const std::string& path);
 
@@ -42,7 +43,8 @@ public:
     Transformer& operator=(const Transformer&) = delete;
 
     // For GDAL: what transforms, and what it takes first. Columns of a source that goes round once and a little more
-    // are wrapped into it, which GDAL gives up: rounded steps, and columns at both ends, make that little.
+    // are wrapped into it, which GDAL gives up: rounded steps, and columns at both ends, make that little. So are those
+    // of a map on a cylinder that goes on beyond its edge, across the antimeridian.
     [[nodiscard]] GDALTransformerFunc function() const;
     [[nodiscard]] void* argument() const;
     void set_target(const Placement& to);
@@ -54,7 +56,7 @@ private:
     bool transform(int backwards, double& x, double& y) const;
     void* argument_ = nullptr;
     static int wrap(void* self, int backwards, int count, double* x, double* y, double* z, int* good);
-    double columns_ = 0, turn_ = 0; // of the source; columns of a full circle, 0: it has no more than that
+    double columns_ = 0, turn_ = 0; // of the source; columns of a full circle, 0: none are wrapped
 };
 
 // The grid of the reprojected field: square, its spacing --spacing or that of the source in the middle to three

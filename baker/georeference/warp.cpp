@@ -99,9 +99,14 @@ int* first_band() {
 // all else. GDAL interpolates along rows of what it is given, which are always the same blocks.
 constexpr double place_error = 0.01;
 
-// Target samples per source sample, at most 1: below, GDAL takes means over wider surroundings so that nothing aliases.
+struct OptionsFree {
+    void operator()(GDALWarpOptions* options) const { GDALDestroyWarpOptions(options); }
+};
+
+} // namespace
+
 // In the middle of the source, or of the target where that is elsewhere.
-double ratio(const Transformer& transformer, const Placement& from, const Placement& to) {
+double resampling_ratio(const Transformer& transformer, const Placement& from, const Placement& to) {
     double x = 0.5 * to.columns, y = 0.5 * to.rows;
     double middle_x = 0.5 * from.columns, middle_y = 0.5 * from.rows;
     if (double tx = middle_x, ty = middle_y;
@@ -117,12 +122,6 @@ double ratio(const Transformer& transformer, const Placement& from, const Placem
     const double scale = std::sqrt(area);
     return scale < 0.8 && scale > 0.001 ? scale : 1;
 }
-
-struct OptionsFree {
-    void operator()(GDALWarpOptions* options) const { GDALDestroyWarpOptions(options); }
-};
-
-} // namespace
 
 Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& options)
     : from_(from), to_(to), options_(options), mosaic_(from, options),
@@ -145,7 +144,7 @@ Warp::Warp(const MosaicLayout& from, const Placement& to, const ReadOptions& opt
     settings.SetNameValue("NUM_THREADS", "1");
     settings.SetNameValue("SAMPLE_GRID", "YES");
     settings.SetNameValue("SOURCE_EXTRA", "4");
-    ratio_ = ratio(transformer_, from.at, to);
+    ratio_ = resampling_ratio(transformer_, from.at, to);
     const std::string scale = fmt::format("{}", ratio_);
     settings.SetNameValue("XSCALE", scale.c_str());
     settings.SetNameValue("YSCALE", scale.c_str());

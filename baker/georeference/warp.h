@@ -41,6 +41,10 @@ private:
 // Blocks of the target that are interpolated one by one, whatever is asked for.
 inline constexpr std::int32_t warp_block = 512;
 
+// Target samples per source sample, at most 1: below, means are taken over wider surroundings so that nothing aliases.
+// transformer: from one to the other.
+[[nodiscard]] double resampling_ratio(const Transformer& transformer, const Placement& from, const Placement& to);
+
 // One thread at a time. Throws Failure: what reading the files throws; implausible heights, and voids of the files with
 // NoData::refuse, as soon as they are met, because interpolation would smear them.
 class Warp {

@@ -42,6 +42,7 @@ struct Recipe {
     std::string warp_to; // WKT; empty: as it is
     RasterUse use = RasterUse::picture;
     std::uint32_t white = 65535, opaque = 65535; // of 16 bits
+    std::vector<std::string> cut{};              // for gdalwarp: extents and pixels; empty: it chooses
     bool by_points = false, thin_plate = false;  // warped by control points: by a polynomial or through each point
 };
 
@@ -87,6 +88,7 @@ GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messa
         "-ovr", "NONE", "-wo",    "NUM_THREADS=1"};
     CPLStringList all;
     for (const char* const word : words) all.AddString(word);
+    for (const std::string& word : recipe.cut) all.AddString(word.c_str());
     if (recipe.thin_plate) all.AddString("-tps");
     if (recipe.by_points && !file.GetGCPSpatialRef()) { // as coordinates without a CRS: the terrain's
         all.AddString("-s_srs");
@@ -323,6 +325,69 @@ bool needs_warp(GDALDataset& file, const Georeference& g, const Frame& ground) {
     return !g.upright || (crs && !same_crs(*crs, crs_of(ground.crs_wkt)));
 }
 
+// Pixels of an image under a terrain.
+struct Under {
+    double between[2] = {0, 0}; // from sample to sample, along columns and along rows; 0: the image has no such place
+    bool torn = false;          // some lie at one end of the image, some at the other: on both sides of a map's edge
+};
+Under pixels_under(GDALDataset& file, const Frame& ground) {
+    CPLStringList options;
+    options.SetNameValue("DST_SRS", ground.crs_wkt.c_str());
+    const std::unique_ptr<void, decltype(&GDALDestroyGenImgProjTransformer)> to_pixels(
+        GDALCreateGenImgProjTransformer2(GDALDataset::ToHandle(&file), nullptr, options.List()),
+        GDALDestroyGenImgProjTransformer);
+    Under under;
+    if (!to_pixels) return under;
+    const double samples[6] = {ground.origin[0], ground.step[0], 0, ground.origin[1], 0, -ground.step[1]};
+    GDALSetGenImgProjTransformerDstGeoTransform(to_pixels.get(), samples);
+    double west = HUGE_VAL, east = -HUGE_VAL;
+    for (const double v : {0.5, 0.0, 1.0})
+        for (const double u : {0.5, 0.0, 1.0}) {
+            const double column = u * (ground.columns - 2), row = v * (ground.rows - 2);
+            double x[3] = {column, column + 1, column}, y[3] = {row, row, row + 1}, z[3] = {};
+            int good[3] = {};
+            (void)GDALGenImgProjTransform(to_pixels.get(), TRUE, 3, x, y, z, good);
+            if (!good[0] || !good[1] || !good[2] || x[0] < 0 || y[0] < 0 || x[0] > file.GetRasterXSize() ||
+                y[0] > file.GetRasterYSize())
+                continue;
+            west = std::min(west, x[0]), east = std::max(east, x[0]);
+            const double across = std::hypot(x[1] - x[0], y[1] - y[0]), down = std::hypot(x[2] - x[0], y[2] - y[0]);
+            if (under.between[0] == 0 && across > 0 && down > 0) under.between[0] = across, under.between[1] = down;
+        }
+    under.torn = east - west > 4 * std::hypot(under.between[0] * ground.columns, under.between[1] * ground.rows);
+    return under;
+}
+
+// GDAL chooses the pixels of what it warps by all of an image, and degrees from -180 to 180: too coarse for a terrain
+// that is a small part of it, and cut at the antimeridian.
+bool suits(GDALDataset& warped, const Frame& ground, const Under& pixels) {
+    double t[6];
+    if (pixels.between[0] == 0 || warped.GetGeoTransform(t) != CE_None) return true;
+    if (pixels.torn) return false;
+    if (crs_of(ground.crs_wkt).IsGeographic() && warped.GetRasterXSize() * t[1] > 180) return false;
+    constexpr double coarser = 1.5;
+    return ground.step[0] / std::abs(t[1]) * ground.step[1] / std::abs(t[5]) * coarser * coarser >
+           pixels.between[0] * pixels.between[1];
+}
+
+// What gdalwarp is told instead: the terrain and two samples and pixels around it, pixels as fine as there.
+std::vector<std::string> cut_to(const Frame& ground, const Under& pixels) {
+    double size[2], rim[2];
+    for (const std::size_t axis : {0u, 1u}) {
+        size[axis] = ground.step[axis] / pixels.between[axis];
+        rim[axis] = 2 * std::max(size[axis], ground.step[axis]);
+    }
+    std::vector<std::string> words{"-te"};
+    for (const double edge :
+         {ground.origin[0] - rim[0], ground.origin[1] - (ground.rows - 1) * ground.step[1] - rim[1],
+          ground.origin[0] + (ground.columns - 1) * ground.step[0] + rim[0], ground.origin[1] + rim[1]})
+        words.push_back(fmt::format("{}", edge));
+    // Where a map is torn GDAL would take means over as many pixels as lie between its ends.
+    words.insert(words.end(),
+                 {"-tr", fmt::format("{}", size[0]), fmt::format("{}", size[1]), "-wo", "XSCALE=1", "-wo", "YSCALE=1"});
+    return words;
+}
+
 ImageLayer stretched(GDALDataset& file, const Frame& ground) {
     ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
     layer.per_sample[0] = static_cast<double>(layer.columns) / (ground.columns - 1);
@@ -447,14 +512,35 @@ private:
             if (needs_warp(opened->top(), g, ground)) {
                 where = g.by_points ? place_by_points(opened->top(), recipe)
                                     : where + ", warped from " + crs_text(opened->top(), ground);
+                const Under pixels = recipe.by_points ? Under{} : pixels_under(opened->top(), ground);
                 recipe.warp_to = ground.crs_wkt;
                 opened.reset();
                 opened = std::make_unique<Opened>(open_image(recipe, messages));
+                if (!suits(opened->top(), ground, pixels)) {
+                    recipe.cut = cut_to(ground, pixels);
+                    opened.reset();
+                    opened = std::make_unique<Opened>(open_image(recipe, messages));
+                }
             }
             layers.push_back(placed(opened->top(), ground, path));
+            if (recipe.use == RasterUse::picture) add_turns(opened->top(), recipe, ground);
         }
         accounts.push_back(fmt::format("{}: {}; {}", path, numbers, where));
         recipes_.push_back(recipe);
+    }
+
+    // Of a terrain in degrees that goes across an edge of an image of all longitudes: the same image on its other side.
+    void add_turns(GDALDataset& file, const Recipe& recipe, const Frame& ground) {
+        const double turn = crs_of(ground.crs_wkt).IsGeographic() ? 360 / georeference(file).t[1] : 0;
+        const ImageLayer nearest = layers.back();
+        for (const double turns : {-turn, turn}) {
+            ImageLayer beside = nearest;
+            beside.first_px[0] += turns;
+            const double last = beside.first_px[0] + (ground.columns - 1) * beside.per_sample[0];
+            if (turns == 0 || last <= 0 || beside.first_px[0] >= beside.columns) continue;
+            layers.push_back(beside);
+            recipes_.push_back(recipe);
+        }
     }
 
     std::vector<Recipe> recipes_;

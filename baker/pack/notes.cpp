@@ -32,6 +32,8 @@ SourceFacts source_of(const json& j) {
     f.reprojected_from = j.at("reprojected_from").get<std::string>();
     for (std::size_t axis = 0; axis < 2; ++axis) f.from_step[axis] = j.at("from_step").at(axis).get<double>();
     f.from_unit = j.at("from_unit").get<std::string>();
+    for (const auto& [key, to] : {std::pair{"resampled", &f.resampled}, {"axes", &f.axes}})
+        if (j.contains(key)) *to = j.at(key).get<std::string>();
     return f;
 }
 
@@ -48,6 +50,8 @@ std::string notes_text(const PackNotes& notes) {
         source["reprojected_from"] = f.reprojected_from;
         source["from_step"] = {f.from_step[0], f.from_step[1]};
         source["from_unit"] = f.from_unit;
+        source["resampled"] = f.resampled;
+        if (!f.axes.empty()) source["axes"] = f.axes;
     }
     json all = {{"source", std::move(source)}};
     if (!notes.images.empty()) all["images"] = notes.images;

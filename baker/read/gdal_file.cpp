@@ -348,6 +348,24 @@ std::string wkt_of(const OGRSpatialReference& crs) {
     return wkt;
 }
 
+Turn turn_of(const OGRSpatialReference& crs) {
+    if (crs.IsGeographic()) return {8 * std::atan(1.0) / crs.GetAngularUnits(), 0};
+    constexpr std::array<const char*, 5> cylinders{"Mercator_1SP", "Mercator_2SP", "Equirectangular",
+                                                   "Cylindrical_Equal_Area", "Miller_Cylindrical"};
+    const char* const method = crs.IsProjected() ? crs.GetAttrValue("PROJECTION") : nullptr;
+    if (!method || std::none_of(cylinders.begin(), cylinders.end(), [&](const char* c) { return EQUAL(c, method); }))
+        return {};
+    const std::unique_ptr<OGRSpatialReference> degrees(crs.CloneGeogCS());
+    degrees->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    OGRSpatialReference plane(crs);
+    plane.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRCoordinateTransformation> there(OGRCreateCoordinateTransformation(degrees.get(), &plane));
+    const double middle = crs.GetNormProjParm(SRS_PP_CENTRAL_MERIDIAN, 0);
+    double x[2] = {middle, middle + 90}, y[2] = {0, 0};
+    if (!there || !there->Transform(2, x, y)) return {};
+    return {4 * (x[1] - x[0]), x[0]};
+}
+
 void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]) {
     step[0] = step[1] = 0;
     if (crs_wkt.empty()) return;

@@ -100,6 +100,13 @@ struct Placement {
 // What a spacing is in units of the CRS, where that counts metres, feet and so on; 0 in degrees and without a CRS.
 void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]);
 
+// What once around the Earth is along x, in units of the CRS: 360 of degrees, the width of a map on a cylinder; 0:
+// x is no longitude. middle: of the map, around which the CRS has its own places.
+struct Turn {
+    double length = 0, middle = 0;
+};
+[[nodiscard]] Turn turn_of(const OGRSpatialReference& crs);
+
 [[nodiscard]] std::string wkt_of(const OGRSpatialReference& crs);
 
 // Numbers of a band to metres.

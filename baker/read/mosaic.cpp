@@ -53,21 +53,25 @@ void check_alike(const FileFacts& a, const FileFacts& b) {
     }
 }
 
-// Longitudes name a place by any number of turns. Files on both sides of the antimeridian are brought together, by
-// whole turns, when all of them then take less room: what lies beside the widest gap between them begins the field.
+// Longitudes, and places on a map of all of them, name a place by any number of turns. Files on both sides of the
+// antimeridian are brought together, by whole turns, when all of them then take less room: what lies beside the widest
+// gap between them begins the field.
 void unwrap(std::vector<MosaicFile>& files) {
-    constexpr double turn = 360;
-    const Placement& first = files.front().facts.at;
-    const double turn_samples = turn / first.step[0];
+    const Placement first = files.front().facts.at;
+    if (first.axes != Axes::degrees && (first.axes != Axes::metres || first.crs_wkt.empty())) return;
+    OGRSpatialReference crs;
+    crs.importFromWkt(first.crs_wkt.c_str());
+    const double turn = first.crs_wkt.empty() ? 360 : turn_of(crs).length, turn_samples = turn / first.step[0];
+    if (!(turn > 0)) return;
     if (std::abs(turn_samples - std::round(turn_samples)) > 0.01) return; // a turn would not keep the grid
     struct Span {
-        double west, east; // west in 0..360
+        double west, east; // west in 0..turn
     };
     std::vector<Span> spans;
     double west = HUGE_VAL, east = -HUGE_VAL;
     for (const MosaicFile& f : files) {
         const Placement& at = f.facts.at;
-        if (at.axes != Axes::degrees || at.step[0] != first.step[0]) return;
+        if (at.axes != first.axes || at.step[0] != first.step[0]) return;
         west = std::min(west, at.east(-0.5)), east = std::max(east, at.east(at.columns - 0.5));
         const double from = at.east(-0.5) - turn * std::floor(at.east(-0.5) / turn);
         spans.push_back({from, from + at.columns * at.step[0]});
@@ -84,7 +88,7 @@ void unwrap(std::vector<MosaicFile>& files) {
         const double from = f.facts.at.east(-0.5) - turn * std::floor((f.facts.at.east(-0.5) - begin) / turn + 1e-9);
         f.facts.at.origin[0] += turn * std::round((from - f.facts.at.east(-0.5)) / turn);
     }
-    if (files.front().facts.at.origin[0] >= 180 + 0.5 * turn) // as near to 0 as turns allow
+    if (files.front().facts.at.origin[0] >= turn) // as near to 0 as turns allow
         for (MosaicFile& f : files) f.facts.at.origin[0] -= turn;
 }
 

@@ -39,7 +39,9 @@ struct ReadOptions {
     std::string crs = "auto";
     Encoding encoding = Encoding::none;
     // West, south, east, north: only samples inside. In the units of the CRS after reprojection; of the file's own,
-    // when that is projected and crs is automatic; degrees, when there is no automatic CRS for all of the field;
+    // when that is projected and crs is automatic; degrees,
+    // of a field in degrees when crs is automatic and the box meets the field so, or there is no automatic CRS for all
+    // of it, or nothing is reprojected (EAST may be less than WEST there: across the antimeridian);
     // columns and rows, counted from the north-west, when there is no georeference.
     std::optional<std::array<double, 4>> bbox;
     // Multiplies heights after the band's own scale and offset; not given: 1, and depths and unknown units are refused.

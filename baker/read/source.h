@@ -62,6 +62,8 @@ struct SourceFacts {
     std::string reprojected_from;    // the name of the CRS that they were reprojected from; empty: they were not
     double from_step[2] = {0, 0};    // between samples there, in from_unit
     std::string from_unit;           // "degrees" or "m"
+    std::string resampled;           // how: "cubic", or "cubic over 3.2 samples"; empty: they are those of the file
+    std::string axes;                // of the file's CRS, as x and y run: "west, south"; empty: east, north, or no CRS
     double ground_scale[2] = {0, 0}; // least and most metres of the grid that a metre of ground is; 0: not known
     std::string driver, type;        // of the first file, as GDAL calls them; empty: not from a file
     std::string voids;               // how it tells them: "mask", "no-data -9999"; empty: it does not

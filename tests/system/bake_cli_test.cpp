@@ -65,8 +65,22 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
         CHECK(baked.out.find(part) != std::string::npos);
     const auto told = nlohmann::json::parse(slurp(folder / "bake.json"));
     const auto info = nlohmann::json::parse(run_in(folder.path, bake + "info out.fjell --json").out);
+    // The pack says what its bake said, in words and as JSON.
+    for (const char* key :
+         {"driver",        "type",           "band",      "voids",    "holes", "height_m",     "height_unit",
+          "height_unit_m", "ground_error_m", "spacing_m", "crs_name", "epsg",  "ground_scale", "reprojected_from",
+          "resampled",     "images",         "columns",   "rows",     "tiles", "tile_cells",   "max_error_m"}) {
+        CAPTURE(key);
+        CHECK((told.contains(key) && told[key] == info[key]));
+    }
+    const std::string heights = baked.out.substr(baked.out.find("\nheights ") + 1);
+    const std::string lines = heights.substr(0, heights.find("\n", heights.find("\nsamples ") + 1) + 1);
+    CHECK(std::count(lines.begin(), lines.end(), '\n') == 2);
+    CHECK(run_in(folder.path, bake + "info out.fjell").out.rfind(lines, 0) == 0);
     for (const auto& j : {told, info}) {
         CAPTURE(j.dump());
+        CHECK(j["resampled"] == "cubic");
+        CHECK(j["reprojected_from"]["axes"] == "east, north");
         CHECK((j["driver"] == "VRT" && j["type"] == "Float32" && j["voids"] == "no-data -99"));
         CHECK(j["height_unit"] == "ft");
         CHECK(j["height_unit_m"] == Approx(0.3048));

@@ -250,7 +250,7 @@ TEST_CASE("every block of code in the README and the guides is quoted from a fil
 
 TEST_CASE(
     "the first host, with and without a window, is at most 30 lines and 20 names, and the README prints it whole") {
-    for (const char* const source : {"main.cpp", "picture.cpp"}) {
+    for (const char* const source : {"main.cpp", "picture.cpp", "embedded.cpp"}) {
         const std::string text = slurp(root / "content/hosts/first" / source);
         CHECK(std::ranges::count(text, '\n') <= 30);
         const auto names = matches(text, "(fjell::[A-Za-z_:]+)");

@@ -1,6 +1,7 @@
 // What was baked wrongly without a word, kind by kind: units, depths, axes, metres that are not the ground's, spacings,
 // the antimeridian. Each with what is right, and with more of its kind.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,10 +10,57 @@
 #include <vector>
 
 #include "baker/georeference/crs_label.h"
+#include "baker/maps/image.h"
 #include "read_support.h"
 
 using namespace fjell::baker;
 using namespace fjell::test;
+
+namespace {
+
+// A field whose heights, or colours, follow from where its samples lie: longitudes from 0 to 360.
+struct Placed {
+    const char* name;
+    const char* crs;
+    double west, north, step; // of the first pixel's corner
+    int columns, rows;
+};
+std::string write_placed(const Placed& p, const std::function<double(double longitude, double latitude)>& value,
+                         const std::string& path, bool image = false) {
+    register_drivers();
+    OGRSpatialReference degrees, crs;
+    degrees.importFromEPSG(4326);
+    degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    crs.SetFromUserInput(p.crs);
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    const std::unique_ptr<OGRCoordinateTransformation> to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
+    Raster r = raster(p.columns, p.rows, [&](int i, int j) {
+        double x = p.west + (i + 0.5) * p.step, y = p.north - (j + 0.5) * p.step;
+        if (crs.IsProjected()) (void)to_degrees->Transform(1, &x, &y);
+        return value(x - 360 * std::floor(x / 360), y);
+    });
+    if (image) r.type = GDT_Byte, r.bands = 3;
+    r.geotransform = {p.west, p.step, 0, p.north, 0, -p.step};
+    r.crs = p.crs;
+    return write(r, path);
+}
+
+// Grey at a sample, of the uppermost image that has something there; -1: none has.
+int grey_at(const ImageSource& images, ImageReader& reader, int column, int row) {
+    int grey = -1;
+    for (std::size_t i = 0; i < images.layers.size(); ++i) {
+        const ImageLayer& l = images.layers[i];
+        const auto x = static_cast<int>(std::floor(l.first_px[0] + column * l.per_sample[0]));
+        const auto y = static_cast<int>(std::floor(l.first_px[1] + row * l.per_sample[1]));
+        if (x < 0 || y < 0 || x >= l.columns || y >= l.rows) continue;
+        std::uint8_t rgba[4];
+        reader.read(i, {x, y, 1, 1}, rgba);
+        if (rgba[3] > 0) grey = rgba[0];
+    }
+    return grey;
+}
+
+} // namespace
 
 TEST_CASE("a CRS in feet gives a spacing in metres, and heights without a unit are asked about") {
     const TempDir dir;
@@ -144,6 +192,11 @@ TEST_CASE("a hill lies where it is on the ground, as far as it is, in any projec
         CAPTURE(c.crs, c.latitude, dem.columns, dem.rows, dem.spacing_m[0]);
         const auto source = open_source({path}, {});
         CHECK(source->facts.reprojected_from.empty() == !c.reprojected);
+        CHECK(source->facts.resampled == (c.reprojected ? "cubic" : ""));
+        const std::string crs = c.crs;
+        CHECK(source->facts.axes == (crs == "EPSG:2048" || crs == "EPSG:2049" || crs == "EPSG:22275" ? "west, south"
+                                     : crs == "EPSG:5513" || crs == "EPSG:2065"                      ? "south, west"
+                                                                                                     : ""));
         // The top, and the middle of the plane: the mean of all places that are there.
         double top = 0, middle_x = 0, middle_y = 0, count = 0;
         int top_x = 0, top_y = 0;
@@ -197,7 +250,9 @@ TEST_CASE("another spacing resamples what has a CRS, and stretches nothing") {
         ReadOptions o;
         o.spacing_m = c.spacing_m;
         o.vertical_unit = "m";
-        const Dem dem = read_dem(write(r, dir / "a.tif"), o);
+        const std::string path = write(r, dir / "a.tif");
+        const Dem dem = read_dem(path, o);
+        if (c.spacing_m == 90) CHECK(open_source({path}, o)->facts.resampled == "cubic over 3 samples");
         CAPTURE(c.crs, c.step[0], c.spacing_m, dem.columns, dem.rows);
         CHECK(dem.spacing_m[0] == Approx(c.spacing_m));
         CHECK(dem.spacing_m[1] == Approx(c.spacing_m));
@@ -309,6 +364,39 @@ TEST_CASE("tiles on both sides of the antimeridian are neighbours, whichever way
             CHECK(dem.heights_m == plain.heights_m);
         }
     }
+    // A box in degrees, also one that goes across; the same as it is and reprojected.
+    for (const char* const crs : {"auto", "none"}) {
+        ReadOptions o;
+        o.crs = crs;
+        if (o.crs == "none") o.spacing_m = 900;
+        o.bbox = {{179.5, 0.2, 180.5, 0.8}};
+        const Dem box = read_dem({west, east}, o);
+        CHECK(box.columns == Approx(121).margin(1));
+        CHECK(box.rows == Approx(73).margin(1));
+        CHECK(box.at(box.columns / 2, box.rows / 2) == Approx(100 + 3 * 120 + 60).margin(3));
+        for (const auto& same_box : {std::array{-180.5, 0.2, -179.5, 0.8}, {179.5, 0.2, -179.5, 0.8}}) {
+            o.bbox = same_box;
+            CHECK(read_dem({west, east}, o).heights_m == box.heights_m);
+        }
+    }
+    ReadOptions metres_of;
+    metres_of.bbox = {{200, 0, 100, 1}};
+    check_refusal(refused(write(slope_with(-9), dir / "m.tif"), metres_of), 2, "--bbox", {"WEST 200 is not less"});
+    // On a map whose edges are there: beyond one of them, and as two tiles.
+    const double turn = 2 * M_PI * 6378137, step = turn / 36000;
+    const auto mercator = [&](const char* name, double from, int columns) {
+        return write_placed(
+            {name, "EPSG:3857", from, 50 * step, step, columns, 100},
+            [](double x, double y) { return 500 + 100 * (x - 180) + 10 * y; }, dir / name);
+    };
+    const Dem whole = read_dem(mercator("beyond.tif", turn / 2 - 80 * step, 200), {});
+    const std::string left = mercator("left.tif", turn / 2 - 80 * step, 80);
+    const std::string right = mercator("right.tif", -turn / 2, 120);
+    CHECK(static_cast<double>(void_count(whole)) < 0.02 * whole.columns * whole.rows);
+    CHECK(whole.columns == Approx(200).margin(3));
+    CHECK(whole.at(whole.columns / 2, whole.rows / 2) == Approx(500 + 100 * 0.2).margin(2));
+    CHECK(read_dem({left, right}, {}).heights_m == whole.heights_m);
+    CHECK(read_dem({right, left}, {}).heights_m == whole.heights_m);
     // Far apart they make more of nothing than anybody wants.
     ReadOptions named;
     named.crs = "EPSG:3395";
@@ -327,4 +415,71 @@ TEST_CASE("a CRS is named with its code in either version of WKT") {
     OGRSpatialReference crs;
     crs.SetFromUserInput("+proj=tmerc +R=1737400");
     CHECK(crs_label(wkt_of(crs)).epsg == 0);
+}
+
+TEST_CASE("images lie where they are on both sides of the antimeridian, however their longitudes count") {
+    const TempDir dir;
+    const auto colour = [](double longitude, double) { return 100 + 40 * (longitude - 180); };
+    const auto height = [](double longitude, double latitude) { return 500 + 100 * (longitude - 180) + latitude; };
+    struct Case {
+        std::vector<Placed> images;
+        double west = 179, east = 181; // where they have colours
+    };
+    const std::vector<Case> cases{
+        {{{"one", "EPSG:4326", 178.5, 1.5, 0.01, 300, 200}}},
+        {{{"other", "EPSG:4326", -181.5, 1.5, 0.01, 300, 200}}},
+        {{{"w", "EPSG:4326", 178.5, 1.5, 0.01, 150, 200}, {"e", "EPSG:4326", -180, 1.5, 0.01, 150, 200}}},
+        {{{"w", "EPSG:4326", 178.5, 1.5, 0.01, 150, 200}}, 179, 180},
+        {{{"e", "EPSG:4326", -180, 1.5, 0.01, 150, 200}}, 180, 181},
+        {{{"world", "EPSG:4326", -180, 90, 0.25, 1440, 720}}},
+        {{{"world0", "EPSG:4326", 0, 90, 0.25, 1440, 720}}},
+        {{{"mercator", "EPSG:3857", -20037508.34, 20037508.34, 20037508.34 / 720, 1440, 1440}}}};
+    const auto path_of = [&](const Placed& image) { return dir / (std::string(image.name) + ".tif"); };
+    for (const Case& c : cases)
+        for (const Placed& image : c.images) write_placed(image, colour, path_of(image), true);
+    for (const Placed& ground : {Placed{"a", "EPSG:4326", 179, 1, 0.02, 100, 50},
+                                 {"b", "EPSG:4326", -181, 1, 0.02, 100, 50},
+                                 {"c", "EPSG:32601", 60'000, 110'000, 2000, 100, 50},
+                                 {"d", "EPSG:3832", 3'200'000, 110'000, 2000, 100, 50}}) {
+        const std::string dem = write_placed(ground, height, dir / "dem.tif");
+        for (const char* const crs : {"auto", "keep"}) {
+            ReadOptions o;
+            o.crs = crs;
+            if (ground.step < 1 && o.crs == "keep") o.spacing_m = 2000;
+            const auto source = open_source({dem}, o);
+            const Frame frame = frame_of(*source);
+            OGRSpatialReference degrees, own;
+            degrees.importFromEPSG(4326);
+            degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+            own.importFromWkt(frame.crs_wkt.c_str());
+            own.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+            const std::unique_ptr<OGRCoordinateTransformation> to_degrees(
+                OGRCreateCoordinateTransformation(&own, &degrees));
+            for (const Case& c : cases) {
+                std::vector<std::string> paths;
+                for (const Placed& image : c.images) paths.push_back(path_of(image));
+                CAPTURE(ground.name, crs, c.images.front().name, c.east);
+                const Refusal refused = refusal([&] { (void)open_images(paths, frame); });
+                CHECK(refused.line == "");
+                if (refused.code != 0) continue;
+                const auto images = open_images(paths, frame);
+                const auto reader = images->reader();
+                int wrong = 0, missing = 0, seen = 0;
+                for (int row = 5; row < source->rows - 5; row += 7)
+                    for (int column = 1; column < source->columns - 1; column += 3) {
+                        double x = frame.origin[0] + column * frame.step[0], y = frame.origin[1] - row * frame.step[1];
+                        if (own.IsProjected()) (void)to_degrees->Transform(1, &x, &y);
+                        x -= 360 * std::floor(x / 360);
+                        if (x < c.west + 0.3 || x > c.east - 0.3 || std::abs(x - 180) < 0.3) continue;
+                        const int grey = grey_at(*images, *reader, column, row);
+                        ++seen;
+                        missing += grey < 0;
+                        wrong += grey >= 0 && std::abs(grey - colour(x, y)) > 12;
+                    }
+                CHECK(seen > 20);
+                CHECK(missing == 0);
+                CHECK(wrong == 0);
+            }
+        }
+    }
 }
