@@ -435,8 +435,8 @@ Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const
         const Extent box{{west, south}, {east, north}};
         if (!touches(transformer, box, from))
             throw Failure(1, fmt::format("{}: --bbox {},{},{},{} lies outside of it{}", path, west, south, east, north,
-                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f}", around[0],
-                                                             around[1], around[2], around[3])
+                                         known ? fmt::format("; it spans {:.0f},{:.0f},{:.0f},{:.0f} in {}", around[0],
+                                                             around[1], around[2], around[3], crs.GetName())
                                                : ""));
         x = (west + east) / 2, y = (south + north) / 2;
         if (!transformer.to_source(x, y)) x = 0.5 * from.GetRasterXSize(), y = 0.5 * from.GetRasterYSize();

@@ -54,7 +54,7 @@ struct CutBudget {
 // Bytes of cut_bytes() for a slot of each buffer (some bits of bookkeeping not counted), for each page slot of the
 // terrain (TerrainBudget::page_slots), and for the state of a page.
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 28,
-                             cut_page_bytes = 19'720;
+                             cut_page_bytes = 19'824;
 // A page has a state while one of its vertices may become active. So many can at a time: as measured, one holds 100 to
 // 280 active vertices, but for every tile's coarsest page, which always has a state. page_slots, tiles: the terrain's.
 [[nodiscard]] constexpr std::uint32_t cut_pages(const CutBudget& budget, std::uint32_t page_slots,

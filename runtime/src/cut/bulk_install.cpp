@@ -219,7 +219,7 @@ void install_mesh(CutState& s) {
         s.mesh.fresh_vertex = b.fresh_before + b.taken;
     }
     s.morphing.late_count = s.morphing.out_count = 0;
-    forget_late_pages(s.pages, s.morphing, s.frame, true);
+    forget_late_pages(s.pages, s.mesh, s.morphing, s.frame, true);
     clear_queues(s.work.queues);
     forget_due(s.work.schedule);
     b.phase = BulkPhase::releasing;

@@ -170,11 +170,10 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (s.visibility.now.count == 0 || seen(s.views, v))
             s.mesh.morph[slot].activated_s =
                 activation_time_s(s.views, s.morphing, s.frame, v.x, v.y, v.z, v.error_m, v.radius_m);
-        if (s.mesh.morph[slot].activated_s != activated_long_ago_s)
-            note_late(s.pages, s.morphing, vertex / group_lanes / max_page_groups);
     }
     s.mesh.dirty_vertices.mark(slot);
     s.pages.vertex_slot[vertex] = slot;
+    if (s.mesh.morph[slot].activated_s != activated_long_ago_s) note_late(s.pages, s.mesh, s.morphing, vertex);
     GroupState& group = s.pages.groups[vertex / group_lanes];
     group.active |= bit_of(vertex);
     PageState& page = s.pages.state[vertex / group_lanes / max_page_groups];

@@ -30,7 +30,18 @@ double pixels(double unit_px, double error_m, double apart_m) {
 struct PagePixels {
     double px;
     std::uint32_t slot;
+    bool late; // of its vertices that morph by time; otherwise of those that wait
 };
+
+double outside_m(const Vec3& eye, const double (&low)[3], const double (&high)[3]) {
+    const double at[3] = {eye.x, eye.y, eye.z};
+    double squared = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double out = std::max({low[axis] - at[axis], at[axis] - high[axis], 0.0});
+        squared += out * out;
+    }
+    return std::sqrt(squared);
+}
 
 // How near what its vertices hide may come to a view's eye.
 double apart_m(const Pages& pages, const Views& views, const PageState& page, std::uint32_t view) {
@@ -45,13 +56,21 @@ double apart_m(const Pages& pages, const Views& views, const PageState& page, st
                            place(page.y0, c.last_y, c.spacing_z_m)};
     const double high[3] = {place(page.x0 + cells, c.last_x, c.spacing_x_m), static_cast<double>(extent.high_m),
                             place(page.y0 + cells, c.last_y, c.spacing_z_m)};
-    const double eye[3] = {views.view[view].eye_m.x, views.view[view].eye_m.y, views.view[view].eye_m.z};
-    double squared = 0;
+    return outside_m(views.view[view].eye_m, low, high) / grow - static_cast<double>(extent.radius_m) * grow;
+}
+
+// What those vertices hide at most.
+double box_px(const Views& views, const VertexBox& box) {
+    if (box.error_m == 0) return 0;
+    double low[3], high[3], apart_m = 1e30;
     for (int axis = 0; axis < 3; ++axis) {
-        const double out = std::max({low[axis] - eye[axis], eye[axis] - high[axis], 0.0});
-        squared += out * out;
+        low[axis] = static_cast<double>(box.low[axis]);
+        high[axis] = static_cast<double>(box.high[axis]);
     }
-    return std::sqrt(squared) / grow - static_cast<double>(extent.radius_m) * grow;
+    for (std::uint32_t i = 0; i < views.count; ++i)
+        apart_m = std::min(apart_m, outside_m(views.view[i].eye_m, low, high));
+    return pixels(views.largest_unit_px, static_cast<double>(box.error_m),
+                  apart_m / grow - static_cast<double>(box.radius_m) * grow);
 }
 
 // What a page's vertices hide at most, as its bound has it: the eye may have moved since.
@@ -75,36 +94,65 @@ double renew_bound(const Pages& pages, Work& work, const Views& views, std::uint
 // Looks at vertices, as long as it may.
 class Looker {
 public:
-    Looker(const Pages& pages, const Schedule& schedule, const Views& views, const Frame& frame)
-        : pages_(pages), schedule_(schedule), views_(views) {
-        for (std::uint32_t i = 0; i < views.count; ++i)
-            units_px_[i] = static_cast<float>(unit_px(views, frame, i) * grow);
+    explicit Looker(CutState& s)
+        : pages_(s.pages), schedule_(s.work.schedule), mesh_(s.mesh), morphing_(s.morphing), views_(s.views) {
+        for (std::uint32_t i = 0; i < s.views.count; ++i)
+            units_px_[i] = static_cast<float>(unit_px(s.views, s.frame, i) * grow);
     }
 
-    // The largest of a page's vertices that wait, and where some morph by time, of all that are ready. Unbounded when
-    // there are too many to be looked at.
-    [[nodiscard]] double px(std::uint32_t slot) {
+    // The largest of a page's vertices that morph by time, or of those that wait. Unbounded when there are too many to
+    // be looked at.
+    [[nodiscard]] double px(const PagePixels& what) { return what.late ? late_px(what.slot) : waiting_px(what.slot); }
+
+private:
+    [[nodiscard]] double waiting_px(std::uint32_t slot) {
         const PageState& page = pages_.state[slot];
-        const bool all = page.late || page.status == PageStatus::evicting;
+        const bool all = page.status == PageStatus::evicting;
         double most = 0;
         for (std::uint32_t n = 0; n < pages_.grid.shapes[page.shape].count; ++n) {
             const std::uint32_t number = slot * max_page_groups + n;
             const GroupState& group = pages_.groups[number];
-            if (!all && group.queue == unqueued && !is_spent(schedule_, number)) continue;
-            VertexRecord gathered[group_lanes];
-            const auto lanes = static_cast<std::uint32_t>(page.late ? group.ready() : group.ready() & ~group.active);
-            if (lanes == 0) continue;
-            if (left_-- == 0) return unbounded_px;
-            LaneGroup at = lanes_of(pages_, number, gathered);
-            at.inactive = lanes;
-            most = std::max(most, static_cast<double>(views_.worst_px(views_.criterion, at, units_px_)) * grow);
+            if (all || group.queue != unqueued || is_spent(schedule_, number))
+                most = std::max(most, px(number, group.ready() & ~std::uint32_t{group.active}));
         }
         return most;
     }
+    [[nodiscard]] double late_px(std::uint32_t slot) {
+        double most = 0;
+        for (std::uint32_t word = 0; word < page_words; ++word)
+            for (std::uint64_t left = morphing_.late[slot].groups[word]; left != 0; left &= left - 1) {
+                if (left_ == 0) return unbounded_px;
+                const auto n = static_cast<std::uint32_t>(std::countr_zero(left));
+                const std::uint32_t number = slot * max_page_groups + word * 64 + n, lanes = late_lanes(number);
+                if (lanes == 0) morphing_.late[slot].groups[word] &= ~(std::uint64_t{1} << n);
+                most = std::max(most, px(number, lanes));
+            }
+        return most;
+    }
+    // Those that are not where they will be: what they split is still hidden, or is again.
+    [[nodiscard]] std::uint32_t late_lanes(std::uint32_t number) const {
+        std::uint32_t late = 0;
+        for (std::uint32_t lanes = pages_.groups[number].active; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
+            const std::uint32_t vertex = pages_.vertex_slot[number * group_lanes + lane];
+            if (is_morphing(mesh_, morphing_, vertex) || morphs_out(mesh_, vertex)) late |= 1u << lane;
+        }
+        return late;
+    }
+    [[nodiscard]] double px(std::uint32_t number, std::uint32_t lanes) {
+        if (lanes == 0) return 0;
+        if (left_ == 0) return unbounded_px;
+        --left_;
+        VertexRecord gathered[group_lanes];
+        LaneGroup at = lanes_of(pages_, number, gathered);
+        at.inactive = lanes;
+        return static_cast<double>(views_.worst_px(views_.criterion, at, units_px_)) * grow;
+    }
 
-private:
     const Pages& pages_;
     const Schedule& schedule_;
+    const Mesh& mesh_;
+    Morphing& morphing_;
     const Views& views_;
     float units_px_[max_cut_views];
     std::uint32_t left_ = 192; // groups
@@ -127,14 +175,14 @@ public:
         std::sort(pages_, pages_ + count_, by_px);
         double most = others_px_;
         for (; count_ != 0 && pages_[count_ - 1].px > most; --count_)
-            most = std::max(most, std::min(pages_[count_ - 1].px, looker.px(pages_[count_ - 1].slot)));
+            most = std::max(most, std::min(pages_[count_ - 1].px, looker.px(pages_[count_ - 1])));
         return most;
     }
 
 private:
     static constexpr std::uint32_t most_looked_at = 16;
     static bool by_px(const PagePixels& a, const PagePixels& b) {
-        return a.px < b.px || (a.px == b.px && a.slot < b.slot);
+        return a.px < b.px || (a.px == b.px && (a.slot < b.slot || (a.slot == b.slot && a.late < b.late)));
     }
     PagePixels pages_[most_looked_at];
     std::uint32_t count_ = 0;
@@ -250,7 +298,7 @@ double error_bound_px(CutState& s, bool offscreen_too) {
             --renewals;
             px = renew_bound(s.pages, s.work, s.views, slot);
         }
-        worst.add({px, slot});
+        worst.add({px, slot, false});
     };
     // Most pages are far away, and hide little: that what they were last known to hide tells without a look at them.
     const double little_px = 2 * s.frame.report.threshold_px;
@@ -262,16 +310,19 @@ double error_bound_px(CutState& s, bool offscreen_too) {
         const double px = bound_px(s.work, s.views, s.work.schedule.bounds[page.slot]);
         if (px <= little_px)
             worst.add_others(px);
-        else if (!s.pages.state[page.slot].late)
+        else
             add(page.slot);
     }
-    for (std::uint32_t i = 0; i < s.morphing.late_page_count; ++i) add(s.morphing.late_pages[i]);
+    for (std::uint32_t i = 0; i < s.morphing.late_page_count; ++i) {
+        const std::uint32_t slot = s.morphing.late_pages[i];
+        if (!offscreen_too && s.pages.state[slot].offscreen == all_parts) continue;
+        const LateVertices& late = s.morphing.late[slot];
+        worst.add({std::max(box_px(s.views, late.young), box_px(s.views, late.old)), slot, true});
+    }
     for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
-        if (!s.pages.state[s.pages.evicting[i]].late && s.pages.state[s.pages.evicting[i]].active != 0)
-            add(s.pages.evicting[i]);
+        if (s.pages.state[s.pages.evicting[i]].active != 0) add(s.pages.evicting[i]);
     // Where the eye stands inside a sphere, or nearly so, that bound says little.
-    const double px = worst.px(Looker(s.pages, s.work.schedule, s.views, s.frame)),
-                 coarse_px = 256 * s.frame.report.threshold_px;
+    const double px = worst.px(Looker(s)), coarse_px = 256 * s.frame.report.threshold_px;
     return px < coarse_px ? px : std::min(px, any_mesh_px(s));
 }
 

@@ -5,6 +5,7 @@
 // that wait are in pages that are due, or with groups in queues, or that are being evicted: of every other page, all
 // are within the threshold. A page's own bound, from its box, its largest error and its largest sphere, costs little
 // and is loose where the eye is near; of the few pages whose bounds are highest the vertices are looked at, one by one.
+// A vertex that morphs by time hides what it would if it were not active. A page keeps a box around those that do.
 #pragma once
 
 #include "cut/state.h"

@@ -117,20 +117,48 @@ void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std:
     morphing.out[(morphing.first_out + morphing.out_count++) % morphing.ring_size] = vertex;
 }
 
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot) {
+void note_late(Pages& pages, const Mesh& mesh, Morphing& morphing, std::uint32_t vertex) {
+    const std::uint32_t group = vertex / group_lanes, slot = group / max_page_groups, n = group % max_page_groups;
     PageState& page = pages.state[slot];
+    LateVertices& late = morphing.late[slot];
     page.late_ticks = morphing.clock.ticks;
-    if (page.late) return;
-    page.late = true;
-    morphing.late_pages[morphing.late_page_count++] = slot;
+    if (!page.late) {
+        page.late = true;
+        morphing.late_pages[morphing.late_page_count++] = slot;
+        late = {};
+        late.young_ticks = morphing.clock.ticks;
+    }
+    late.groups[n / 64] |= std::uint64_t{1} << n % 64;
+    const MeshVertex& v = mesh.vertices[pages.vertex_slot[vertex]];
+    const MorphVertex& m = mesh.morph[pages.vertex_slot[vertex]];
+    const float at[3] = {pages.grid.terrain->x_m(v.column), v.height_m, pages.grid.terrain->z_m(v.row)};
+    VertexBox& box = late.young;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.low[axis] = std::min(box.low[axis], at[axis]);
+        box.high[axis] = std::max(box.high[axis], at[axis]);
+    }
+    box.error_m = std::max(box.error_m, m.error_m);
+    box.radius_m = std::max(box.radius_m, m.radius_m);
 }
 
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all) {
-    const auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
+void forget_late_pages(Pages& pages, const Mesh& mesh, Morphing& morphing, const Frame& frame, bool all) {
+    auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
+    // What has morphed out hides its error until it is deactivated, for which there may be no items: those that began
+    // first are the first to go.
+    if (morphing.out_count != 0) {
+        const std::uint32_t first = morphing.out[morphing.first_out];
+        if (!is_active(pages, first)) return;
+        const float age_s = morph_age_s(morphing.clock.now_s(), mesh.morph[pages.vertex_slot[first]].activated_s);
+        lasts = std::max(lasts, static_cast<std::int64_t>(std::ceil(age_s * ticks_a_second)) + 1);
+    }
     for (std::uint32_t i = 0; i < morphing.late_page_count;) {
         PageState& page = pages.state[morphing.late_pages[i]];
         if (!all && morphing.clock.ticks - page.late_ticks <= lasts) {
-            ++i;
+            LateVertices& late = morphing.late[morphing.late_pages[i++]];
+            if (morphing.clock.ticks - late.young_ticks <= lasts) continue;
+            late.old = late.young;
+            late.young = {};
+            late.young_ticks = morphing.clock.ticks;
             continue;
         }
         page.late = false;

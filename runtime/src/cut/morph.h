@@ -27,14 +27,29 @@ struct MorphClock {
     }
 };
 
+// A box around vertices, and the largest of their errors and spheres. Metres.
+struct VertexBox {
+    float low[3] = {1e30f, 1e30f, 1e30f}, high[3] = {-1e30f, -1e30f, -1e30f};
+    float error_m = 0, radius_m = 0;
+};
+
+// Of a page: the vertices that have begun to morph by time. Each time a morph takes, the young ones become the old
+// ones: what was old until then has arrived.
+struct LateVertices {
+    std::uint64_t groups[page_words]; // a bit each: one of its vertices may morph
+    VertexBox young, old;
+    std::int64_t young_ticks; // when the first of the young ones began
+};
+
 struct Morphing {
     MorphClock clock;
     MorphFrame now, before;
     std::uint32_t ring_size; // Mesh::capacity
     float* late_s;           // activated_s of vertices activated late, a ring: oldest first
     std::uint32_t first_late, late_count;
-    std::uint32_t* late_pages; // states of pages with such vertices
+    std::uint32_t* late_pages; // states of pages with vertices that morph by time, in or out
     std::uint32_t late_page_count;
+    LateVertices* late; // one a state
     std::uint32_t* out; // vertices that morph out, a ring: those that began first
     std::uint32_t first_out, out_count;
 };
@@ -85,10 +100,11 @@ void end_morphing_in(Work& work, Morphing& morphing);
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
 void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std::uint32_t vertex);
 
-// A vertex has begun to morph by time: its page hides something until it has arrived.
-void note_late(Pages& pages, Morphing& morphing, std::uint32_t slot);
-// Their vertices have morphed in; all: no vertex morphs by time any more.
-void forget_late_pages(Pages& pages, Morphing& morphing, const Frame& frame, bool all);
+// A vertex has begun to morph by time: it hides something until it has arrived.
+// Its place, error and radius: before it morphs out.
+void note_late(Pages& pages, const Mesh& mesh, Morphing& morphing, std::uint32_t vertex);
+// Their vertices have arrived, and those that morphed out are deactivated; all: no vertex morphs by time any more.
+void forget_late_pages(Pages& pages, const Mesh& mesh, Morphing& morphing, const Frame& frame, bool all);
 void forget_late_page(Pages& pages, Morphing& morphing, std::uint32_t slot); // it loses its state
 
 // Moves the clock on to the host's time. Sets how long vertices take in this frame: CutSettings::morph_s, or less after

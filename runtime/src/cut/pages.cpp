@@ -444,8 +444,8 @@ void morph_out_page(Pages& pages, Mesh& mesh, Morphing& morphing, Frame& frame, 
             const std::uint32_t v =
                 lowest_below(pages, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
             if (morphs_out(mesh, pages.vertex_slot[v])) continue;
+            note_late(pages, mesh, morphing, v);
             begin_morphing_out(pages, mesh, morphing, v);
-            note_late(pages, morphing, v / group_lanes / max_page_groups);
             ++frame.report.work;
             ++frame.report.evaluations; // it was evaluated
         }

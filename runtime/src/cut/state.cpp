@@ -36,7 +36,7 @@ static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 *
                   cut_triangle_bytes == 3 * 4 && cut_page_slot_bytes == sizeof(LoadedPage) &&
                   cut_page_bytes == max_page_groups * (sizeof(GroupState) + sizeof(QueueNode) + group_lanes * 4) +
                                         sizeof(PageState) + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
-                                        sizeof(HiddenBound) + sizeof(BulkPage) + 8 * 4,
+                                        sizeof(HiddenBound) + sizeof(LateVertices) + sizeof(BulkPage) + 8 * 4,
               "hosts size their budgets by these: change them in fjell/cut.h with lay_out()");
 
 // Where its parts lie. Returns the bytes of all; at: nullptr to know no more than that.
@@ -91,6 +91,7 @@ std::size_t lay_out(const TerrainData& t, const CutBudget& b, std::byte* at, Cut
     part(s.morphing.late_s, vertices);
     part(s.morphing.out, vertices);
     part(s.morphing.late_pages, pages);
+    part(s.morphing.late, pages);
     part(s.bulk.pages, pages);
     part(s.bulk.visited, pages);
     part(s.bulk.listed[0], pages);
@@ -206,7 +207,7 @@ void reset(CutState& s) {
     s.mesh.free_vertex_count = 0;
     s.mesh.fresh_vertex = corner_count(t);
     free_all_segments(s.mesh);
-    forget_late_pages(s.pages, s.morphing, s.frame, true);
+    forget_late_pages(s.pages, s.mesh, s.morphing, s.frame, true);
     make_corners(s.pages.grid, s.mesh);
     for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
         if (s.pages.state[slot].page == no_index) continue;

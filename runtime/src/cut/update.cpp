@@ -50,7 +50,7 @@ void list_ranges(Mesh& mesh, const Views& views, Frame& frame) {
 // What the mesh lacks of its threshold; 0: nothing.
 double waiting_px(CutState& s, bool overlooking) {
     const CutReport& r = s.frame.report;
-    forget_late_pages(s.pages, s.morphing, s.frame, r.morphing == 0);
+    forget_late_pages(s.pages, s.mesh, s.morphing, s.frame, r.morphing == 0);
     if (r.waiting == 0 && r.morphing == 0) return 0;
     // Nobody has looked at what is drawn, or at what pages hide that have no state.
     if (s.bulk.phase != BulkPhase::idle || s.pages.some_wait) return any_mesh_px(s);
