@@ -197,11 +197,6 @@ void flatten_all(const Pages& pages, Mesh& mesh) {
         }
 }
 
-MorphFrame cut_morph(LiveCut cut) {
-    const CutState* const s = find_cut(cut);
-    return s != nullptr ? s->morphing.now : MorphFrame{};
-}
-
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {
     if (frame.morph == Morph::none) return v.height_m;
     const TerrainData* const found = find(terrain);
