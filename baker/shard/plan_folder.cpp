@@ -312,6 +312,24 @@ void remove_dead(const std::string& scratch, const std::string& prefix) {
     }
 }
 
+// While an attempt makes its folder and locks it nobody looks for dead ones: it would look like one. A network's locks
+// want a file that is open for writing.
+class OneAtATime {
+public:
+    explicit OneAtATime(const std::string& path) : file_(open(path.c_str(), O_RDWR | O_CLOEXEC)) {
+        if (file_ < 0) file_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+        if (file_ >= 0) (void)flock(file_, LOCK_EX); // not everywhere
+    }
+    OneAtATime(const OneAtATime&) = delete;
+    OneAtATime& operator=(const OneAtATime&) = delete;
+    ~OneAtATime() {
+        if (file_ >= 0) close(file_);
+    }
+
+private:
+    int file_;
+};
+
 std::string host() {
     char name[256] = {};
     return gethostname(name, sizeof name - 1) == 0 ? name : "host";
@@ -324,6 +342,7 @@ ScratchFolder::ScratchFolder(const ShardPlan& plan, const ShardStep& step, int s
     const std::string scratch = plan.folder + "/scratch", prefix = fmt::format("{}-{}.", step.name(), shard);
     make_folder(scratch);
     make_folder(fmt::format("{}/{}", plan.folder, step.name()));
+    const OneAtATime turn(plan.folder + "/plan.json");
     remove_dead(scratch, prefix);
     path_ = fmt::format("{}/{}{}.{}", scratch, prefix, host(), getpid());
     make_folder(path_);

@@ -27,8 +27,9 @@ void check_reads(const io::PackFile& file, const io::PackStream& streamed) {
     if (corrupt + unreadable == 0) return;
     if (file.changed()) file.fail(EIO);
     throw Failure(corrupt != 0 ? 1 : 3,
-                  fmt::format("{}: {} damaged and {} unreadable chunks; it was coarser there; {}", file.path(), corrupt,
-                              unreadable, corrupt != 0 ? "check it with fjell-bake verify" : "check the disk"));
+                  fmt::format("{} ({} damaged and {} unreadable chunks); it was coarser there; {}",
+                              streamed.first_failure(), corrupt, unreadable,
+                              corrupt != 0 ? "check it with fjell-bake verify" : "check the disk"));
 }
 
 int run(int argc, char** argv) {
@@ -39,7 +40,7 @@ int run(int argc, char** argv) {
     Outputs outputs(options);
     Session session;
     open_session(options, session);
-    if (session.streamed)
+    if (session.streamed && !options.headless) // whoever looks at it is told at once
         session.on_failure = [](const std::string& line) { fmt::print(stderr, "fjell-fly: {}\n", line); };
     if (!options.replay.empty()) adopt_recorded(session, options.profile);
     const std::size_t frames = options.frames ? options.frames : default_frames;

@@ -7,6 +7,8 @@
 #include <new>
 #include <system_error>
 
+#include "io/system.h"
+
 namespace fjell::io {
 
 namespace {
@@ -33,15 +35,15 @@ Failure as_failure(const std::exception& thrown) {
         dynamic_cast<const std::length_error*>(&thrown) != nullptr)
         return {3, "out of memory; close other programs, or take smaller budgets or a smaller height field"};
     if (const auto* const disk = dynamic_cast<const std::filesystem::filesystem_error*>(&thrown))
-        return {3, disk->path1().string() + ": " + disk->code().message() + "; check the path and who may write there"};
+        return {3, os::text_of(disk->path1()) + ": " + disk->code().message() +
+                       "; check the path and who may write there"};
     if (const auto* const system = dynamic_cast<const std::system_error*>(&thrown))
         return {3, system->code().message() + "; close other programs, or raise the machine's limits"};
     return {3, std::string("internal error, please report it: ") + thrown.what()};
 }
 
 int run_tool(const char* name, const std::function<int()>& body) {
-    std::signal(SIGXFSZ, SIG_IGN); // a file-size limit is a write error like any other
-    std::signal(SIGPIPE, SIG_IGN);
+    os::ignore_write_signals();
     try {
         const int code = body();
         if (code == 0 && (std::fflush(stdout) != 0 || std::ferror(stdout)))
@@ -54,7 +56,7 @@ int run_tool(const char* name, const std::function<int()>& body) {
 }
 
 void catch_interrupts() {
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, on_signal);
+    for (const int number : os::stop_signals()) std::signal(number, on_signal);
 }
 
 void check_interrupt() {

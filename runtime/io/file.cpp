@@ -5,48 +5,40 @@
 #include <filesystem>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "fjell/io/failure.h"
+#include "io/system.h"
 
 namespace fjell::io {
 
 int open_regular_file(const std::string& path) {
-    const int fd = uninterrupted([&] {
-        return open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe without a writer must not hang
-    });
+    const int fd = os::open_to_read(path);
     if (fd < 0) {
         if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == EIO) disk_failure(path, "open");
         throw Failure(1, path + ": " + std::strerror(errno) + "; " +
                              (errno == EACCES ? "make it readable" : "give an existing file"));
     }
-    struct stat info {};
-    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)) return fd;
-    close(fd);
-    throw Failure(1, path + (S_ISDIR(info.st_mode) ? ": is a folder, not a file; give a regular file"
-                                                   : ": not a file; give a regular file"));
+    os::FileInfo info;
+    if (os::look(fd, info) && info.kind == os::FileKind::regular) return fd;
+    os::close_file(fd);
+    throw Failure(1, path + (info.kind == os::FileKind::folder ? ": is a folder, not a file; give a regular file"
+                                                               : ": not a file; give a regular file"));
 }
 
 std::vector<std::byte> read_file(const std::string& path) {
     const int fd = open_regular_file(path);
     const struct Closer {
         int fd;
-        ~Closer() { close(fd); }
+        ~Closer() { os::close_file(fd); }
     } closer{fd};
-    struct stat info {};
-    if (fstat(fd, &info) != 0) disk_failure(path, "read");
-    std::vector<std::byte> bytes(static_cast<std::size_t>(info.st_size));
-    for (std::size_t at = 0; at < bytes.size();) {
-        const ssize_t n = read(fd, bytes.data() + at, bytes.size() - at);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) disk_failure(path, "read");
-        if (n == 0) throw Failure(1, path + ": shrank while it was read; try again");
-        at += static_cast<std::size_t>(n);
-    }
-    return bytes;
+    os::FileInfo info, after;
+    if (!os::look(fd, info)) disk_failure(path, "read");
+    std::vector<std::byte> bytes(static_cast<std::size_t>(info.bytes));
+    const int error = os::read_at(fd, 0, bytes);
+    if (error == 0) return bytes;
+    if (os::look(fd, after) && after.bytes < info.bytes)
+        throw Failure(1, path + ": shrank while it was read; try again");
+    errno = error;
+    disk_failure(path, "read");
 }
 
 std::string read_text(const std::string& path) {
@@ -59,13 +51,13 @@ namespace {
 // What a name leads to: links followed, also to where nothing is yet.
 std::string resolved(const std::string& path) {
     std::error_code error;
-    std::filesystem::path place = std::filesystem::absolute(path, error);
+    std::filesystem::path place = std::filesystem::absolute(os::path_of(path), error);
     for (int links = 0; links < 16 && std::filesystem::is_symlink(place, error); ++links) {
         const std::filesystem::path target = std::filesystem::read_symlink(place, error);
         place = target.is_absolute() ? target : place.parent_path() / target;
     }
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(place, error);
-    return error ? place.string() : canonical.string();
+    return os::text_of(error ? place : canonical);
 }
 
 // The file of a name: by where the name leads and, once it is there, by what all of its names share.
@@ -73,13 +65,11 @@ struct FileIdentity {
     explicit FileIdentity(const std::string& the_name) : name(the_name), folder(the_name.ends_with('/')) {
         while (name.size() > 1 && name.ends_with('/')) name.pop_back();
         place = resolved(name);
-        struct stat info {};
-        exists = stat(name.c_str(), &info) == 0;
-        device = info.st_dev, number = info.st_ino;
-        counts = !name.empty() && name != "-" && !(exists && S_ISCHR(info.st_mode));
+        exists = os::look(name, info);
+        counts = !name.empty() && name != "-" && !(exists && info.kind == os::FileKind::device);
     }
     [[nodiscard]] bool same(const FileIdentity& other) const {
-        if (exists && other.exists) return device == other.device && number == other.number;
+        if (exists && other.exists) return info.same(other.info);
         return place == other.place;
     }
     [[nodiscard]] bool holds(const FileIdentity& other) const {
@@ -88,8 +78,7 @@ struct FileIdentity {
 
     std::string name, place;
     bool folder, exists = false, counts = true;
-    dev_t device = 0;
-    ino_t number = 0;
+    os::FileInfo info;
 };
 
 } // namespace
@@ -116,100 +105,27 @@ void refuse_overwriting(const std::vector<std::string>& outputs, const std::vect
 
 std::string where_written(const std::string& path) {
     std::error_code none;
-    return std::filesystem::is_symlink(path, none) ? resolved(path) : path;
+    return std::filesystem::is_symlink(os::path_of(path), none) ? resolved(path) : path;
 }
-
-namespace {
-
-bool is_at(int fd, const std::string& name) {
-    struct stat held {
-    }, there{};
-    return fstat(fd, &held) == 0 && stat(name.c_str(), &there) == 0 && held.st_dev == there.st_dev &&
-           held.st_ino == there.st_ino;
-}
-
-// Who writes a temporary file holds its lock until it has its name or is gone. File systems without locks are taken as
-// if nobody else wrote.
-bool lock(int fd) {
-    return uninterrupted([&] { return flock(fd, LOCK_EX | LOCK_NB); }) == 0 || errno != EWOULDBLOCK;
-}
-
-// Removes what a program that was killed has left. False: it is another program's that is at work, or no file.
-bool remove_stale(const std::string& name) {
-    const int fd = uninterrupted([&] { return open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); });
-    if (fd < 0) return errno == ENOENT;
-    const bool free = lock(fd);
-    if (free && is_at(fd, name)) unlink(name.c_str());
-    close(fd);
-    return free;
-}
-
-std::string beside(const std::string& place, int n) {
-    return place + ".fjell-tmp" + (n > 1 ? std::to_string(n) : "");
-}
-
-// A new file beside its place, locked: the first name that no other program has. -1: errno says why.
-int open_beside(const std::string& place, mode_t mode, std::string& name) {
-    constexpr int most_tries = 1000, most_writers = 4;
-    for (int n = 1, tries = 0; tries < most_tries; ++tries) {
-        name = beside(place, n);
-        const int fd = uninterrupted([&] { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
-        if (fd < 0 && errno != EEXIST) return -1;
-        if (fd < 0) {
-            n += !remove_stale(name);
-        } else if (lock(fd) && is_at(fd, name)) {
-            for (int later = n + 1; later <= most_writers; ++later) (void)remove_stale(beside(place, later));
-            return fd;
-        } else {
-            close(fd); // removed for a stale one before it was locked
-        }
-    }
-    errno = EBUSY;
-    return -1;
-}
-
-// In time for a reader that is only just starting.
-int open_pipe(const std::string& path) {
-    constexpr int most_looks = 500; // every 10 ms
-    for (int i = 0; i < most_looks; ++i) {
-        const int fd = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
-        if (fd >= 0) {
-            (void)fcntl(fd, F_SETFL, 0); // from here on writing waits for the reader
-            return fd;
-        }
-        if (errno != ENXIO && errno != EINTR) return -1;
-        check_interrupt();
-        usleep(10'000);
-    }
-    throw Failure(1, path + ": a pipe that nobody reads; start its reader first");
-}
-
-void keep_owner(int fd, const std::string& replaced) {
-    struct stat before {};
-    if (stat(replaced.c_str(), &before) != 0) return;
-    if (fchown(fd, before.st_uid, before.st_gid) != 0) (void)!fchown(fd, static_cast<uid_t>(-1), before.st_gid);
-    (void)fchmod(fd, before.st_mode & 07777); // last: a new owner takes bits away
-}
-
-} // namespace
 
 AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
     : path_(where_written(path)), temporary_(temporary) {
-    struct stat before {};
+    os::FileInfo before;
     if (path == "-") throw Failure(2, "-: this output cannot go to standard output; give it a file name");
-    const bool replaces = stat(path_.c_str(), &before) == 0;
-    const bool pipe = replaces && S_ISFIFO(before.st_mode), device = replaces && S_ISCHR(before.st_mode);
-    if (replaces && !S_ISREG(before.st_mode) && !device && (!pipe || !temporary.empty()))
-        throw Failure(1, path + ": is a " + (S_ISDIR(before.st_mode) ? "folder" : "pipe or the like") +
+    const bool replaces = os::look(path_, before);
+    const bool pipe = replaces && before.kind == os::FileKind::pipe,
+               device = replaces && before.kind == os::FileKind::device;
+    if (replaces && before.kind != os::FileKind::regular && !device && (!pipe || !temporary.empty()))
+        throw Failure(1, path + ": is a " + (before.kind == os::FileKind::folder ? "folder" : "pipe or the like") +
                              "; give the output a file name");
     if (pipe || device) temporary_ = path_; // cannot be renamed over
-    const mode_t mode = replaces ? (before.st_mode & 0777) | 0600 : 0666;
+    const os::FileInfo* const replaced = replaces ? &before : nullptr;
     if (pipe)
-        fd_ = open_pipe(path_);
+        fd_ = os::open_pipe(path_);
     else if (temporary_.empty())
-        fd_ = open_beside(path_, mode, temporary_);
+        fd_ = os::open_beside(path_, replaced, temporary_);
     else
-        fd_ = uninterrupted([&] { return open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode); });
+        fd_ = os::open_to_write(temporary_, replaced);
     if (fd_ >= 0) return;
     if (errno == ENOENT || errno == ENOTDIR)
         throw Failure(1, path + ": the output folder does not exist; create it or choose another");
@@ -218,13 +134,15 @@ AtomicFile::AtomicFile(const std::string& path, const std::string& temporary)
 
 AtomicFile::~AtomicFile() {
     if (fd_ < 0) return;
-    if (temporary_ != path_) unlink(temporary_.c_str()); // before its lock goes
-    close(fd_);
+    if (temporary_ != path_)
+        os::discard(fd_, temporary_);
+    else
+        os::close_file(fd_);
 }
 
 void disk_failure(const std::string& path, const char* doing) {
     const int error = errno;
-    const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG ? "free some space or choose another disk"
+    const char* remedy = os::is_full(error) ? "free some space or choose another disk"
                          : error == EACCES || error == EPERM || error == EROFS ? "choose a folder you may write to"
                          : error == EMFILE || error == ENFILE ? "close other programs, or raise the limit (ulimit -n)"
                          : error == EPIPE                     ? "its reader has gone; keep that running"
@@ -233,26 +151,11 @@ void disk_failure(const std::string& path, const char* doing) {
 }
 
 void write_all(int fd, std::uint64_t offset, std::span<const std::byte> bytes, const std::string& path) {
-    while (!bytes.empty()) {
-        ssize_t n = pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (n < 0 && errno == ESPIPE) n = ::write(fd, bytes.data(), bytes.size()); // a device without places
-        if (n < 0 && errno == EINTR) continue;
-        if (n == 0) errno = ENOSPC; // nothing written and no reason given
-        if (n <= 0) disk_failure(path, "write");
-        bytes = bytes.subspan(static_cast<std::size_t>(n));
-        offset += static_cast<std::uint64_t>(n);
-    }
+    if (const int error = os::write_at(fd, offset, bytes); error != 0) errno = error, disk_failure(path, "write");
 }
 
 void read_all(int fd, std::uint64_t offset, std::span<std::byte> bytes, const std::string& path) {
-    while (!bytes.empty()) {
-        const ssize_t n = pread(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (n < 0 && errno == EINTR) continue;
-        if (n == 0) errno = EIO; // shorter than it was made
-        if (n <= 0) disk_failure(path, "read");
-        bytes = bytes.subspan(static_cast<std::size_t>(n));
-        offset += static_cast<std::uint64_t>(n);
-    }
+    if (const int error = os::read_at(fd, offset, bytes); error != 0) errno = error, disk_failure(path, "read");
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -265,21 +168,16 @@ void AtomicFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 }
 
 void AtomicFile::commit() {
-    if (temporary_ != path_) keep_owner(fd_, path_);
-    if (uninterrupted([&] { return fsync(fd_); }) != 0 && errno != EINVAL && errno != EROFS)
-        disk_failure(path_, "flush");
+    if (temporary_ != path_) os::keep_owner(fd_, path_);
+    const auto check = [&](int error, const char* doing) {
+        if (error != 0) errno = error, disk_failure(path_, doing);
+    };
+    check(os::flush(fd_), "flush");
     const int fd = std::exchange(fd_, -1);
-    if (temporary_ == path_) {
-        if (close(fd) != 0) disk_failure(path_, "close");
-        return;
-    }
-    const int lock_holder = fcntl(fd, F_DUPFD_CLOEXEC, 0); // until it has its name
-    const bool done = close(fd) == 0 && rename(temporary_.c_str(), path_.c_str()) == 0;
-    const int error = errno;
-    if (!done) unlink(temporary_.c_str());
-    if (lock_holder >= 0) close(lock_holder);
-    errno = error;
-    if (!done) disk_failure(path_, "replace");
+    if (temporary_ == path_)
+        check(os::close_file(fd), "close");
+    else
+        check(os::replace(fd, temporary_, path_), "replace");
 }
 
 } // namespace fjell::io

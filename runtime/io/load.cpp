@@ -4,11 +4,10 @@
 #include <cstring>
 #include <new>
 
-#include <sys/mman.h>
-
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "io/file.h"
+#include "io/system.h"
 
 namespace fjell::io {
 
@@ -26,7 +25,7 @@ void AlignedDelete::operator()(std::byte* memory) const {
 
 AlignedMemory allocate(std::size_t bytes) {
     AlignedMemory memory(static_cast<std::byte*>(::operator new[](bytes, alignment)));
-    if (bytes >= huge_page_bytes) (void)madvise(memory.get(), bytes, MADV_HUGEPAGE); // a wish; refusal costs speed only
+    if (bytes >= huge_page_bytes) os::prefer_huge_pages(memory.get(), bytes);
     return memory;
 }
 

@@ -4,14 +4,11 @@
 #include <cerrno>
 #include <cstring>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "fjell/io/failure.h"
 #include "io/file.h"
 #include "io/set_file.h"
 #include "io/set_parts.h"
+#include "io/system.h"
 
 namespace fjell::io {
 
@@ -49,8 +46,8 @@ namespace {
 
 // Somebody who names a folder means a set: what makes one of it is not to be seen from outside.
 void refuse_folder(const std::string& path) {
-    struct stat info {};
-    if (stat(path.c_str(), &info) != 0 || !S_ISDIR(info.st_mode)) return;
+    os::FileInfo info;
+    if (!os::look(path, info) || info.kind != os::FileKind::folder) return;
     throw Failure(1, path + ": is a folder without a set.json, which would make it a pack set; give a pack or a set's "
                             "folder, make a set with fjell-bake split PACK -o FOLDER, or run the merge or split into "
                             "it again if it was interrupted");
@@ -68,13 +65,13 @@ PackFile::PackFile(const std::string& path) : path_(path) {
     try {
         open_pack_file();
     } catch (...) {
-        close(fd_);
+        os::close_file(fd_);
         throw;
     }
 }
 
 PackFile::~PackFile() {
-    if (fd_ >= 0) close(fd_);
+    if (fd_ >= 0) os::close_file(fd_);
 }
 
 std::size_t PackFile::packs() const {
@@ -91,9 +88,9 @@ void PackFile::open_set_file(const std::string& set_file) {
 }
 
 void PackFile::open_pack_file() {
-    struct stat info {};
-    if (fstat(fd_, &info) != 0) disk_failure(path_, "read");
-    file_bytes_ = static_cast<std::uint64_t>(info.st_size);
+    os::FileInfo info;
+    if (!os::look(fd_, info)) disk_failure(path_, "read");
+    file_bytes_ = info.bytes;
     std::byte head[sizeof(PackHeader)];
     const std::span header = std::span(head).first(std::min<std::uint64_t>(sizeof head, file_bytes_));
     if (const int error = read(0, header); error != 0) fail(error);
@@ -135,9 +132,9 @@ void PackFile::read_chunk(ChunkId id, std::vector<std::byte>& raw) const {
 bool PackFile::changed() const noexcept {
     if (set_) return set_->changed();
     const PackHeader& opened = pack_.header;
-    struct stat info {};
-    if (fstat(fd_, &info) != 0) return false; // then the disk is at fault
-    if (static_cast<std::uint64_t>(info.st_size) != file_bytes_) return true;
+    os::FileInfo info;
+    if (!os::look(fd_, info)) return false; // then the disk is at fault
+    if (info.bytes != file_bytes_) return true;
     if (pack_.directory == nullptr) return false; // it is being opened
     std::byte head[sizeof(PackHeader)];
     return read(0, head) == 0 && std::memcmp(head, &opened, sizeof opened) != 0;
@@ -153,21 +150,12 @@ void PackFile::fail(int error) const {
 }
 
 int PackFile::read(std::uint64_t offset, std::span<std::byte> to) const noexcept {
-    if (set_) return set_->read(offset, to);
-    while (!to.empty()) {
-        const ssize_t n = pread(fd_, to.data(), to.size(), static_cast<off_t>(offset));
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) return errno;
-        if (n == 0) return EIO; // shorter than when it was opened
-        to = to.subspan(static_cast<std::size_t>(n));
-        offset += static_cast<std::uint64_t>(n);
-    }
-    return 0;
+    return set_ ? set_->read(offset, to) : os::read_at(fd_, offset, to);
 }
 
 void PackFile::drop_cache() const noexcept {
     if (set_) return set_->drop_cache();
-    (void)posix_fadvise(fd_, 0, 0, POSIX_FADV_DONTNEED);
+    os::drop_cache(fd_);
 }
 
 } // namespace fjell::io

@@ -8,6 +8,7 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/system.h"
 
 namespace fjell::io {
 
@@ -152,9 +153,9 @@ private:
 };
 
 bool leads_out(const std::string& file) {
-    const std::filesystem::path path(file);
+    const std::filesystem::path path = os::path_of(file);
     const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20; }; // messages are one line
-    return file.empty() || path.is_absolute() || std::any_of(file.begin(), file.end(), is_control) ||
+    return file.empty() || path.has_root_path() || std::any_of(file.begin(), file.end(), is_control) ||
            std::find(path.begin(), path.end(), "..") != path.end();
 }
 
@@ -268,9 +269,9 @@ std::vector<std::string> files_of_pack(const std::string& path) {
     if (index.empty()) return {path};
     std::vector<std::string> files{index};
     try {
-        const std::filesystem::path folder = std::filesystem::path(index).parent_path();
+        const std::filesystem::path folder = os::path_of(index).parent_path();
         for (const SetFilePack& pack : parse_set_file(read_text(index), index).packs)
-            files.push_back((folder / pack.file).string());
+            files.push_back(os::text_of(folder / os::path_of(pack.file)));
     } catch (const Failure&) {
         files.resize(1); // whoever opens it says why
     }
@@ -279,9 +280,10 @@ std::vector<std::string> files_of_pack(const std::string& path) {
 
 std::string set_file_of(const std::string& path) {
     std::error_code none;
-    const std::filesystem::path inside = std::filesystem::path(path) / "set.json";
-    if (std::filesystem::is_directory(path, none)) return std::filesystem::exists(inside, none) ? inside.string() : "";
-    return path.ends_with(".json") && std::filesystem::is_regular_file(path, none) ? path : "";
+    const std::filesystem::path place = os::path_of(path), inside = place / "set.json";
+    if (std::filesystem::is_directory(place, none))
+        return std::filesystem::exists(inside, none) ? os::text_of(inside) : "";
+    return path.ends_with(".json") && std::filesystem::is_regular_file(place, none) ? path : "";
 }
 
 } // namespace fjell::io

@@ -9,10 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "io/file.h"
@@ -59,18 +55,17 @@ void check_named(const SetFile& set, const SetFilePack& named, const PackHeader&
 SetParts::SetParts(const std::string& set_path) : SetParts(parse_set_file(read_text(set_path), set_path), set_path) {}
 
 SetParts::SetParts(const SetFile& set, const std::string& set_path) {
-    const std::filesystem::path folder = std::filesystem::path(set_path).parent_path();
-    const std::string folder_path = folder.empty() ? "." : folder.string();
-    folder_.fd = uninterrupted([&] { return open(folder_path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC); });
-    if (folder_.fd < 0) disk_failure(folder_path, "open");
+    const std::filesystem::path folder = os::path_of(set_path).parent_path();
+    const std::string folder_path = folder.empty() ? "." : os::text_of(folder);
+    if (const int error = folder_.open(folder_path); error != 0) errno = error, disk_failure(folder_path, "open");
     std::vector<std::unique_ptr<OpenedPart>> opened;
     std::vector<SetPart> parts;
     std::uint64_t begins = sizeof(PackHeader);
     for (const SetFilePack& named : set.packs) {
-        const std::string path = (folder / named.file).string();
+        const std::string path = os::text_of(folder / os::path_of(named.file));
         auto& part = *opened.emplace_back(std::make_unique<OpenedPart>());
         std::error_code none;
-        if (!std::filesystem::exists(path, none))
+        if (!std::filesystem::exists(os::path_of(path), none))
             throw Failure(1, path + ": a pack of " + set_path + " is missing; copy it there, or write the set again");
         if (!set_file_of(path).empty())
             throw Failure(1, path + ": a set in the set " + set_path + "; name its packs in one set.json");
@@ -99,13 +94,9 @@ SetParts::SetParts(const SetFile& set, const std::string& set_path) {
     require(s, where);
 }
 
-SetParts::Folder::~Folder() {
-    if (fd >= 0) close(fd);
-}
-
 SetParts::~SetParts() {
     for (const Part& part : parts_)
-        if (part.fd >= 0) close(part.fd);
+        if (part.fd >= 0) os::close_file(part.fd);
 }
 
 void SetParts::close_one() noexcept {
@@ -113,36 +104,31 @@ void SetParts::close_one() noexcept {
     for (Part& part : parts_)
         if (part.fd >= 0 && part.readers == 0 && (oldest == nullptr || part.used < oldest->used)) oldest = &part;
     if (oldest == nullptr) return; // as many threads read as there may be descriptors: one more, then
-    close(std::exchange(oldest->fd, -1));
+    os::close_file(std::exchange(oldest->fd, -1));
     --open_;
 }
 
 int SetParts::compare(int fd, const Part& part) noexcept {
     PackHeader h;
-    struct stat info {};
-    if (fstat(fd, &info) != 0) return errno;
-    if (static_cast<std::uint64_t>(info.st_size) != part.bytes) return ESTALE;
-    const ssize_t n = uninterrupted([&] { return pread(fd, &h, sizeof h, 0); });
-    if (n < 0) return errno;
-    return n == static_cast<ssize_t>(sizeof h) && h.header_hash == part.header_hash ? 0 : ESTALE;
+    os::FileInfo info;
+    if (!os::look(fd, info)) return errno;
+    if (info.bytes != part.bytes) return os::stale_error;
+    if (const int error = os::read_at(fd, 0, std::as_writable_bytes(std::span(&h, 1))); error != 0) return error;
+    return h.header_hash == part.header_hash ? 0 : os::stale_error;
 }
 
 int SetParts::acquire(Part& part) noexcept {
     const std::lock_guard hold(lock_);
     if (part.fd < 0) {
         if (open_ >= most_set_descriptors) close_one();
-        const auto again = [&] {
-            return uninterrupted(
-                [&] { return openat(folder_.fd, part.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
-        };
-        int fd = again();
+        int fd = folder_.open_to_read(part.file);
         if (fd < 0 && (errno == EMFILE || errno == ENFILE)) { // with fewer, then
             close_one();
-            fd = again();
+            fd = folder_.open_to_read(part.file);
         }
         if (fd < 0) return errno;
         if (const int error = compare(fd, part); error != 0) {
-            close(fd);
+            os::close_file(fd);
             return error;
         }
         part.fd = fd;
@@ -160,17 +146,7 @@ void SetParts::release(Part& part) noexcept {
 
 int SetParts::read_part(Part& part, std::uint64_t offset, std::span<std::byte> to) noexcept {
     if (const int error = acquire(part); error != 0) return error;
-    int error = 0;
-    while (!to.empty() && error == 0) {
-        const ssize_t n = pread(part.fd, to.data(), to.size(), static_cast<off_t>(offset));
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) {
-            error = n < 0 ? errno : EIO; // shorter than when it was opened
-            break;
-        }
-        to = to.subspan(static_cast<std::size_t>(n));
-        offset += static_cast<std::uint64_t>(n);
-    }
+    const int error = os::read_at(part.fd, offset, to);
     release(part);
     return error;
 }
@@ -208,7 +184,7 @@ const SetParts::Part* SetParts::first_changed(int& error) noexcept {
             error = compare(part.fd, part);
             release(part);
         }
-        if (error == ENOENT || error == EACCES || error == ESTALE) return &part;
+        if (error == ENOENT || error == EACCES || error == os::stale_error) return &part;
     }
     return nullptr;
 }
@@ -231,7 +207,7 @@ std::string SetParts::what_changed() {
 void SetParts::drop_cache() noexcept {
     for (Part& part : parts_) {
         if (acquire(part) != 0) continue;
-        (void)posix_fadvise(part.fd, 0, 0, POSIX_FADV_DONTNEED);
+        os::drop_cache(part.fd);
         release(part);
     }
 }

@@ -16,6 +16,7 @@
 #include "fjell/io/load.h"
 #include "fjell/pack_set.h"
 #include "io/set_file.h"
+#include "io/system.h"
 
 namespace fjell::io {
 
@@ -34,7 +35,8 @@ public:
 
     [[nodiscard]] const SetIndex& index() const { return index_; }
     [[nodiscard]] std::size_t packs() const { return parts_.size(); }
-    // 0, or what errno said; EIO where a file ends, ESTALE for one that is another than when the set was opened.
+    // 0, or what errno said; EIO where a file ends, os::stale_error for one that is another than when the set was
+    // opened.
     [[nodiscard]] int read(std::uint64_t offset, std::span<std::byte> to) noexcept;
     // Of the first of its files that is not what it was: a line that names it and says what to do. Empty: of none. One
     // that cannot be looked at, because the machine has no descriptor left or the disk fails, has not changed.
@@ -50,19 +52,17 @@ private:
         std::uint32_t readers = 0;
         std::uint64_t used = 0; // when
     };
-    // 0, ESTALE for another file than the part was, or what errno said.
+    // 0, os::stale_error for another file than the part was, or what errno said.
     [[nodiscard]] static int compare(int fd, const Part& part) noexcept;
-    [[nodiscard]] const Part* first_changed(int& error) noexcept; // nullptr: none; error: ENOENT, EACCES or ESTALE
+    [[nodiscard]] const Part*
+    first_changed(int& error) noexcept; // nullptr: none; error: ENOENT, EACCES or os::stale_error
     // 0 and a descriptor that stays until release(), or an errno.
     int acquire(Part& part) noexcept;
     void release(Part& part) noexcept;
     int read_part(Part& part, std::uint64_t offset, std::span<std::byte> to) noexcept;
     void close_one() noexcept; // that nobody reads; with the lock held
 
-    struct Folder {
-        int fd = -1;
-        ~Folder(); // whatever the constructor throws
-    } folder_;
+    os::Folder folder_;
     std::vector<Part> parts_;
     AlignedMemory memory_; // of the index
     SetIndex index_;

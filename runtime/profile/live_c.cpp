@@ -2,11 +2,11 @@
 
 #include <new>
 
-#include "shared/convert_c.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/profile.h"
 #include "fjell/profile/keys.h"
+#include "shared/c_convert.h"
 
 using namespace fjell;
 using namespace fjell::c_api;

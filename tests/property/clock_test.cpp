@@ -122,11 +122,11 @@ TEST_CASE("a clock that runs backwards stands, and one of any size is taken") {
     settings.morph = Morph::time;
     settings.max_work = 20;
     for (const double now_s : {0.0, 1.0, -1e300, 1e300, 1e18, -5.0, 3.0, 3.2, 3.4, 3.6}) {
-        const float before_s = cut_morph(cut.cut).now_s;
+        const float before_s = cut_mesh(cut.cut).frame.now_s;
         settings.now_s = now_s;
         (void)cut.update({&view, 1}, settings);
         REQUIRE(check_cut(cut) == "");
-        const float age_s = morph_age_s(cut_morph(cut.cut).now_s, before_s);
+        const float age_s = morph_age_s(cut_mesh(cut.cut).frame.now_s, before_s);
         REQUIRE((age_s >= 0 && age_s <= 16));
     }
     settings.max_work = unlimited_work;

@@ -202,7 +202,7 @@ private:
             REQUIRE(std::size_t{mesh.mesh.tiles[i].first_index} + mesh.mesh.tiles[i].index_count <=
                     mesh.mesh.index_count);
         const FjellMeshVertex vertex{int(odd_index()), 3, 4};
-        const FjellMorphFrame frame = fjell_cut_morph(cut);
+        const FjellMorphFrame& frame = mesh.frame;
         sum_ += fjell_morphed_height_m(any().terrain, maybe(&vertex), nullptr, maybe(&frame)) > 0 ? 1 : 0;
         sum_ += fjell_bound_cut_error_px(any().cut, odd(&views[1]), true, 1) > 0 ? 1 : 0;
     }

@@ -1,14 +1,22 @@
 // What a host may get wrong: handles that are empty, moved, destroyed, of other objects or of memory used anew, numbers
 // that are none or far out. Every call answers with a status or with nothing, none crashes, and what is used rightly
 // beside it goes on as if nothing had happened. Under sanitizers this is the test of what the headers promise.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
+#include <string_view>
+#include <thread>
 
 #include <catch2/catch.hpp>
 
+#include "fjell/compact.h"
 #include "fjell/fjell.h"
+#include "fjell/io/failure.h"
+#include "fjell/io/live_terrain.h"
+#include "fjell/pack_set.h"
 #include "support/cut_check.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
@@ -46,6 +54,10 @@ float odd_float(Random& random) {
     return std::abs(d) > 3e38 && std::isfinite(d) ? std::numeric_limits<float>::infinity() : static_cast<float>(d);
 }
 
+void last_first(void*, std::uint32_t count, void (*job)(void* data, std::uint32_t index), void* data) {
+    while (count-- > 0) job(data, count);
+}
+
 // One engine's worth of objects, each in a block of its own that stays when the object goes.
 struct Engine {
     const Pack* pack = nullptr;
@@ -56,7 +68,7 @@ struct Engine {
     RecursiveMethod recursive;
 };
 
-constexpr CutBudget cut_budget{.vertices = 16'000, .triangles = 32'768, .segment_triangles = 8};
+constexpr CutBudget cut_budget{.vertices = 16'000, .triangles = 32'768, .segment_triangles = 8, .workers = 3};
 constexpr RecursiveBudget recursive_budget{4000, 16000};
 constexpr StreamBudget stream_budget{.page_requests = 4, .map_requests = 2, .map_bytes = 1u << 22};
 
@@ -77,7 +89,7 @@ public:
     }
 
     void call() {
-        switch (pick(random_, 0, 12)) {
+        switch (pick(random_, 0, 13)) {
         case 0: return replace();
         case 1: return ask_terrain();
         case 2: return query();
@@ -90,6 +102,7 @@ public:
         case 9: return decode();
         case 10: return create_wrongly();
         case 11: return lods();
+        case 12: return make_set();
         default: return refine();
         }
     }
@@ -163,6 +176,7 @@ private:
         if (pick(random_, 0, 5) == 0) s.offscreen_factor = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.morph = Morph::time, s.morph_s = odd_number(random_);
         if (pick(random_, 0, 5) == 0) s.now_s = odd_number(random_);
+        if (pick(random_, 0, 1) == 0) s.jobs = {last_first, nullptr};
         return s;
     }
 
@@ -236,9 +250,63 @@ private:
         const CutMesh mesh = cut_mesh(cut);
         for (const TileRange& range : mesh.mesh.tiles)
             REQUIRE(std::size_t{range.first_index} + range.index_count <= mesh.mesh.indices.size());
-        const MorphFrame frame = cut_morph(cut);
+        const MorphFrame frame = mesh.frame;
         const MeshVertex vertex{static_cast<std::int32_t>(odd_index(random_)), 3, odd_float(random_)};
         sum_ += morphed_height_m(any(terrains_), vertex, {}, frame) > 0 ? 1 : 0;
+        compact(mesh);
+    }
+    // Numbers that no cut has, in arrays of different lengths.
+    void compact(const CutMesh& mesh) {
+        std::array<MeshVertex, 40> vertices;
+        std::array<MorphVertex, 40> morphs;
+        for (MeshVertex& v : vertices) v = {static_cast<std::int32_t>(odd_index(random_)), -1, odd_float(random_)};
+        for (MorphVertex& m : morphs)
+            m = {odd_float(random_), odd_float(random_), odd_float(random_), odd_float(random_)};
+        constexpr CompactVertex untouched{1, 2, 3, 4, 5, 6, 7};
+        std::array<CompactVertex, 40> to;
+        to.fill(untouched);
+        const auto some = [&](auto& of) { return std::span(of).first(static_cast<std::size_t>(pick(random_, 0, 40))); };
+        const auto from = some(vertices);
+        const auto with = some(morphs);
+        const auto into = some(to);
+        compact_vertices(from, with, into);
+        const std::size_t written = std::min({from.size(), with.size(), into.size()});
+        for (std::size_t i = 0; i < to.size(); ++i) {
+            const float height_m = i < written ? vertices[i].height_m : untouched.height_m;
+            REQUIRE(std::memcmp(&to[i].height_m, &height_m, sizeof height_m) == 0); // exact, also where it is NaN
+        }
+        std::array<std::uint16_t, 40> small{};
+        compact_indices(mesh.mesh.indices, some(small));
+        sum_ += compact_share({odd_float(random_), 0, 0, odd_float(random_), odd_float(random_)}) > 0 ? 1 : 0;
+        const auto code = static_cast<std::uint16_t>(odd_index(random_));
+        sum_ += compact_rise_m(code) > 0 ? 1 : 0;
+        REQUIRE(compact_length_m(code) >= 0);
+    }
+    void make_set() {
+        std::array<SetPart, 3> parts;
+        for (SetPart& part : parts) {
+            part.pack = pick(random_, 0, 9) == 0 ? nullptr : &any_pack();
+            part.corners = std::span(packs_[0].file).first(odd_index(random_) % 3000);
+            part.tile_x = odd_index(random_), part.tile_y = pick(random_, 0, 1) ? 0 : odd_index(random_);
+        }
+        const auto some = std::span(parts).first(static_cast<std::size_t>(pick(random_, 0, 3)));
+        const PackHeader& h = packs_[0].pack.header;
+        const bool right = some.size() == 1 && pick(random_, 0, 1) == 0;
+        if (right) {
+            const ChunkEntry corners = packs_[0].pack.entry(chunk_index(h, {ChunkKind::corners, 0, 0}));
+            parts[0] = {&packs_[0].pack, std::span(packs_[0].file).subspan(corners.offset, corners.stored_bytes), 0, 0};
+        }
+        const SetShape shape = right || pick(random_, 0, 1) ? SetShape{h.columns, h.rows}
+                                                            : SetShape{odd_index(random_), odd_index(random_)};
+        const std::size_t needed = set_index_bytes(shape, some);
+        const Block memory = make_block(needed < (1u << 20) ? needed : 64);
+        SetIndex index;
+        std::uint32_t at_fault = 77;
+        const Status s = make_set_index(shape, some, span_of(memory), index, at_fault);
+        count(s);
+        REQUIRE((s.ok() || (!right && at_fault <= some.size() && index.header.empty())));
+        std::uint64_t in_part = 0;
+        REQUIRE(set_part_at(some, odd_index(random_), in_part) <= some.size());
     }
     void stream() {
         const Stream stream = any(streams_);
@@ -304,6 +372,7 @@ private:
         if (pick(random_, 0, 3) == 0) budget.triangles = odd_index(random_);
         if (pick(random_, 0, 3) == 0) budget.segment_triangles = odd_index(random_);
         if (pick(random_, 0, 3) == 0) budget.views = odd_index(random_);
+        if (pick(random_, 0, 3) == 0) budget.workers = odd_index(random_);
         const std::size_t needed = cut_bytes(t, budget);
         std::array<std::byte, 256> little;
         LiveCut cut;
@@ -379,6 +448,73 @@ TEST_CASE("no misuse of the library crashes, and what is used rightly goes on") 
     }
     CHECK(misuse.refused > misuse.accepted / 4); // a test of misuse that is all accepted would test nothing
     CHECK(misuse.accepted > 0);
+}
+
+TEST_CASE("no misuse of the terrain in one object crashes, and it goes on once it is used rightly") {
+    Random random(1404);
+    const auto pack = bake_and_load(random_dem(random, 90, 70, Shape::fractal), small_bake(5));
+    io::LiveOptions good;
+    good.cut = cut_budget, good.stream = stream_budget;
+    const auto odd_capacity = [&] {
+        constexpr std::uint32_t odd[] = {0, 1, 2, 31, 64, 4096, 0x80000000, 0xffffffff};
+        return odd[pick(random, 0, std::size(odd) - 1)];
+    };
+    int refused = 0, accepted = 0;
+    // Whatever is wrong is one line that blames the input.
+    const auto attempt = [&](const auto& what) {
+        try {
+            what();
+            ++accepted;
+        } catch (const io::Failure& failure) {
+            ++refused;
+            const std::string_view line = failure.what();
+            REQUIRE((failure.exit_code == 1 && !line.empty() && line.find('\n') == std::string_view::npos));
+        }
+    };
+    io::LiveTerrain live(pack.file, "in memory", good);
+    double now_s = 0;
+    for (int i = 0; i < rounds(200, 5000); ++i) {
+        attempt([&] { // opened wrongly, and closed in any frame
+            io::LiveOptions options = good;
+            if (pick(random, 0, 3) == 0) options.page_slots = odd_capacity();
+            if (pick(random, 0, 3) == 0) options.cut.vertices = odd_capacity();
+            if (pick(random, 0, 3) == 0) options.cut.views = odd_index(random);
+            if (pick(random, 0, 3) == 0) options.cut.workers = odd_index(random);
+            if (pick(random, 0, 3) == 0) options.stream.page_requests = odd_index(random);
+            if (pick(random, 0, 3) == 0) options.stream.map_bytes = odd_capacity();
+            const std::size_t bytes = pick(random, 0, 3) == 0 ? odd_index(random) % pack.file.size() : pack.file.size();
+            io::LiveTerrain other(std::span(pack.file).first(bytes), "other", options);
+            const View view = random_view(random, other.terrain());
+            for (int frames = pick(random, 0, 2); frames > 0; --frames) (void)other.update({&view, 1}, frames);
+        });
+        attempt([&] {
+            View views[9];
+            for (View& view : views) view = random_view(random, live.terrain());
+            if (pick(random, 0, 2) == 0) views[0].eye_m = odd_vector(random);
+            if (pick(random, 0, 2) == 0) views[1].max_error_px = odd_number(random);
+            live.settings = good.settings;
+            if (pick(random, 0, 3) == 0) live.settings.cut.max_error_px = odd_number(random);
+            if (pick(random, 0, 3) == 0) live.settings.cut.hysteresis = odd_number(random);
+            if (pick(random, 0, 3) == 0) live.settings.stream.texel_px = odd_number(random);
+            if (pick(random, 0, 1) == 0) live.settings.cut.jobs = {last_first, nullptr};
+            const auto given = static_cast<std::size_t>(pick(random, 0, 1) ? 1 : pick(random, 0, 9));
+            (void)live.update(std::span(views).first(given), pick(random, 0, 3) ? now_s += 0.02 : odd_number(random));
+        });
+        (void)live.tile_maps(static_cast<MapKind>(pick(random, 0, 255)));
+        if (pick(random, 0, 1)) (void)live.take_map_commands();
+        if (pick(random, 0, 1)) (void)live.take_changes();
+        REQUIRE(live.frame().short_of.size() <= 10);
+    }
+    CHECK(refused > accepted / 4);
+    CHECK(accepted > 0);
+    live.settings = good.settings;
+    const View view = random_view(random, live.terrain());
+    for (int n = 0; n < 20'000 && (n == 0 || !live.frame().settled); ++n) {
+        (void)live.update({&view, 1}, now_s += 1.0 / 60);
+        std::this_thread::yield();
+    }
+    CHECK(live.frame().converged);
+    CHECK(live.first_failure().empty());
 }
 
 TEST_CASE("a handle is refused once its object is destroyed, also when another one lies in its memory") {

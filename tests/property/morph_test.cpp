@@ -18,7 +18,7 @@ namespace {
 std::vector<double> surface(const Terrain& terrain, Cut& cut) {
     const MeshView mesh = cut.mesh();
     const CutMesh live = cut_mesh(cut.cut);
-    const MorphFrame frame = cut_morph(cut.cut);
+    const MorphFrame frame = cut_mesh(cut.cut).frame;
     const auto columns = static_cast<std::size_t>(data_of(terrain).tree.columns());
     std::vector<double> heights(columns * static_cast<std::size_t>(data_of(terrain).tree.rows()),
                                 std::numeric_limits<double>::quiet_NaN());
@@ -204,7 +204,7 @@ TEST_CASE("a vertex morphs over all of the way that nesting leaves it, and not b
         settings.morph = Morph::error;
         Cut cut(terrain, ample_cut(terrain));
         (void)cut.update({&view, 1}, settings);
-        const MorphView morph = cut_morph(cut.cut).view[0];
+        const MorphView morph = cut_mesh(cut.cut).frame.view[0];
         const double start_per_error = static_cast<double>(morph.start_per_error),
                      full_per_error = static_cast<double>(morph.full_per_error);
         CAPTURE(round, settings.max_error_px);

@@ -242,7 +242,7 @@ TEST_CASE("a damaged page is one line on stderr, coarser ground, and exit code 1
         const json j = json::parse(r.out);
         const auto lines = std::count(r.err.begin(), r.err.end(), '\n');
         CHECK(j["stream"]["failed"] == (lines > 0 ? 1 : 0));
-        CHECK(lines == (r.code == 0 ? 0 : 2));
+        CHECK(lines == (r.code == 0 ? 0 : 1));
         CHECK(j["stream"]["reader"]["damaged"] == j["stream"]["failed"]);
         if (r.code == 0) continue;
         ++reported;
@@ -267,12 +267,12 @@ TEST_CASE("a disk that fails costs what it did not give, and exit code 3, and si
         streamed_place().fly(flight + " --headless --error-px 2 --json -", preload + "'pread t.fjell EIO %40' ");
     INFO(r.err);
     CHECK(r.code == 3);
-    CHECK(r.err.find(": Input/output error\n") != std::string::npos);
+    CHECK(r.err.find(": Input/output error (") != std::string::npos);
     CHECK(r.err.find("unreadable chunks") != std::string::npos);
     const json j = json::parse(r.out);
     CHECK(j["stream"]["failed"] > 1);
     CHECK(j["stream"]["reader"]["errors"] == j["stream"]["failed"]);
-    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 2); // the first, and how many
+    CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 1); // the first, and how many
     CHECK(r.err.find(" and " + std::to_string(j["stream"]["failed"].get<int>()) + " unreadable") != std::string::npos);
     // Not even the header: nothing to fly over.
     const Run none = streamed_place().fly(flight + " --headless", preload + "'pread t.fjell EIO 1' ");

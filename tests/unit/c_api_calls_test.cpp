@@ -208,7 +208,7 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
 
     const FjellCutMesh mesh = fjell_cut_mesh(as_c(cut));
     REQUIRE(mesh.morph_count == mesh.mesh.vertex_count);
-    const FjellMorphFrame frame = fjell_cut_morph(as_c(cut));
+    const FjellMorphFrame& frame = mesh.frame;
     CHECK((frame.morph == FJELL_MORPH_ERROR && frame.views == 1 && frame.now_s > 0));
     CHECK(same(frame.view[0], cut_mesh(cut).frame.view[0]));
     std::vector<FjellCompactVertex> c_compact(mesh.morph_count);
@@ -220,7 +220,7 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
     std::vector<std::uint16_t> small(mesh.mesh.index_count);
     fjell_compact_indices(mesh.mesh.indices, small.size(), small.data());
     CHECK(std::equal(small.begin(), small.end(), mesh.mesh.indices)); // the budget is that small
-    CHECK(fjell_compact_share(&frame.view[0]) == compact_share(cut_morph(cut).view[0]));
+    CHECK(fjell_compact_share(&frame.view[0]) == compact_share(cut_mesh(cut).frame.view[0]));
     CHECK(fjell_compact_share(nullptr) == 0);
     CHECK(fjell_compact_rise_m(0x3c01) == compact_rise_m(0x3c01));
     CHECK(fjell_compact_length_m(77) == compact_length_m(77));
@@ -237,7 +237,7 @@ TEST_CASE("what C reads of a stream and of vertices that morph is what C++ reads
         const float height_m =
             fjell_morphed_height_m(as_c(bare.terrain), &mesh.mesh.vertices[slot], &mesh.morph[slot], &frame);
         REQUIRE(height_m == morphed_height_m(bare.terrain, cut_mesh(cut).mesh.vertices[slot], cut_mesh(cut).morph[slot],
-                                             cut_morph(cut)));
+                                             cut_mesh(cut).frame));
         between += height_m != mesh.mesh.vertices[slot].height_m;
     }
     CHECK(between > 0);

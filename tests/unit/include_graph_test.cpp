@@ -23,7 +23,7 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/src/shared", {"runtime/include", "runtime/src"}},
     {"runtime/src", {"runtime/include", "runtime/src/shared"}},
     {"runtime/io", {"runtime/include"}},
-    {"runtime/profile", {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/gl"}}, // its part for C
+    {"runtime/profile", {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/gl"}},
     {"runtime/gl", {"runtime/include", "runtime/io"}},
     {"runtime/gltf", {"runtime/include", "runtime/io"}},
     {"runtime/session", {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf"}},

@@ -1,4 +1,5 @@
-/* A game loop in C99: a window, a pack in memory, a cut, and a renderer of its own (draw.c).
+/* A game loop in C99: a window, a pack in memory, a cut, and a renderer of its own (draw.c). It shows the tier for
+   engines with memory of their own; a host that wants all in one object is content/hosts/first/fly.c.
      c_loop PACK                                 flies over it until the window is closed
      c_loop PACK PICTURE.ppm FRAMES [VERTICES]   flies so many frames without showing them, and writes the last one
      c_loop PACK --times VIEWS                   prints what a frame costs (content/hosts/times) */

@@ -1,4 +1,5 @@
-// The first game: walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
+// The game of the tier below io::LiveTerrain (content/hosts/first has that): with memory and a loader of its own it
+// walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
 //   game PACK PICTURE.png [FRAMES [PAGES]]
 //   game PACK --times VIEWS    prints what a frame costs (content/hosts/times)
 #include <algorithm>

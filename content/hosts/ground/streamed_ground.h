@@ -1,4 +1,6 @@
 // Ground without a picture: a terrain that is streamed around places instead of cameras. Of the physics and the server.
+// It is not io::LiveTerrain: that owns a cut, whose memory and work are wasted where nothing is drawn, and it reads
+// when its threads please, where a simulation must repeat itself.
 #pragma once
 
 #include <cstddef>

@@ -217,8 +217,6 @@ struct MorphFrame {
     const float age_s = now_s - then_s;
     return age_s < 0 ? age_s + morph_clock_s : age_s;
 }
-// Of the last update.
-[[nodiscard]] MorphFrame cut_morph(LiveCut cut);
 // The height that the shader gives a vertex: the same expression, for tests, exports and queries.
 [[nodiscard]] float morphed_height_m(const Terrain& terrain, const MeshVertex& vertex, const MorphVertex& morph,
                                      const MorphFrame& frame);

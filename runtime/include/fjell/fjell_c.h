@@ -140,7 +140,6 @@ FjellStatus fjell_rebuild_cut(FjellLiveCut cut, const FjellView* views, size_t v
                               const FjellCutSettings* settings, FjellCutReport* report);
 FjellStatus fjell_cut_release_page(FjellLiveCut cut, uint32_t tile, uint32_t page, bool* released);
 FjellStatus fjell_cut_cancel_release(FjellLiveCut cut, uint32_t tile, uint32_t page);
-FjellMorphFrame fjell_cut_morph(FjellLiveCut cut);
 float fjell_morph_age_s(float now_s, float then_s);
 float fjell_morphed_height_m(FjellTerrain terrain, const FjellMeshVertex* vertex, const FjellMorphVertex* morph,
                              const FjellMorphFrame* frame);

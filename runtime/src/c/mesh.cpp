@@ -1,5 +1,5 @@
 // fjell/fjell_c.h: views, both methods, and what their meshes keep to.
-#include "shared/convert_c.h"
+#include "shared/c_convert.h"
 
 using namespace fjell;
 using namespace fjell::c_api;
@@ -107,9 +107,6 @@ FjellStatus fjell_cut_release_page(FjellLiveCut cut, uint32_t tile, uint32_t pag
 }
 FjellStatus fjell_cut_cancel_release(FjellLiveCut cut, uint32_t tile, uint32_t page) {
     return to_c(cut_cancel_release(to_cpp(cut), tile, page));
-}
-FjellMorphFrame fjell_cut_morph(FjellLiveCut cut) {
-    return to_c(cut_morph(to_cpp(cut)));
 }
 float fjell_morph_age_s(float now_s, float then_s) {
     return morph_age_s(now_s, then_s);

@@ -1,5 +1,5 @@
 // fjell/fjell_c.h: packs, maps, terrains and queries.
-#include "shared/convert_c.h"
+#include "shared/c_convert.h"
 
 using namespace fjell;
 using namespace fjell::c_api;

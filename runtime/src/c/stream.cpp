@@ -1,5 +1,5 @@
 // fjell/fjell_c.h: streaming.
-#include "shared/convert_c.h"
+#include "shared/c_convert.h"
 
 using namespace fjell;
 using namespace fjell::c_api;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The types of the library for C, from the public headers of C++, which describe them: structs, enumerations, constants.
 
-    types.py           writes runtime/include/fjell/fjell_c_types.h and runtime/src/shared/types_c.inc
+    types.py           writes runtime/include/fjell/fjell_c_types.h and runtime/src/c/types.inc
     types.py --check   says what differs from them, and fails if anything does
 
 A field of C++ becomes a field of C: std::span two of them, a type of the library the type of C of that name. What C
@@ -156,7 +156,7 @@ def generate():
     for name, fields in compared:
         line = f"FJELL_C_TYPE({name},{''.join(f' FJELL_AT({f})' for f in fields)})"
         inc += "\n".join(textwrap.wrap(line, 120, subsequent_indent="    ")) + "\n"
-    return {INCLUDE / "fjell_c_types.h": c, SOURCE.parent / "shared" / "types_c.inc": inc}
+    return {INCLUDE / "fjell_c_types.h": c, SOURCE / "types.inc": inc}
 
 
 def main(arguments):

@@ -170,7 +170,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (s.visibility.now.count == 0 || seen(s.views, v))
             s.mesh.morph[slot].activated_s =
                 activation_time_s(s.views, s.morphing, s.frame, v.x, v.y, v.z, v.error_m, v.radius_m);
-        if (s.mesh.morph[slot].activated_s != activated_long_ago_s) note_late(s.work, s.views, s.morphing, s.frame, v);
+        if (s.mesh.morph[slot].activated_s != activated_long_ago_s) note_late(s, v);
     }
     s.mesh.dirty_vertices.mark(slot);
     s.pages.vertex_slot[vertex] = slot;

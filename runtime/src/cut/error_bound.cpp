@@ -258,10 +258,11 @@ private:
 // What vertices that morph by time hide: their errors, as near as their spheres have come to an eye since they began.
 double late_px(const CutState& s, NearestShown& nearest, double coarse_px) {
     const LateBounds& late = s.work.schedule.late;
+    const std::int64_t lasts = late_ticks(s.pages, s.mesh, s.morphing, s.frame);
     double most_px = 0;
     for (std::uint32_t age = 0; age < late_ages; ++age)
         for (std::uint32_t grade = late_grades; grade-- > 0;) {
-            if (s.morphing.clock.ticks - late.last[age] > morph_ticks(s.frame)) break; // all have arrived
+            if (s.morphing.clock.ticks - late.last[age] > lasts) break; // all have arrived
             if (late.reach_m[age][grade] >= never_m / 2) continue;
             const std::size_t code = ((grade + 1u) << late_grade_codes_log2) - 1;
             const auto error_m = static_cast<double>(s.pages.grid.terrain->errors.metres[code]);

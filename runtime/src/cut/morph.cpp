@@ -118,15 +118,26 @@ void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std:
     morphing.out[(morphing.first_out + morphing.out_count++) % morphing.ring_size] = vertex;
 }
 
-void note_late(Work& work, const Views& views, const Morphing& morphing, const Frame& frame, const Evaluation& v) {
+std::int64_t late_ticks(const Pages& pages, const Mesh& mesh, const Morphing& morphing, const Frame& frame) {
+    const auto lasts = static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
+    if (morphing.out_count == 0) return lasts;
+    // What has morphed out hides its error until it is deactivated, for which there may be no items: those that began
+    // first are the first to go.
+    const std::uint32_t first = morphing.out[morphing.first_out];
+    if (!is_active(pages, first)) return clock_ticks;
+    const float age_s = morph_age_s(morphing.clock.now_s(), mesh.morph[pages.vertex_slot[first]].activated_s);
+    return std::max(lasts, static_cast<std::int64_t>(std::ceil(age_s * ticks_a_second)) + 1);
+}
+
+void note_late(CutState& s, const Evaluation& v) {
+    const Vec3 at{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
     double apart_m = never_m;
-    for (std::uint32_t i = 0; i < views.count; ++i) {
-        const Vec3 way =
-            Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)} - views.view[i].eye_m;
+    for (std::uint32_t i = 0; i < s.views.count; ++i) {
+        const Vec3 way = at - s.views.view[i].eye_m;
         apart_m = std::min(apart_m, std::sqrt(dot(way, way)) - static_cast<double>(v.radius_m));
     }
-    note_late(work.schedule.late, work.schedule.odometer_m[0], morphing.clock.ticks, morph_ticks(frame), v.code,
-              apart_m);
+    note_late(s.work.schedule.late, s.work.schedule.odometer_m[0], s.morphing.clock.ticks,
+              late_ticks(s.pages, s.mesh, s.morphing, s.frame), v.code, apart_m);
 }
 
 namespace {
@@ -152,11 +163,6 @@ void flatten_all(const Pages& pages, Mesh& mesh) {
                             slot_at(pages, split.ends[0]), slot_at(pages, split.ends[1]));
             mesh.dirty_vertices.mark(slot);
         }
-}
-
-MorphFrame cut_morph(LiveCut cut) {
-    const CutState* const s = find_cut(cut);
-    return s != nullptr ? s->morphing.now : MorphFrame{};
 }
 
 float morphed_height_m(const Terrain& terrain, const MeshVertex& v, const MorphVertex& m, const MorphFrame& frame) {

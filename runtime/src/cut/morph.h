@@ -85,12 +85,11 @@ void end_morphing_in(Work& work, Morphing& morphing);
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.
 void begin_morphing_out(const Pages& pages, Mesh& mesh, Morphing& morphing, std::uint32_t vertex);
 
-// How long a vertex that begins to morph by time now may take, in ticks.
-[[nodiscard]] inline std::int64_t morph_ticks(const Frame& frame) {
-    return static_cast<std::int64_t>(std::ceil(frame.settings.morph_s * ticks_a_second)) + 1;
-}
+// How long ago a vertex can have begun to morph by time that still hides something, in ticks.
+[[nodiscard]] std::int64_t late_ticks(const Pages& pages, const Mesh& mesh, const Morphing& morphing,
+                                      const Frame& frame);
 // A vertex has begun to morph by time: it hides something until it has arrived.
-void note_late(Work& work, const Views& views, const Morphing& morphing, const Frame& frame, const Evaluation& v);
+void note_late(CutState& s, const Evaluation& v);
 
 // Moves the clock on to the host's time. Sets how long vertices take in this frame: CutSettings::morph_s, or less after
 // that was raised, or morphing was switched off and on again: no more than the time since the last vertex arrived, so

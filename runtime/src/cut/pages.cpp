@@ -447,7 +447,7 @@ void morph_out_page(CutState& s, std::uint32_t slot) {
                 lowest_below(pages, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)));
             if (morphs_out(s.mesh, pages.vertex_slot[v])) continue;
             begin_morphing_out(pages, s.mesh, s.morphing, v);
-            note_late(s.work, s.views, s.morphing, frame, evaluate_vertex(pages, s.views, v, site_of(pages, v), true));
+            note_late(s, evaluate_vertex(pages, s.views, v, site_of(pages, v), true));
             ++frame.report.work;
             ++frame.report.evaluations; // it was evaluated
         }

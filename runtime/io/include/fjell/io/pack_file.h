@@ -4,8 +4,8 @@
 // Never mapped: a file that shrinks or a disk that fails is an error of one read, not a signal in the middle of a
 // frame. Thread: immutable once open; read() from any thread, several at once. Failure: opening throws Failure with
 // exit code 1 for a pack that is damaged or of another version, 3 for a disk that fails; read() answers with an errno.
-// Of a set's files 32 are open at a time, whatever their number, and its folder, which may be moved; ESTALE is read()'s
-// answer when one that is opened again is another than it was.
+// Of a set's files 32 are open at a time, whatever their number, and its folder, which may be moved; ESTALE (on Windows
+// EIDRM) is read()'s answer when one that is opened again is another than it was. Paths are UTF-8, on Windows too.
 #pragma once
 
 #include <cstddef>

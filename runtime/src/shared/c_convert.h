@@ -1,6 +1,6 @@
 // Between a type of C and the type of C++ that it stands for. Nothing is decided here: the two lie alike in memory, a
 // descriptor and a report behind their struct_size, so that every conversion is a cast or a copy. types.py writes both
-// fjell_c_types.h and types_c.inc, which compares them while this is compiled.
+// fjell_c_types.h and types.inc, which compares them while this is compiled.
 #pragma once
 
 #include <algorithm>
@@ -54,7 +54,7 @@ struct COf;
     struct COf<Name> {                                                                                                 \
         using Type = Fjell##Name;                                                                                      \
     };
-#include "shared/types_c.inc"
+#include "c/types.inc"
 #undef FJELL_C_TYPE
 #undef FJELL_AT
 
