@@ -25,6 +25,13 @@ enum class JsonComments : bool { no, yes };
 
 // Where a terrain lies: spacing_m, and origin_m of sample (0, 0) along the CRS' axes; crs_origin and crs_step say the
 // same in units of the CRS, which may be feet or degrees. crs_step is null where it is not known.
-[[nodiscard]] nlohmann::json place_json(const PackHeader& header);
+[[nodiscard]] inline nlohmann::json place_json(const PackHeader& h) {
+    const bool known = h.crs_step[0] > 0 && h.crs_step[1] > 0;
+    const auto unit_m = [&](int axis) { return known ? h.spacing_m[axis] / h.crs_step[axis] : 1; };
+    return {{"spacing_m", {h.spacing_m[0], h.spacing_m[1]}},
+            {"origin_m", {h.crs_origin[0] * unit_m(0), h.crs_origin[1] * unit_m(1)}},
+            {"crs_origin", {h.crs_origin[0], h.crs_origin[1]}},
+            {"crs_step", known ? nlohmann::json{h.crs_step[0], h.crs_step[1]} : nlohmann::json()}};
+}
 
 } // namespace fjell::io
