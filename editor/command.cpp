@@ -217,6 +217,10 @@ Command bake(Words& w) {
                {"horizons", [&](const std::string& v) { b.horizons = v; }},
                {"encoding", [&](const std::string& v) { b.encoding = v; }},
                {"bbox", [&](const std::string& v) { b.bbox = v; }},
+               {"band", [&](const std::string& v) { b.band = v; }},
+               {"size", [&](const std::string& v) { b.size = v; }},
+               {"vertical-unit", [&](const std::string& v) { b.vertical_unit = v; }},
+               {"texture-bands", [&](const std::string& v) { b.texture_bands = v; }},
                {"spacing", [&](const std::string& v) { b.spacing_m = Words::number_of(v, "spacing"); }},
                {"zscale", [&](const std::string& v) { b.height_scale = Words::number_of(v, "zscale"); }},
                {"zoffset", [&](const std::string& v) { b.height_offset_m = Words::number_of(v, "zoffset"); }}});

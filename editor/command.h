@@ -202,6 +202,7 @@ struct BakePack {
     std::string order, nodata, voids, crs;                       // as fjell-bake has them; empty: its defaults
     std::string rules, splat;                                    // its --layers, and how fine these maps are
     std::string horizons, encoding, bbox;                        // and these of its options
+    std::string band, size, vertical_unit, texture_bands;
     std::uint32_t memory_mb = 512;
     double checkpoint_s = -1; // at least 0: work files even when all fits the memory (baker/bake/bake.h)
     bool asks = false;        // before the new pack takes the place of a terrain that is flown

@@ -112,11 +112,15 @@ enum class BakeField : std::uint8_t {
     voids,
     crs,
     encoding,
-    bbox
+    bbox,
+    band,
+    size,
+    vertical_unit,
+    texture_bands
 };
-inline constexpr const char* bake_field_names[] = {"none",  "heights",  "output", "texture", "ramp",
-                                                   "rules", "spacing",  "zscale", "nodata",  "void",
-                                                   "crs",   "encoding", "bbox"};
+inline constexpr const char* bake_field_names[] = {
+    "none", "heights", "output",   "texture", "ramp", "rules", "spacing",       "zscale",       "nodata",
+    "void", "crs",     "encoding", "bbox",    "band", "size",  "vertical_unit", "texture_bands"};
 
 // To the question about unsaved changes.
 enum class Answer : std::uint8_t { save, discard, cancel };

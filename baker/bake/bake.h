@@ -26,6 +26,7 @@ struct BakeOptions {
     PageOrder order = PageOrder::planar;
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
+    std::string texture_bands;              // open_images()
     std::string ramp_path; // colours by height and slope, also where no image is; empty: meadows to snow
     std::string reading;   // how the source was read, for the pack's notes (pack/notes.h); empty: they do not say
     std::uint32_t max_texture_log2 = 10;

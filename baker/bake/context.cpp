@@ -87,7 +87,7 @@ Tree tiling(const HeightSource& source, const BakeOptions& options) {
 
 std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOptions& options) {
     if (options.texture_paths.empty()) return nullptr;
-    return open_images(options.texture_paths, frame_of(source));
+    return open_images(options.texture_paths, frame_of(source), options.texture_bands);
 }
 
 SplatPlan splat_of(const BakeOptions& options) {

@@ -173,6 +173,10 @@ const std::vector<RecipeKey>& recipe_keys() {
          "ortho-images, placed by their coordinates or stretched over all; later ones on top",
          {},
          true},
+        {"texture-bands", Of::pack, &Recipe::texture_bands,
+         "of images with several bands, those that are red, green and blue, or the one that is grey: numbers, from 1, "
+         "or "
+         "names, as in 4,3,2 (default: what the image says)"},
         {"ramp", Of::files, &Recipe::ramp, "colours by height (JSON, content/ramps)", {}, true},
         {"horizons",
          Of::pack,
@@ -373,6 +377,9 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.quantum_m = recipe.quantum.value_or(0);
     o.texture_paths = recipe.texture;
+    o.texture_bands = recipe.texture_bands.value_or("");
+    if (recipe.texture_bands && recipe.texture.empty())
+        throw Failure(2, "--texture-bands says which bands of an image are its colours; give the image with --texture");
     o.ramp_path = recipe.ramp.value_or("");
     o.reading = recipe_text(reading_part(recipe));
     return o;

@@ -1,10 +1,12 @@
 #include "baker/maps/image.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include <cpl_string.h>
 #include <fmt/format.h>
@@ -41,6 +43,7 @@ struct Recipe {
     std::string path;
     std::string warp_to; // WKT; empty: as it is
     RasterUse use = RasterUse::picture;
+    std::vector<int> bands = {};                 // red, green, blue, or grey; empty: as they are
     std::uint32_t white = 65535, opaque = 65535; // of 16 bits
     std::vector<std::string> cut{};              // for gdalwarp: extents and pixels; empty: it chooses
     bool by_points = false, thin_plate = false;  // warped by control points: by a polynomial or through each point
@@ -70,12 +73,29 @@ GdalFile checked(GDALDatasetH made, const Recipe& recipe, const char* what, cons
     return GdalFile(GDALDataset::FromHandle(made));
 }
 
-GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
-    const char* const words[] = {"-of", "VRT", "-expand", "rgba", nullptr};
-    GDALTranslateOptions* const options = GDALTranslateOptionsNew(const_cast<char**>(words), nullptr);
+GDALDatasetH translated(GDALDataset& file, CPLStringList& words) {
+    words.AddString("-of"), words.AddString("VRT");
+    GDALTranslateOptions* const options = GDALTranslateOptionsNew(words.List(), nullptr);
     GDALDatasetH made = GDALTranslate("", GDALDataset::ToHandle(&file), options, nullptr);
     GDALTranslateOptionsFree(options);
-    return checked(made, recipe, "its palette cannot be expanded; convert it with gdal_translate -expand rgb",
+    return made;
+}
+
+GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    CPLStringList words;
+    words.AddString("-expand"), words.AddString("rgba");
+    return checked(translated(file, words), recipe,
+                   "its palette cannot be expanded; convert it with gdal_translate -expand rgb", messages);
+}
+
+// The bands of the recipe, and behind them what says where there is a picture.
+GdalFile select_bands(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    std::vector<int> all = recipe.bands;
+    for (int b = 1; b <= file.GetRasterCount(); ++b)
+        if (file.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) all.push_back(b);
+    CPLStringList words;
+    for (const int b : all) words.AddString("-b"), words.AddString(std::to_string(b).c_str());
+    return checked(translated(file, words), recipe, "its bands cannot be chosen; do it with gdal_translate -b",
                    messages);
 }
 
@@ -104,6 +124,7 @@ GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messa
 Opened open_image(const Recipe& recipe, GdalMessages& messages) {
     Opened opened;
     opened.chain.push_back(open_raster(recipe.path, "an image", messages));
+    if (!recipe.bands.empty()) opened.chain.push_back(select_bands(opened.top(), recipe, messages));
     check_kind(opened.top(), recipe);
     if (recipe.use != RasterUse::classes && opened.top().GetRasterBand(1)->GetColorTable() &&
         opened.top().GetRasterCount() < 3)
@@ -475,29 +496,37 @@ std::string stretched_text(GDALDataset& file, const Georeference& g, const Frame
 
 class Images final : public ImageSource {
 public:
-    Images(const std::vector<std::string>& paths, const Frame& ground, RasterUse use) {
-        for (const std::string& path : paths) add({path, {}, use}, ground, paths.size());
+    Images(const std::vector<std::string>& paths, const Frame& ground, RasterUse use, const std::string& bands = "") {
+        for (const std::string& path : paths) add({path, {}, use}, bands, ground, paths.size());
     }
     [[nodiscard]] std::unique_ptr<ImageReader> reader() const override { return std::make_unique<Reader>(recipes_); }
     [[nodiscard]] std::string identity() const override {
         std::string text;
         for (std::size_t i = 0; i < layers.size(); ++i) {
             const ImageLayer& l = layers[i];
-            text += fmt::format("image {}; {} x {} at {} {} by {} {}{}{}\n", file_identity(recipes_[i].path), l.columns,
-                                l.rows, l.first_px[0], l.first_px[1], l.per_sample[0], l.per_sample[1],
+            text += fmt::format("image {}; {} x {} at {} {} by {} {}{}{}{}\n", file_identity(recipes_[i].path),
+                                l.columns, l.rows, l.first_px[0], l.first_px[1], l.per_sample[0], l.per_sample[1],
                                 recipes_[i].warp_to.empty() ? "" : " warped",
-                                recipes_[i].white == 65535 ? "" : fmt::format(" white {}", recipes_[i].white));
+                                recipes_[i].white == 65535 ? "" : fmt::format(" white {}", recipes_[i].white),
+                                recipes_[i].bands.empty() ? "" : fmt::format(" {}", bands_text(recipes_[i])));
         }
         return text;
     }
 
 private:
-    void add(Recipe recipe, const Frame& ground, std::size_t count) {
+    static std::string bands_text(const Recipe& recipe) {
+        return fmt::format("band{} {}", recipe.bands.size() == 1 ? "" : "s", fmt::join(recipe.bands, ", "));
+    }
+
+    void add(Recipe recipe, const std::string& bands, const Frame& ground, std::size_t count) {
         GdalMessages messages;
         const std::string path = recipe.path;
+        if (recipe.use == RasterUse::picture)
+            recipe.bands = picture_bands(*open_raster(path, "an image", messages), bands, path);
         std::unique_ptr<Opened> opened = std::make_unique<Opened>(open_image(recipe, messages));
         const Georeference g = georeference(opened->top());
-        const std::string numbers = find_white(opened->top(), recipe, messages);
+        const std::string numbers =
+            (recipe.bands.empty() ? "" : bands_text(recipe) + ", ") + find_white(opened->top(), recipe, messages);
         std::string where = "placed by its coordinates";
         if (!g.there || ground.crs_wkt.empty() || ground.step[0] <= 0) {
             if (count > 1)
@@ -556,8 +585,45 @@ Frame frame_of(const HeightSource& ground) {
             ground.crs_wkt};
 }
 
-std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground) {
-    return std::make_unique<Images>(paths, ground, RasterUse::picture);
+std::vector<int> picture_bands(GDALDataset& file, const std::string& text, const std::string& path) {
+    std::vector<int> bands;
+    if (!text.empty()) {
+        for (std::size_t at = 0; at <= text.size(); at = text.find(',', at) + 1) {
+            bands.push_back(find_band(file, text.substr(at, text.find(',', at) - at), path));
+            if (text.find(',', at) == std::string::npos) break;
+        }
+        if (bands.size() != 1 && bands.size() != 3)
+            throw Failure(2,
+                          fmt::format("--texture-bands {}: must be one band, or three for red, green and blue", text));
+        return bands;
+    }
+    if (file.GetRasterCount() < 3) return {};
+    const std::array<std::pair<GDALColorInterp, const char*>, 3> colours{
+        {{GCI_RedBand, "red"}, {GCI_GreenBand, "green"}, {GCI_BlueBand, "blue"}}};
+    for (const bool by_name : {false, true}) {
+        bands.clear();
+        for (const auto& [colour, name] : colours) {
+            int found = 0, count = 0;
+            for (int b = 1; b <= file.GetRasterCount(); ++b) {
+                GDALRasterBand& band = *file.GetRasterBand(b);
+                if (by_name ? EQUAL(band.GetDescription(), name) : band.GetColorInterpretation() == colour)
+                    found = b, ++count;
+            }
+            if (count == 1) bands.push_back(found);
+        }
+        if (bands.size() == colours.size()) break;
+    }
+    if (bands.size() != colours.size() && file.GetRasterCount() > 4)
+        throw Failure(1, fmt::format("{}: has {} bands, {}; say which are red, green and blue with --texture-bands "
+                                     "R,G,B",
+                                     path, file.GetRasterCount(), named_bands(file)));
+    if (bands.size() != colours.size() || (bands == std::vector{1, 2, 3} && file.GetRasterCount() <= 4)) return {};
+    return bands;
+}
+
+std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground,
+                                         const std::string& bands) {
+    return std::make_unique<Images>(paths, ground, RasterUse::picture, bands);
 }
 
 std::unique_ptr<ImageSource> open_raster_map(const std::string& path, const Frame& ground, RasterUse use) {

@@ -5,7 +5,8 @@
 // Without any, or over a terrain without: stretched, its outer edge on the outermost samples. Several are laid on top
 // of each other, the last one uppermost; each must be georeferenced. Kinds: grey, palette, red-green-blue, each with or
 // without alpha, mask or no-data value; 8 bits, or 16 scaled down. Of 16 bits white is what NBITS says, or without it
-// the largest number of 8 to 12 bits when all numbers have so few.
+// the largest number of 8 to 12 bits when all numbers have so few. Of several bands those are red, green and blue that
+// say so, by their colour or by their name.
 //
 // An image is read by rows from its full resolution, never through overviews: what a pixel is does not depend on who
 // asks. A warped one is computed in blocks of one fixed grid for the same reason. A format that is not tiled (PNG,
@@ -20,6 +21,8 @@
 #include <vector>
 
 #include "baker/read/source.h"
+
+class GDALDataset;
 
 namespace fjell::baker {
 
@@ -71,8 +74,14 @@ struct Frame {
 };
 [[nodiscard]] Frame frame_of(const HeightSource& ground);
 
-// Throws Failure: no such file, no image, images that do not go together, or that do not meet the terrain.
-[[nodiscard]] std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground);
+// bands: of every image, "RED,GREEN,BLUE" or "GREY", each a number from 1 or a name; empty: as the image says. Throws
+// Failure: no such file, no image, no such band, images that do not go together, or that do not meet the terrain.
+[[nodiscard]] std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground,
+                                                       const std::string& bands = "");
+
+// Which of an image's bands are red, green and blue, or grey, when bands is as above; empty: all of them as they are.
+// Throws Failure: no such band, or more than four of which none say it.
+[[nodiscard]] std::vector<int> picture_bands(GDALDataset& file, const std::string& bands, const std::string& path);
 
 // A raster that says what lies where, for splat maps: nothing is mixed when it is warped. Classes: whole numbers of 8
 // or 16 bits in the first band, which a reader gives as low byte, high byte, 0, alpha. Without georeference it must

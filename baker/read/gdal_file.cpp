@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -187,6 +188,26 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
     }
     messages.forget(); // what GDAL grumbled about while it guessed the format is no fault of the data
     return file;
+}
+
+std::string named_bands(GDALDataset& file) {
+    constexpr int most = 20;
+    std::string text;
+    for (int b = 1; b <= std::min(file.GetRasterCount(), most); ++b) {
+        const char* const name = file.GetRasterBand(b)->GetDescription();
+        text += fmt::format("{}{}{}", b == 1 ? "" : ", ", b, name && *name ? fmt::format(" \"{}\"", name) : "");
+    }
+    return text + (file.GetRasterCount() > most ? ", ..." : "");
+}
+
+int find_band(GDALDataset& file, const std::string& wanted, const std::string& path) {
+    const int count = file.GetRasterCount();
+    int number = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= count) return number;
+    for (int b = 1; b <= count; ++b)
+        if (wanted == file.GetRasterBand(b)->GetDescription()) return b;
+    throw Failure(1, fmt::format("{}: has no band {}; it has {}", path, wanted, named_bands(file)));
 }
 
 namespace {

@@ -56,6 +56,10 @@ using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
 // from the north-west) have no header: size gives their columns and rows, and else they must be square.
 [[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages,
                                    const std::optional<std::array<int, 2>>& size = {});
+// The bands of a raster, with their names: 1 "slope", 2 "elevation".
+[[nodiscard]] std::string named_bands(GDALDataset& file);
+// The number of the band of that number, from 1, or else of that name. Throws Failure 1: there is none.
+[[nodiscard]] int find_band(GDALDataset& file, const std::string& wanted, const std::string& path);
 // By its name.
 [[nodiscard]] bool is_raw(const std::string& path);
 

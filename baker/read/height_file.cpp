@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -31,17 +30,6 @@ void check_size(GDALDataset& file, const std::string& path) {
                       fmt::format("{}: has {} x {} samples; a height field needs at least 2 x 2", path, columns, rows));
 }
 
-// "1 \"slope\", 2 \"elevation\"".
-std::string named_bands(GDALDataset& file) {
-    constexpr int most = 20;
-    std::string text;
-    for (int b = 1; b <= std::min(file.GetRasterCount(), most); ++b) {
-        const char* const name = file.GetRasterBand(b)->GetDescription();
-        text += fmt::format("{}{}{}", b == 1 ? "" : ", ", b, name && *name ? fmt::format(" \"{}\"", name) : "");
-    }
-    return text + (file.GetRasterCount() > most ? ", ..." : "");
-}
-
 // By what people and programs call it.
 bool named_as_elevation(const char* name) {
     const CPLString text(name ? name : "");
@@ -58,15 +46,7 @@ bool says_where(GDALRasterBand& band) { // and holds no numbers of its own
 // Which band holds heights. Throws Failure where only the user can tell.
 int choose_band(GDALDataset& file, const std::string& wanted, const std::string& path) {
     const int count = file.GetRasterCount();
-    if (!wanted.empty()) {
-        int number = 0;
-        const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-        if (error == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= count)
-            return number;
-        for (int b = 1; b <= count; ++b)
-            if (wanted == file.GetRasterBand(b)->GetDescription()) return b;
-        throw Failure(1, fmt::format("{}: has no band {}; it has {}", path, wanted, named_bands(file)));
-    }
+    if (!wanted.empty()) return find_band(file, wanted, path);
     std::vector<int> heights, named;
     for (int b = 1; b <= count; ++b) {
         if (says_where(*file.GetRasterBand(b))) continue;

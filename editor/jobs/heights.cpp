@@ -15,6 +15,7 @@
 #include "baker/georeference/crs_label.h"
 #include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
+#include "baker/maps/image.h"
 #include "baker/maps/splat.h"
 #include "baker/maps/wetness.h"
 #include "baker/read/gdal_file.h"
@@ -54,8 +55,15 @@ constexpr OptionWords option_words[] = {
     {"--crs", "CRS", BakeField::crs},
     {"--encoding terrarium or terrain-rgb", "their encoding (More options)", BakeField::encoding},
     {"--encoding", "Encoding", BakeField::encoding},
+    {"--vertical-unit", "Height unit", BakeField::vertical_unit},
     {"--bbox", "Extract", BakeField::bbox},
     {"--splat", "Rules", BakeField::rules},
+    {"--band N or --band NAME", "its number or name for Band", BakeField::band},
+    {"--band", "Band", BakeField::band},
+    {"--size COLUMNSxROWS", "their columns and rows for Raw size", BakeField::size},
+    {"--size", "Raw size", BakeField::size},
+    {"--texture-bands R,G,B", "Texture bands, such as 4,3,2", BakeField::texture_bands},
+    {"--texture-bands", "Texture bands", BakeField::texture_bands},
 };
 
 // The number behind the first --void, or the word behind --nodata.
@@ -218,18 +226,20 @@ std::vector<float> paint(HeightFacts& f, const SmallField& small, const std::str
 }
 
 // To the right of the heights, as high as they are.
-void add_image(HeightFacts& f, const std::string& path, std::uint32_t rows) {
+void add_image(HeightFacts& f, const std::string& path, const std::string& texture_bands, std::uint32_t rows) {
     baker::GdalMessages messages;
     baker::register_drivers();
     const baker::GdalFile file = baker::open_raster(path, "an image", messages);
-    const int w = file->GetRasterXSize(), h = file->GetRasterYSize(), bands = file->GetRasterCount();
-    f.image = fmt::format("{} x {} pixels, {}", w, h, bands >= 3 ? "colour" : "grey");
+    const int w = file->GetRasterXSize(), h = file->GetRasterYSize();
+    std::vector<int> bands = baker::picture_bands(*file, texture_bands, path);
+    if (bands.empty()) bands = file->GetRasterCount() >= 3 ? std::vector{1, 2, 3} : std::vector{1};
+    f.image = fmt::format("{} x {} pixels, {}", w, h, bands.size() == 3 ? "colour" : "grey");
     const double scale = std::min(rows / static_cast<double>(h), picture_columns / static_cast<double>(w));
     f.image_px = std::max(static_cast<std::uint32_t>(w * scale), 1u);
     const std::uint32_t high = std::max(static_cast<std::uint32_t>(h * scale), 1u);
     std::vector<std::uint8_t> rgb(std::size_t{3} * f.image_px * high);
-    for (int band = 0; band < 3; ++band)
-        if (file->GetRasterBand(bands >= 3 ? band + 1 : 1)
+    for (std::size_t band = 0; band < 3; ++band)
+        if (file->GetRasterBand(bands[band % bands.size()])
                 ->RasterIO(GF_Read, 0, 0, w, h, rgb.data() + band, static_cast<int>(f.image_px), static_cast<int>(high),
                            GDT_Byte, 3, 3 * static_cast<GSpacing>(f.image_px), nullptr) != CE_None)
             throw Failure(1, fmt::format("{}: cannot be read{}", path, messages.said()));
@@ -337,7 +347,7 @@ void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop) {
     }
     if (pack.texture.empty()) return;
     try {
-        add_image(f, pack.texture, f.height_px);
+        add_image(f, pack.texture, pack.texture_bands, f.height_px);
     } catch (const Failure& failure) {
         tell_problem(f, failure.what(), BakeField::texture);
     }

@@ -64,6 +64,10 @@ baker::Recipe bake_recipe(const BakePack& b) {
     set_word(recipe.horizons, b.horizons, "horizons");
     set_word(recipe.encoding, b.encoding, "encoding");
     if (!b.bbox.empty()) recipe.bbox = baker::parse_bbox(b.bbox);
+    set_word(recipe.band, b.band, "band");
+    set_word(recipe.size, b.size, "size");
+    set_word(recipe.vertical_unit, b.vertical_unit, "vertical-unit");
+    if (!b.texture.empty()) set_word(recipe.texture_bands, b.texture_bands, "texture-bands");
     if (b.memory_mb < 128 || b.memory_mb > 1u << 24)
         throw Failure(2, fmt::format("memory_mb={}: must be 128 to {}", b.memory_mb, 1u << 24));
     return recipe;

@@ -51,6 +51,10 @@ void load(BakeForm& form, const BakeDraft& draft) {
     fields::copy(form.ramp, b.ramp);
     fields::copy(form.rules, b.rules);
     fields::copy(form.bbox, b.bbox);
+    fields::copy(form.band, b.band);
+    fields::copy(form.size, b.size);
+    fields::copy(form.vertical_unit, b.vertical_unit);
+    fields::copy(form.texture_bands, b.texture_bands);
     form.splat = b.splat.empty() ? usual_splat : static_cast<int>(index_of(b.splat, splat_names));
     form.horizons = static_cast<int>(index_of(b.horizons, horizon_names));
     form.encoding = static_cast<int>(index_of(b.encoding, encoding_names));
@@ -80,6 +84,10 @@ BakePack pack_of(const BakeForm& form) {
     b.horizons = form.horizons == 0 ? "" : horizon_names[form.horizons];
     b.encoding = form.encoding == 0 ? "" : encoding_names[form.encoding];
     b.bbox = form.bbox;
+    b.band = form.band;
+    b.size = form.size;
+    b.vertical_unit = form.vertical_unit;
+    b.texture_bands = form.texture_bands;
     b.voids = form.voids;
     b.crs = form.crs;
     b.spacing_m = form.spacing_m;
@@ -226,7 +234,8 @@ void draw_options(BakeForm& form, const State& state) {
     const BakeField at = state.bake.looking ? BakeField::none : state.bake.facts.at;
     // What has to be decided is seen.
     if (at == BakeField::nodata || at == BakeField::voids || at == BakeField::crs || at == BakeField::encoding ||
-        at == BakeField::bbox)
+        at == BakeField::bbox || at == BakeField::band || at == BakeField::size || at == BakeField::vertical_unit ||
+        at == BakeField::texture_bands)
         ImGui::SetNextItemOpen(true, ImGuiCond_Always);
     const bool open = ImGui::TreeNodeEx("More options", ImGuiTreeNodeFlags_NoTreePushOnOpen);
     ui::mark("bake", "more");
@@ -252,6 +261,18 @@ void draw_options(BakeForm& form, const State& state) {
              "Only what lies within west,south,east,north: units of the CRS after reprojection, or columns and rows "
              "from the north-west where there are no coordinates.",
              state);
+    text_row("Band", BakeField::band, form.band, "the one named as elevation",
+             "Of a file with several bands, the one that holds heights: its number, from 1, or its name.", state);
+    text_row("Height unit", BakeField::vertical_unit, form.vertical_unit, "as the file says; else metres",
+             "What heights count that name no unit: m, ft, us-ft, or another of PROJ's names.", state);
+    text_row("Raw size", BakeField::size, form.size, "square",
+             "Columns and rows of raw numbers (.raw, .r16, .r32), as in 1025x513.", state);
+    ImGui::BeginDisabled(form.texture[0] == '\0');
+    text_row(
+        "Texture bands", BakeField::texture_bands, form.texture_bands, "as the image says",
+        "Of an image with several bands, those that are red, green and blue, as in 4,3,2, or the one that is grey.",
+        state);
+    ImGui::EndDisabled();
     {
         const Marked warn(state.bake, BakeField::encoding);
         fields::choice("Encoding", "bake", "encoding", form.encoding, encoding_names,

@@ -46,7 +46,8 @@ namespace fjell::editor {
 // (jobs/heights.h).
 struct BakeForm {
     std::uint64_t given = ~std::uint64_t{0}; // BakeDraft::given that it holds
-    fields::PathText input = "", output = "", texture = "", ramp = "", rules = "", voids = "", crs = "", bbox = "";
+    fields::PathText input = "", output = "", texture = "", ramp = "", rules = "", voids = "", crs = "", bbox = "",
+                     band = "", size = "", vertical_unit = "", texture_bands = "";
     std::vector<std::string> more; // heights, beside the first
     bool output_is_chosen = false;
     int tile = 0, order = 0, nodata = 0, splat = 1, horizons = 0, encoding = 0;

@@ -373,6 +373,81 @@ TEST_CASE("of 16 bits as many count as NBITS says, or without it as the largest 
             }
 }
 
+TEST_CASE("an image's colours are the bands that say so, or those that are asked for") {
+    const TempDir dir;
+    const double spacing[2] = {5, 5}, origin[2] = {950, 2050};
+    struct Case {
+        std::vector<std::string> says; // of each band, which holds 40 times its number: a colour's or another name
+        bool by_name = false;
+        std::string asked;
+        std::vector<int> right; // empty: refused
+    };
+    const std::vector<Case> cases{
+        {{"red", "green", "blue"}, false, "", {40, 80, 120}},
+        {{"blue", "green", "red"}, false, "", {120, 80, 40}},
+        {{"Blue", "Green", "Red", "NIR"}, true, "", {120, 80, 40}},
+        {{"", "", "", "", ""}, true, "", {}},
+        {{"B01", "B02", "B03", "B04", "B08"}, true, "B04,B03,B02", {160, 120, 80}},
+        {{"B01", "blue", "green", "red", "B08"}, true, "", {160, 120, 80}},
+        {{"", "", "", "", ""}, true, "5,1,3", {200, 40, 120}},
+        {{"", "", "", "", ""}, true, "4", {160, 160, 160}},
+        {{"", "", ""}, true, "2", {80, 80, 80}},
+        {{"", ""}, true, "2", {80, 80, 80}},
+        {{"", "", ""}, true, "1,2", {}},
+        {{"", "", ""}, true, "3,2,4", {}},
+        {{"", "", ""}, true, "green", {}},
+    };
+    for (std::size_t i = 0; i < cases.size(); ++i)
+        for (const double turn : {0.0, 1.0})
+            for (const bool wide : {false, true}) {
+                const Case& c = cases[i];
+                Raster r = raster(40, 30, [](int, int) { return 0; });
+                r.type = wide ? GDT_UInt16 : GDT_Byte;
+                if (wide) r.creation = {"NBITS=10"};
+                r.bands = static_cast<int>(c.says.size());
+                r.crs = "EPSG:32632";
+                r.geotransform = {900, 5, turn, 2100, -turn, -5};
+                r.more = [&](GDALDataset& file) {
+                    for (int b = 1; b <= r.bands; ++b) {
+                        const std::string& word = c.says[static_cast<std::size_t>(b) - 1];
+                        GDALRasterBand& band = *file.GetRasterBand(b);
+                        band.SetColorInterpretation(c.by_name        ? b == 1 ? GCI_GrayIndex : GCI_Undefined
+                                                    : word == "red"  ? GCI_RedBand
+                                                    : word == "blue" ? GCI_BlueBand
+                                                                     : GCI_GreenBand);
+                        if (c.by_name) band.SetDescription(word.c_str());
+                        REQUIRE(band.Fill(wide ? 40 * b * 1023 / 255.0 : 40 * b) == CE_None);
+                    }
+                };
+                const std::string path = write(r, dir / "a.tif");
+                const Frame ground = over(9, 9, spacing, origin, utm());
+                CAPTURE(i, turn, wide);
+                if (c.right.empty()) {
+                    CHECK(refusal([&] { (void)open_images({path}, ground, c.asked); }).code != 0);
+                    continue;
+                }
+                const auto image = open_images({path}, ground, c.asked);
+                const auto rgba = pixels(*image, {static_cast<std::int32_t>(image->layers[0].first_px[0]) + 4,
+                                                  static_cast<std::int32_t>(image->layers[0].first_px[1]) + 4, 1, 1});
+                for (std::size_t k = 0; k < 3; ++k) CHECK(static_cast<int>(rgba[k]) == c.right[k]);
+                CHECK(static_cast<int>(rgba[3]) == 255);
+            }
+    Raster r = raster(40, 30, [](int, int) { return 1; });
+    r.type = GDT_Byte;
+    r.bands = 5;
+    r.geotransform.clear();
+    const std::string path = write(r, dir / "five.tif");
+    check_refusal(refusal([&] { (void)open_images({path}, plain(5, 5)); }), 1, path, {"--texture-bands R,G,B"});
+    // What says where there is a picture goes with the bands that are chosen.
+    r.more = [](GDALDataset& file) {
+        file.GetRasterBand(5)->SetColorInterpretation(GCI_AlphaBand);
+        REQUIRE(file.GetRasterBand(5)->Fill(7) == CE_None);
+    };
+    const auto image = open_images({write(r, dir / "alpha.tif")}, plain(5, 5), "4,3,2");
+    CHECK(pixels(*image, {20, 20, 1, 1}) == std::vector<std::uint8_t>{1, 1, 1, 7});
+    CHECK(image->accounts[0].find(": bands 4, 3, 2, 8 bits;") != std::string::npos);
+}
+
 TEST_CASE("an image with control points lies where they are") {
     const TempDir dir;
     // Pixels of 5 m, turned by a quarter: columns run north, rows east. Column 20 to 40 is bright.

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <string>
 
+#include "baker/read/gdal_file.h"
 #include "editor/command.h"
 #include "editor/files/listing.h"
 #include "editor/handlers/handlers.h"
@@ -153,17 +154,58 @@ TEST_CASE("rules are looked at before the bake: what they lay where, and a fault
     CHECK(facts_of(pack).problem.starts_with("none.json"));
 }
 
+TEST_CASE("bands and sizes that are missing mark their fields, and are right once they are given") {
+    const TemporaryFolder folder;
+    fjell::baker::register_drivers();
+    const auto write = [&](const std::string& name, int bands) {
+        GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+        GDALDataset* const file =
+            driver->Create((folder / name).c_str(), 20, 10, bands, bands == 2 ? GDT_Float32 : GDT_Byte, nullptr);
+        for (int b = 1; b <= bands; ++b) {
+            REQUIRE(file->GetRasterBand(b)->Fill(10 * b) == CE_None);
+            file->GetRasterBand(b)->SetColorInterpretation(GCI_Undefined);
+        }
+        GDALClose(file);
+        return folder / name;
+    };
+    spit(folder / "oblong.r16", std::string(2 * 20 * 10, '\1'));
+    BakePack two = pack_of({write("two.tif", 2)}), raw = pack_of({folder / "oblong.r16"});
+    two.spacing_m = raw.spacing_m = 10;
+    CHECK(facts_of(two).at == BakeField::band);
+    CHECK(facts_of(two).problem.find("--") == std::string::npos);
+    two.band = "2";
+    CHECK(facts_of(two).problem.empty());
+    CHECK(facts_of(two).least_m == 20);
+    CHECK(facts_of(raw).at == BakeField::size);
+    CHECK(facts_of(raw).problem.find("--") == std::string::npos);
+    raw.size = "20x10";
+    CHECK(facts_of(raw).problem.empty());
+    CHECK(facts_of(raw).most_m == 257);
+    two.texture = write("five.tif", 5);
+    CHECK(facts_of(two).at == BakeField::texture_bands);
+    CHECK(facts_of(two).problem.find("--") == std::string::npos);
+    two.texture_bands = "4,3,2";
+    const HeightFacts right = facts_of(two);
+    CHECK(right.problem.empty());
+    CHECK(right.texels.at(20) == (0xff000000u | 40u | 30u << 8 | 20u << 16));
+}
+
 TEST_CASE("options of fjell-bake that a command names, the bake has, and the dialog finds the file of rules") {
     const TemporaryFolder folder;
     spit(folder / "west.asc", ascii_grid(0, "101"));
     spit(folder / "rules.json", R"({"rules": [{"layer": "grass"}]})");
     const auto command = parse_command("bake a.tif a.fjell layers=r.json splat=full horizons=quarter "
-                                       "encoding=terrarium bbox=1,2,3,4");
+                                       "encoding=terrarium bbox=1,2,3,4 band=elevation size=5x4 vertical-unit=ft "
+                                       "texture=i.tif texture-bands=4,3,2");
     const fjell::baker::Recipe recipe = bake_recipe(std::get<BakePack>(*command));
     CHECK(recipe.layers == "r.json");
     CHECK(recipe.splat == "full");
     CHECK(recipe.horizons == "quarter");
     CHECK(recipe.encoding == "terrarium");
+    CHECK(recipe.band == "elevation");
+    CHECK(recipe.size == "5x4");
+    CHECK(recipe.vertical_unit == "ft");
+    CHECK(recipe.texture_bands == "4,3,2");
     REQUIRE(recipe.bbox);
     CHECK((*recipe.bbox)[3] == 4);
     for (const char* wrong : {"splat=fine", "horizons=full", "encoding=png", "bbox=1,2,3"}) {
