@@ -283,6 +283,7 @@ std::vector<Verb> terrain_verbs() {
          "HEIGHTS... PACK [tile=N|auto] [texture=IMG] [ramp=FILE] [spacing=M] [zscale=S] [zoffset=M] "
          "[layers=RULES] [splat=full|half|quarter] [horizons=none|half|quarter] "
          "[encoding=none|terrarium|terrain-rgb] [bbox=W,S,E,N] [order=planar|hz|linear] "
+         "[band=N|NAME] [size=COLUMNSxROWS] [vertical-unit=UNIT] [texture-bands=R,G,B|GREY] "
          "[nodata=hole|fill|refuse] [void=V,...|none] [crs=C] [memory_mb=N]",
          "bakes a pack and opens it; several files make a mosaic, a .json file is a recipe", bake},
         {"bake-file", "FILE [heights|another|output|texture|ramp|rules]",

@@ -82,8 +82,7 @@ void Merge::gather(const ShardStep& step, const std::string& name, const Window&
         const std::string path = plan_.file(step, shard, name);
         const Window held = held_of(windows);
         const Store<T> from = Store<T>::complete(path, whole.columns, whole.rows, held);
-        if (from.digest() != record.files.at(name).digest)
-            throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(step, shard)));
+        if (from.digest() != record.files.at(name).digest) throw Failure(1, plan_.damage(step, shard, path));
         const auto most = static_cast<std::int32_t>(
             std::clamp<std::size_t>(piece_values / static_cast<std::size_t>(held.columns), 1, 1024));
         std::vector<T> values, taken;
@@ -189,7 +188,7 @@ Store<std::uint8_t> Merge::holes_of(int shard, const MapPlan& maps) const {
     Store<std::uint8_t> holes = Store<std::uint8_t>::complete(path, context_.tree.columns(), context_.tree.rows(),
                                                               with_frame(windows_of(shard), frame));
     if (holes.digest() != require_record(plan_, step, shard).files.at("holes").digest)
-        throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(step, shard)));
+        throw Failure(1, plan_.damage(step, shard, path));
     return holes;
 }
 

@@ -209,6 +209,12 @@ void check_source(const ShardPlan& plan, const HeightSource& source) {
 
 // ---- what a shard has left
 
+std::string ShardPlan::damage(const ShardStep& step, int shard, const std::string& path) const {
+    std::error_code kept; // where this may not write: then only the command helps
+    fs::remove(file(step, shard, "json"), kept);
+    return fmt::format("{}: is damaged; run {} --again", path, command(step, shard));
+}
+
 std::optional<ShardRecord> find_record(const ShardPlan& plan, const ShardStep& step, int shard) {
     const std::string path = plan.file(step, shard, "json");
     if (!fs::exists(path)) return {};
@@ -273,7 +279,7 @@ std::vector<std::byte> read_parcel(const ShardPlan& plan, const ShardStep& step,
     if (!fs::exists(path)) (void)require_record(plan, step, shard);
     std::vector<std::byte> bytes = io::read_file(path);
     const auto plan_id = open_parcel(bytes);
-    if (!plan_id) throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan.command(step, shard)));
+    if (!plan_id) throw Failure(1, plan.damage(step, shard, path));
     if (*plan_id != plan.id)
         throw Failure(1, fmt::format("{}: is of another plan; run {} --again", path, plan.command(step, shard)));
     return bytes;

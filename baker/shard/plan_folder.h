@@ -56,6 +56,9 @@ struct ShardPlan {
     [[nodiscard]] std::string command(const ShardStep& step, int shard) const {
         return fmt::format("fjell-bake shard {} {}/{} --step {}", folder, shard, shards, step.name());
     }
+    // What to say of a file of that step that is damaged. The step counts as not complete from now on, so that a launch
+    // runs it again.
+    [[nodiscard]] std::string damage(const ShardStep& step, int shard, const std::string& path) const;
     [[nodiscard]] bool empty(int shard) const { return parts[static_cast<std::size_t>(shard) - 1].area() == 0; }
 };
 

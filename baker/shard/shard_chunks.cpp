@@ -24,7 +24,7 @@ std::vector<std::byte> ChunkFile::index() const {
 
 ShardChunks::ShardChunks(const ShardPlan& plan, const PackHeader& layout, const ChunkSpool& own,
                          const ShardGround& ground)
-    : own_(own), entries_(chunk_count(layout)) {
+    : plan_(plan), own_(own), entries_(chunk_count(layout)) {
     std::uint64_t begin = 0;
     for (const ShardStep& step : shard_steps(plan.rounds)) {
         if (step.kind != ShardStep::Kind::errors) continue;
@@ -33,7 +33,7 @@ ShardChunks::ShardChunks(const ShardPlan& plan, const PackHeader& layout, const 
             const ShardRecord record = require_record(plan, step, shard);
             const std::uint64_t bytes = record.files.at("chunks").bytes;
             const std::string path = plan.file(step, shard, "chunks");
-            files_.push_back({begin, bytes, path, plan.command(step, shard)});
+            files_.push_back({begin, bytes, path, step, shard});
             const std::vector<std::byte> index = read_parcel(plan, step, shard, "index");
             for (ParcelReader from(index); !from.ended();) {
                 const auto chunk = from.get<std::uint64_t>();
@@ -77,7 +77,7 @@ void ShardChunks::read(std::uint64_t offset, std::span<std::byte> to) const {
 
 std::string ShardChunks::damage(std::uint64_t offset) const {
     const File* const file = file_at(offset);
-    return file ? fmt::format("{}: is damaged; run {} --again", file->path, file->command) : own_.damage(offset);
+    return file ? plan_.damage(file->step, file->shard, file->path) : own_.damage(offset);
 }
 
 } // namespace fjell::baker

@@ -44,13 +44,16 @@ private:
     struct File {
         std::uint64_t begin; // in offsets of entries
         std::uint64_t bytes;
-        std::string path, command;
+        std::string path;
+        ShardStep step;
+        int shard;
     };
     struct Open {
         const File* file;
         WorkFile work;
     };
     [[nodiscard]] const File* file_at(std::uint64_t offset) const; // none: the spool
+    const ShardPlan& plan_;
     const ChunkSpool& own_;
     std::uint64_t own_begin_ = 0;
     std::vector<File> files_;

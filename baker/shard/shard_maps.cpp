@@ -82,7 +82,7 @@ std::uint64_t ShardLevels::find() {
         const std::string name = level_name(level), path = plan_.file(measuring, shard_, name);
         stores_.push_back(Store<float>::complete(path, all.columns, all.rows, own(shard_, level)));
         if (stores_.back().digest() != record.files.at(name).digest)
-            throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(measuring, shard_)));
+            throw Failure(1, plan_.damage(measuring, shard_, path));
         bytes_read += add_frames<float>(
             plan_, measuring, name + "-frame", shard_, frame_, frame_, [&](int other) { return own(other, level); },
             stores_.back());

@@ -210,8 +210,7 @@ Store<float> ShardFill::find_means(std::size_t level) const {
     }
     const ShardRecord record = require_record(plan_, means_step, shard_);
     Store<float> means = Store<float>::complete(path, all.columns, all.rows, held_of(shard_, level));
-    if (means.digest() != record.files.at(name).digest)
-        throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(means_step, shard_)));
+    if (means.digest() != record.files.at(name).digest) throw Failure(1, plan_.damage(means_step, shard_, path));
     if (ground_.leaves_out()) means.unwritten_is_void();
     return means;
 }
@@ -347,8 +346,7 @@ private:
         const ShardRecord record = require_record(plan_, step, shard_);
         const std::string path = plan_.file(step, shard_, name);
         Store<T> store = Store<T>::complete(path, whole.columns, whole.rows, held);
-        if (store.digest() != record.files.at(name).digest)
-            throw Failure(1, fmt::format("{}: is damaged; run {} --again", path, plan_.command(step, shard_)));
+        if (store.digest() != record.files.at(name).digest) throw Failure(1, plan_.damage(step, shard_, path));
         return store;
     }
     // held_of: what a shard holds of this store, from its windows.

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "support/rounds.h"
 #include "support/shard_scene.h"
@@ -137,4 +139,71 @@ TEST_CASE(
     CHECK_THAT(failure_of([&] { (void)job.plan(5, "plan"); }), Catch::Contains("holds another plan"));
     CHECK_THAT(failure_of([&] { (void)baker::load_plan(job.folder / "gone"); }),
                Catch::Contains("is not mounted here"));
+}
+
+TEST_CASE("two processes at one step of one shard at the same time both complete it, many times") {
+    const TemporaryFolder dir;
+    baker::ShardPlan plan;
+    plan.folder = dir / "plan";
+    plan.id = 7;
+    plan.shards = 2;
+    const baker::ShardStep step{baker::ShardStep::Kind::means};
+    const std::vector<std::byte> bytes(100, std::byte{5});
+    const auto attempt = [&] {
+        baker::ScratchFolder scratch(plan, step, 1);
+        scratch.write_parcel("frame", bytes);
+        scratch.publish({});
+    };
+    fs::create_directory(plan.folder);
+    std::ofstream(plan.folder + "/plan.json"); // of which a turn is taken
+    attempt();                                 // so that all folders are there
+    const int times = rounds(2000, 20000);
+    const pid_t other = fork();
+    const auto repeat = [&] {
+        try {
+            for (int i = 0; i < times; ++i) attempt();
+        } catch (const std::exception& failure) {
+            return std::string(failure.what());
+        }
+        return std::string();
+    };
+    if (other == 0) _exit(repeat().empty() ? 0 : 1); // NOLINT: of the test's process it has nothing to undo
+    CHECK(repeat() == "");
+    int status = -1;
+    REQUIRE(waitpid(other, &status, 0) == other);
+    CHECK(status == 0);
+    CHECK(baker::read_parcel(plan, step, 1, "frame") == bytes);
+    CHECK(fs::is_empty(plan.folder + "/scratch"));
+}
+
+TEST_CASE("a damaged file of a shard is named with the command that makes it anew, and a launch does so") {
+    Random random(27);
+    baker::BakeOptions options;
+    options.tile_log2 = 6;
+    const Job job(terrain(random, 500, 300, false), options);
+    const baker::ShardPlan plan = job.plan(2, "plan");
+    run_all(job, plan, random, false);
+    for (const baker::ShardStep& step : baker::shard_steps(plan.rounds))
+        for (const auto& [name, file] : baker::require_record(plan, step, 2).files) {
+            const std::string path = plan.file(step, 2, name);
+            if (file.bytes == 0) continue;
+            std::fstream f(path, std::ios::in | std::ios::out | std::ios::binary);
+            f.seekg(static_cast<std::streamoff>(file.bytes / 2));
+            const int byte = f.peek();
+            const auto put = [&](int value) {
+                f.seekp(static_cast<std::streamoff>(file.bytes / 2));
+                f.put(static_cast<char>(value)).flush();
+            };
+            put(byte ^ 16);
+            const std::string line = failure_of([&] { (void)job.merged(plan); });
+            CAPTURE(step.name(), name, line);
+            if (line.empty()) { // the merge does not read it
+                put(byte);
+                continue;
+            }
+            CHECK(line == path + ": is damaged; run " + plan.command(step, 2) + " --again");
+            CHECK_FALSE(baker::find_record(plan, step, 2)); // as a launch asks
+            CHECK(baker::run_shard_step(plan, job.source, options, 2, step) == baker::StepDone::now);
+            CHECK((job.merged(plan) == job.whole));
+        }
 }

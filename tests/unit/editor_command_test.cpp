@@ -41,7 +41,7 @@ const std::map<std::string, Use>& uses() {
         {"bake",
          {{"a.tif b.fjell", "a.tif b.fjell tile=64 texture=t.png ramp=r.json spacing=30 zscale=2 zoffset=-3",
            "a.tif b.tif c.fjell tile=auto order=hz nodata=hole void=-9999,-999 crs=EPSG:25833 memory_mb=256"},
-          {"", "a.tif", "a.tif b.fjell tile=x", "a.tif b.fjell tile=-1", "a.tif b.fjell size=1",
+          {"", "a.tif", "a.tif b.fjell tile=x", "a.tif b.fjell tile=-1", "a.tif b.fjell sizes=1",
            "a.tif b.fjell spacing=wide"}}},
         {"bake-file", {{"a.tif", "a.tif another", "a.png texture"}, {"", "a.tif somewhere", "a.tif heights heights"}}},
         {"open-baked", {{"on", "off"}, {"", "yes"}}},
