@@ -59,7 +59,7 @@ void end_morphing_in(Work& work, Morphing& morphing) {
 
 void advance_clock(Morphing& morphing, const Frame& frame, bool first) {
     MorphClock& c = morphing.clock;
-    constexpr double most = 0x1p62; // so that a difference of two fits an int64
+    constexpr double most = 0x1p61; // so that a difference of two fits an int64
     const double exact = std::clamp(frame.settings.now_s * static_cast<double>(ticks_a_second), -most, most);
     const auto host = static_cast<std::int64_t>(std::floor(exact + 0.5));
     if (!first) c.ticks += std::clamp<std::int64_t>(host - c.host_ticks, 0, longest_gap_ticks);
