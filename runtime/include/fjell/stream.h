@@ -145,7 +145,8 @@ Status destroy_stream(Stream stream);
 
 // Inserts what has arrived, requests what the views want, evicts what they do not. Call it before update_cut(), with
 // the same views and settings. Several cuts of one terrain: give it the views of all. A cut whose views it did not get
-// claims what no mesh of the terrain exceeds while any page is missing. No allocation, lock, system call, page fault or exception.
+// claims what no mesh of the terrain exceeds while any page is missing. No allocation, lock, system call, page fault or
+// exception.
 Status update_stream(Stream stream, std::span<const View> views, const CutSettings& cut, const StreamSettings& settings,
                      StreamReport& report);
 
