@@ -100,7 +100,7 @@ double missing_px(const CutState& s) {
     if (t.pages_missing == 0 || t.sought_px == 0) return t.missing_px;
     const std::span sought(t.sought_view, t.sought_views);
     for (const View& view : std::span(s.views.view, s.views.count))
-        if (std::ranges::none_of(sought, [&](const View& v) { return is_same(v, view); }))
+        if (std::none_of(sought.begin(), sought.end(), [&](const View& v) { return is_same(v, view); }))
             return std::max(t.missing_px, any_mesh_px(s));
     return t.missing_px;
 }

@@ -282,7 +282,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     insert_pages(s);
     upload_maps(s);
     request_pages(s);
-    std::ranges::copy(views, s.terrain->sought_view);
+    std::copy(views.begin(), views.end(), s.terrain->sought_view);
     s.terrain->sought_views = static_cast<std::uint32_t>(views.size());
     request_maps(s, seconds);
     finish(s);
