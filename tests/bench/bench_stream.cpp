@@ -3,8 +3,9 @@
 // Names: stream/scene/what. frame/C: a flight of C cells a frame at 60 frames a second over the mountains of
 // content/terrain with a ninth of their pages' slots; the client answers within a frame, so it is our work that is
 // measured, not the disk's. soak, first_picture, teleport: with the real reader from the file, its cache dropped where
-// that is said (mincore() tells how much of the file was still in memory: the counter `cached`). size/S/T: an update's
-// cost by slots and tiles. memory: by pool, with profiles/laptop.toml's budgets.
+// that is said (mincore() tells how much of the file was still in memory: the counter `cached`). object:
+// io::LiveTerrain beside the parts that it is made of. size/S/T: an update's cost by slots and tiles. memory: by pool,
+// with profiles/laptop.toml's budgets.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -25,6 +26,7 @@
 
 #include "baker/synth/synth.h"
 #include "fjell/cut.h"
+#include "fjell/io/live_terrain.h"
 #include "fjell/io/load.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/recursive.h"
@@ -169,6 +171,56 @@ void soak(benchmark::State& state) {
     state.counters["effective_px_max"] = effective;
     state.counters["pages_read"] = static_cast<double>(e.streamed.pages_read);
     state.counters["mips_read"] = static_cast<double>(e.streamed.mips_read);
+}
+
+// The same flight, frame by frame, by update_stream() and update_cut() and by io::LiveTerrain::update(), each over the
+// pack in memory with a reader of its own.
+void object(benchmark::State& state) {
+    const std::string path = mountains(PageOrder::planar);
+    const StreamBudget budget{.map_bytes = 64 << 20};
+    FileEngine parts(path, 8192, budget);
+    const io::StreamReader reader(parts.stream, parts.file);
+    parts.refine.max_error_px = 4;
+    io::LiveOptions options;
+    options.cut = {1u << 20, 1u << 21, 512, 1};
+    options.stream = budget;
+    options.settings.cut = parts.refine;
+    const auto opening = Clock::now();
+    io::LiveTerrain whole(path, options);
+    state.counters["open_ms"] = us_since(opening) * 1e-3;
+    state.counters["memory_MiB"] = static_cast<double>(whole.memory_bytes()) / mib;
+    View view = view_at(parts.terrain, 0.2, 0.7, 3500);
+    double now_s = 0;
+    for (int i = 0; i < 3000 && !(parts.updated.converged && whole.frame().converged); ++i) {
+        parts.frame(view);
+        (void)whole.update({&view, 1}, now_s += 1.0 / 60);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1)); // the readers' turn
+    }
+    const double cell = parts.terrain.header().spacing_m[0];
+    for (auto _ : state) {
+        std::vector<double> parts_us, whole_us;
+        for (int i = 0; i < 2000; ++i) {
+            view.eye_m = view.eye_m + Vec3{0.8, 0, -0.6} * (0.3 * cell);
+            const auto time_parts = [&] {
+                parts.frame(view);
+                parts_us.push_back(parts.stream_us + parts.cut_us);
+            };
+            const auto time_whole = [&] {
+                const auto start = Clock::now();
+                (void)whole.update({&view, 1}, now_s += 1.0 / 60);
+                whole_us.push_back(us_since(start));
+            };
+            i % 2 ? time_parts() : time_whole(); // who comes second finds the caches spent
+            i % 2 ? time_whole() : time_parts();
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+        }
+        for (const double q : {0.5, 0.99}) {
+            const std::string name = q == 0.5 ? "_p50" : "_p99";
+            state.counters["parts_us" + name] = rank(parts_us, q);
+            state.counters["object_us" + name] = rank(whole_us, q);
+            state.counters["ratio" + name] = rank(whole_us, q) / rank(parts_us, q);
+        }
+    }
 }
 
 void first_picture(benchmark::State& state, const Disk& disk, std::uint32_t threads) {
@@ -397,6 +449,7 @@ BENCHMARK_CAPTURE(frame, walk, 0.25)->Name("stream/mountains/frame/0.25")->Itera
 BENCHMARK_CAPTURE(frame, drive, 1)->Name("stream/mountains/frame/1")->Iterations(1)->Unit(benchmark::kMillisecond);
 
 BENCHMARK(soak)->Name("stream/mountains/soak")->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(object)->Name("stream/mountains/object")->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(first_picture, as_is, disks[0], 1)
     ->Name("stream/mountains/first_picture/as_is")
     ->Iterations(1)

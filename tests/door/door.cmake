@@ -1,6 +1,6 @@
 # Configures, builds and runs an outside project with nothing but a compiler and Fjell, and looks at what it got.
 #   cmake -DHOST=PROJECT -DFOLDER=BUILD -DPACK=FILE -DCOMPILER=C++ -DVERSION=V [-DSAID=FILE] [-DPREFIX=INSTALLED]
-#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DOWN=hash|zstd] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DBAKE=FJELL-BAKE -DRECIPE=FILE] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON|ALWAYS] [-DFULL=ON] -P door.cmake
+#     [-DLINK=... -DFJELL=SOURCE] [-DENGINE=SHARED] [-DOWN=hash|zstd] [-DTWO=ON] [-DLTO=ON] [-DTOOLCHAIN=FILE -DEMULATOR=QEMU -DLIBRARIES=FOLDER] [-DFAULTS=LIBRARY] [-DXVFB=XVFB-RUN -DFLY=FJELL-FLY] [-DBAKE=FJELL-BAKE -DRECIPE=FILE] [-DSTANDARD=23] [-DFLAGS=...] [-DSHARED=ON] [-DCOMPILE_ONLY=ON|ALWAYS] [-DFULL=ON] -P door.cmake
 # LINK: add_subdirectory, FetchContent, find_package or pkg-config. SAID: what the first game printed; all others must
 # print the same.
 cmake_minimum_required(VERSION 3.25)
@@ -22,11 +22,16 @@ if(LINK STREQUAL "pkg-config")
     -Wl,-rpath,${PREFIX}/lib)
 else()
   set(options "")
-  foreach(option LINK FJELL ENGINE OWN)
+  foreach(option LINK FJELL ENGINE OWN TWO)
     if(${option})
       list(APPEND options -D${option}=${${option}})
     endif()
   endforeach()
+  set(build_type Debug)
+  if(LTO)
+    set(build_type Release)
+    list(APPEND options -DCMAKE_INTERPROCEDURAL_OPTIMIZATION=ON -DCMAKE_POLICY_DEFAULT_CMP0069=NEW)
+  endif()
   if(STANDARD)
     list(APPEND options -DCMAKE_CXX_STANDARD=${STANDARD})
   endif()
@@ -55,7 +60,7 @@ else()
     list(APPEND options -DEMBEDDED_PACK=${PACK} -DEMBEDDED_PROFILE=${HOST}/../../../profiles/laptop.toml)
   endif()
   # Without optimisation: what is asked is whether it builds, and a game is built so every day.
-  must("configuring" ${CMAKE_COMMAND} -S ${HOST} -B ${FOLDER} -G Ninja -DCMAKE_BUILD_TYPE=Debug
+  must("configuring" ${CMAKE_COMMAND} -S ${HOST} -B ${FOLDER} -G Ninja -DCMAKE_BUILD_TYPE=${build_type}
     -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}" "-DCMAKE_C_FLAGS=${FLAGS}" ${options})
   if(COMPILE_ONLY) # the library once more takes half a minute: its own build has shown that it compiles
     if(NOT COMPILE_ONLY STREQUAL "ALWAYS")
@@ -78,6 +83,9 @@ else()
       string(JSON command GET "${commands}" ${i} command)
       string(REPLACE " ${FLAGS} " " " command "${command}") # the host's own
       string(REPLACE " -fPIC " " " command "${command}")
+      if(LTO)
+        string(REGEX REPLACE " (-O3|-DNDEBUG|-flto(=auto)?|-fno-fat-lto-objects)" "" command "${command}")
+      endif()
       if(command MATCHES " (-Werror|-Wshadow|-Wconversion|-Wpedantic|-f[a-z-]+|-O[0-9s]|-DNDEBUG|-DHWY[A-Z_]*|-DFJELL[A-Z_]*)")
         message(FATAL_ERROR "the host inherits ${CMAKE_MATCH_1}: ${command}")
       endif()
@@ -259,6 +267,18 @@ endif()
 foreach(processor ${processors})
   set(ENV{QEMU_CPU} ${processor})
   must("running on ${processor}" ${EMULATOR} ${FOLDER}/game ${PACK})
+  if(TWO) # every line twice, in whatever order
+    string(REGEX REPLACE "\n$" "" lines "${output}")
+    string(REPLACE "\n" ";" lines "${lines}")
+    list(SORT lines)
+    file(STRINGS ${SAID} said)
+    list(APPEND said ${said})
+    list(SORT said)
+    if(NOT lines STREQUAL said)
+      message(FATAL_ERROR "two engines say ${output}where each should say what the first game said")
+    endif()
+    return()
+  endif()
   if(NOT output MATCHES "^fjell ${VERSION}\nloaded: ([1-9][0-9]* triangles, converged 1, [-0-9.]+ m high)\n")
     message(FATAL_ERROR "the game says: ${output}")
   endif()
