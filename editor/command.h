@@ -198,7 +198,7 @@ struct BakePack {
     std::string output;     // opened when it is done
     std::uint32_t tile = 0; // cells a side; 0: auto
     std::string texture, ramp;
-    double spacing_m = 0, height_scale = 1, height_offset_m = 0; // spacing 0: the file's own
+    double spacing_m = 0, height_scale = 0, height_offset_m = 0; // spacing, scale 0: the file's own
     std::string order, nodata, voids, crs;                       // as fjell-bake has them; empty: its defaults
     std::string rules, splat;                                    // its --layers, and how fine these maps are
     std::string horizons, encoding, bbox;                        // and these of its options

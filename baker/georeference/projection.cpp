@@ -218,6 +218,13 @@ ReprojectionTarget target_of_projected(const Placement& from, const ReadOptions&
     return {std::unique_ptr<OGRSpatialReference>(own.Clone()), options.bbox};
 }
 
+[[noreturn]] void refuse_unplaced(const Placement& from, const std::string& path) {
+    throw Failure(1, fmt::format("{}: is placed by control points or arrays of coordinates alone; make a grid of it "
+                                 "first: {}; or give --spacing M (metres between samples) to take its samples as a "
+                                 "square grid without a place",
+                                 path, from.command));
+}
+
 // To three digits: what a source has in its middle is no round number.
 double rounded(double step) {
     const double unit = std::pow(10.0, std::floor(std::log10(step)) - 2);
@@ -323,6 +330,7 @@ ReprojectionTarget choose_target(const Placement& from, const ReadOptions& optio
     const bool automatic = options.crs == "auto", none = options.crs == "none" || options.crs == "keep";
     if (!automatic && !none) {
         auto crs = named_crs(options.crs);
+        if (!from.command.empty()) refuse_unplaced(from, path);
         if (from.axes == Axes::none)
             throw Failure(1, fmt::format("{}: has no georeference and cannot be reprojected; give --spacing M (metres "
                                          "between samples) and leave out --crs",
@@ -338,6 +346,7 @@ ReprojectionTarget choose_target(const Placement& from, const ReadOptions& optio
     }
     if (from.axes == Axes::metres && !from.crs_wkt.empty()) return target_of_projected(from, options, path);
     if (options.spacing_m || from.axes == Axes::metres) return {};
+    if (!from.command.empty()) refuse_unplaced(from, path);
     if (from.axes == Axes::none)
         throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
     if (none)

@@ -49,10 +49,21 @@ struct Recipe {
     bool by_points = false, thin_plate = false;  // warped by control points: by a polynomial or through each point
 };
 
+bool is_alpha(GDALDataset& file, int band) {
+    return file.GetRasterBand(band)->GetColorInterpretation() == GCI_AlphaBand;
+}
+
 void check_kind(GDALDataset& file, const Recipe& recipe) {
     GDALRasterBand* const first = file.GetRasterBand(1);
     const GDALDataType type = first->GetRasterDataType();
     const std::string& path = recipe.path;
+    int numbers = 0;
+    for (int b = 1; b <= file.GetRasterCount(); ++b) numbers += is_alpha(file, b) ? 0 : 1;
+    if (recipe.use == RasterUse::classes ? numbers > 1 : recipe.use == RasterUse::paint && numbers == 2)
+        throw Failure(1, fmt::format("{}: has {} bands, {}; give a raster with the one that holds {}: gdal_translate "
+                                     "-b N {} OUT.tif",
+                                     path, file.GetRasterCount(), named_bands(file),
+                                     recipe.use == RasterUse::classes ? "classes" : "what is painted", path));
     if (recipe.use == RasterUse::classes) {
         if (type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16) return;
         throw Failure(1, fmt::format("{}: is no raster of classes of 8 or 16 bits ({}); convert it with "
@@ -92,7 +103,7 @@ GdalFile expand_palette(GDALDataset& file, const Recipe& recipe, const GdalMessa
 GdalFile select_bands(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
     std::vector<int> all = recipe.bands;
     for (int b = 1; b <= file.GetRasterCount(); ++b)
-        if (file.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) all.push_back(b);
+        if (is_alpha(file, b)) all.push_back(b);
     CPLStringList words;
     for (const int b : all) words.AddString("-b"), words.AddString(std::to_string(b).c_str());
     return checked(translated(file, words), recipe, "its bands cannot be chosen; do it with gdal_translate -b",
@@ -254,16 +265,18 @@ int bits_of(GDALRasterBand& band) {
     return bits > 0 && bits < 16 ? bits : 0;
 }
 
+// Of the fewest bits that hold the number.
+std::uint32_t white_for(std::uint32_t largest) {
+    std::uint32_t white = 255;
+    while (white < largest) white = 2 * white + 1;
+    return white > 4095 ? 65535 : white;
+}
+
 // Sets what is white, and says it.
 std::string find_white(GDALDataset& file, Recipe& recipe, const GdalMessages& messages) {
     const int count = file.GetRasterCount(), colours = count < 3 ? 1 : 3;
     if (recipe.use == RasterUse::classes || file.GetRasterBand(1)->GetRasterDataType() != GDT_UInt16) return "8 bits";
-    const auto range = [](std::uint32_t largest) { // of the fewest bits that hold it
-        std::uint32_t white = 255;
-        while (white < largest) white = 2 * white + 1;
-        return white > 4095 ? 65535 : white;
-    };
-    const bool alpha = file.GetRasterBand(count)->GetColorInterpretation() == GCI_AlphaBand;
+    const bool alpha = is_alpha(file, count);
     if (const int bits = bits_of(*file.GetRasterBand(1))) {
         recipe.white = (1u << bits) - 1;
         if (alpha) recipe.opaque = recipe.white;
@@ -273,9 +286,9 @@ std::string find_white(GDALDataset& file, Recipe& recipe, const GdalMessages& me
     std::uint32_t largest = 0;
     for (int b = 1; b <= colours && largest < 4096; ++b)
         largest = std::max(largest, largest_number(*file.GetRasterBand(b), recipe.path, messages));
-    recipe.white = range(largest);
+    recipe.white = white_for(largest);
     if (recipe.white == 65535) return "16 bits, so that 65535 is white";
-    if (alpha) recipe.opaque = range(largest_number(*file.GetRasterBand(count), recipe.path, messages));
+    if (alpha) recipe.opaque = white_for(largest_number(*file.GetRasterBand(count), recipe.path, messages));
     return fmt::format("numbers up to {} of 16 bits, so that {} is taken as white", largest, recipe.white);
 }
 
@@ -309,32 +322,14 @@ Georeference georeference(GDALDataset& file) {
     return g;
 }
 
-// How far the polynomial that GDAL lays through control points is off the worst of them; infinite where there is none.
-double worst_point_px(GDALDataset& file) {
-    const int count = file.GetGCPCount();
-    const GDAL_GCP* const points = file.GetGCPs();
-    void* const polynomial = GDALCreateGCPTransformer(count, points, 0, FALSE);
-    if (!polynomial) return std::numeric_limits<double>::infinity();
-    double worst = 0;
-    for (int i = 0; i < count; ++i) {
-        double x = points[i].dfGCPX, y = points[i].dfGCPY, z = 0;
-        int ok = FALSE;
-        GDALGCPTransform(polynomial, TRUE, 1, &x, &y, &z, &ok);
-        worst = std::max(worst, ok ? std::hypot(x - points[i].dfGCPPixel, y - points[i].dfGCPLine)
-                                   : std::numeric_limits<double>::infinity());
-    }
-    GDALDestroyGCPTransformer(polynomial);
-    return worst;
-}
-
 // How control points place an image, and what to say of it.
 std::string place_by_points(GDALDataset& file, Recipe& recipe) {
     recipe.by_points = true;
     const int count = file.GetGCPCount();
     if (count < 3) return "placed by its arrays of coordinates";
     constexpr int most_bent = 1000; // points that a thin-plate spline can be solved for at once
-    const double off_px = worst_point_px(file);
-    recipe.thin_plate = !(off_px <= 1) && count <= most_bent;
+    double off_px = 0;
+    recipe.thin_plate = points_are_bent(file, off_px) && count <= most_bent;
     return recipe.thin_plate
                ? fmt::format("placed by its {} control points, through each of them", count)
                : fmt::format("placed by its {} control points, off the worst by {:.2g} pixels", count, off_px);
@@ -597,6 +592,9 @@ std::vector<int> picture_bands(GDALDataset& file, const std::string& text, const
                           fmt::format("--texture-bands {}: must be one band, or three for red, green and blue", text));
         return bands;
     }
+    if (file.GetRasterCount() == 2 && !is_alpha(file, 1) && !is_alpha(file, 2))
+        throw Failure(
+            1, fmt::format("{}: has 2 bands, {}; say which is grey with --texture-bands N", path, named_bands(file)));
     if (file.GetRasterCount() < 3) return {};
     const std::array<std::pair<GDALColorInterp, const char*>, 3> colours{
         {{GCI_RedBand, "red"}, {GCI_GreenBand, "green"}, {GCI_BlueBand, "blue"}}};
@@ -617,8 +615,14 @@ std::vector<int> picture_bands(GDALDataset& file, const std::string& text, const
         throw Failure(1, fmt::format("{}: has {} bands, {}; say which are red, green and blue with --texture-bands "
                                      "R,G,B",
                                      path, file.GetRasterCount(), named_bands(file)));
-    if (bands.size() != colours.size() || (bands == std::vector{1, 2, 3} && file.GetRasterCount() <= 4)) return {};
-    return bands;
+    const bool all = file.GetRasterCount() == 3 || (file.GetRasterCount() == 4 && is_alpha(file, 4));
+    if (bands.size() != colours.size()) bands = {1, 2, 3};
+    return all && bands == std::vector{1, 2, 3} ? std::vector<int>{} : bands;
+}
+
+std::uint32_t picture_white(GDALRasterBand& band, std::uint32_t largest) {
+    const int bits = bits_of(band);
+    return bits ? (1u << bits) - 1 : white_for(largest);
 }
 
 std::unique_ptr<ImageSource> open_images(const std::vector<std::string>& paths, const Frame& ground,

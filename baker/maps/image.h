@@ -23,6 +23,7 @@
 #include "baker/read/source.h"
 
 class GDALDataset;
+class GDALRasterBand;
 
 namespace fjell::baker {
 
@@ -80,11 +81,13 @@ struct Frame {
                                                        const std::string& bands = "");
 
 // Which of an image's bands are red, green and blue, or grey, when bands is as above; empty: all of them as they are.
-// Throws Failure: no such band, or more than four of which none say it.
+// Throws Failure: no such band, more than four of which none say it, or two of which none is alpha.
 [[nodiscard]] std::vector<int> picture_bands(GDALDataset& file, const std::string& bands, const std::string& path);
+// The number that is white of a band of 16 bits whose largest number this is.
+[[nodiscard]] std::uint32_t picture_white(GDALRasterBand& band, std::uint32_t largest);
 
 // A raster that says what lies where, for splat maps: nothing is mixed when it is warped. Classes: whole numbers of 8
-// or 16 bits in the first band, which a reader gives as low byte, high byte, 0, alpha. Without georeference it must
+// or 16 bits in the only band, which a reader gives as low byte, high byte, 0, alpha. Without georeference it must
 // have the terrain's proportions. Throws Failure as open_images().
 enum class RasterUse : std::uint8_t { picture, paint, classes };
 [[nodiscard]] std::unique_ptr<ImageSource> open_raster_map(const std::string& path, const Frame& ground, RasterUse use);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,6 +20,7 @@
 #include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <gdal_alg.h>
 #include <ogr_spatialref.h>
 #include <unistd.h>
 
@@ -399,15 +401,50 @@ void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, doubl
         if (unit_m > 0) step[axis] = spacing_m[axis] / unit_m;
 }
 
+bool points_are_bent(GDALDataset& file, double& off_px) {
+    const int count = file.GetGCPCount();
+    const GDAL_GCP* const points = file.GetGCPs();
+    off_px = std::numeric_limits<double>::infinity();
+    void* const polynomial = GDALCreateGCPTransformer(count, points, 0, FALSE);
+    if (!polynomial) return true;
+    off_px = 0;
+    for (int i = 0; i < count; ++i) {
+        double x = points[i].dfGCPX, y = points[i].dfGCPY, z = 0;
+        int ok = FALSE;
+        GDALGCPTransform(polynomial, TRUE, 1, &x, &y, &z, &ok);
+        off_px = std::max(off_px, ok ? std::hypot(x - points[i].dfGCPPixel, y - points[i].dfGCPLine)
+                                     : std::numeric_limits<double>::infinity());
+    }
+    GDALDestroyGCPTransformer(polynomial);
+    return !(off_px <= 1);
+}
+
+namespace {
+
+// Makes a grid along east and north. What it leaves free at the corners would be heights of 0 without the no-data.
+std::string warp_to_grid(const char* how, const std::string& path) {
+    return fmt::format("gdalwarp {}-r bilinear -ot Float32 -dstnodata nan {} OUT.tif", how, path);
+}
+
+} // namespace
+
 Placement place(GDALDataset& file, const std::string& path) {
     Placement p;
     p.columns = file.GetRasterXSize();
     p.rows = file.GetRasterYSize();
     std::array<double, 6> t{};
-    if (file.GetGeoTransform(t.data()) != CE_None) return p;
+    if (file.GetGeoTransform(t.data()) != CE_None) {
+        double off_px = 0;
+        if (file.GetGCPCount() >= 3)
+            p.command = warp_to_grid(points_are_bent(file, off_px) ? "-tps " : "", path);
+        else if (file.GetMetadata("GEOLOCATION"))
+            p.command = warp_to_grid("-geoloc ", path);
+        return p;
+    }
     if (!std::all_of(t.begin(), t.end(), [](double v) { return std::isfinite(v); }) || t[1] == 0 || t[5] == 0 ||
         !is_straight(t.data(), p.columns, p.rows))
-        throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first with gdalwarp", path));
+        throw Failure(1, fmt::format("{}: its grid is rotated or sheared; straighten it first: {}", path,
+                                     warp_to_grid("", path)));
     const OGRSpatialReference* const crs = file.GetSpatialRef();
     p.axes = Axes::metres;
     if (crs ? crs->IsGeographic() != 0 : names_degrees(file))

@@ -93,10 +93,15 @@ struct Placement {
     double unit_m = 1;                   // metres in one unit of metre axes
     bool flip_x = false, flip_y = false; // how the file has them
     std::string crs_wkt;                 // empty: none that means anything elsewhere
+    std::string command; // that makes a grid of what only control points or arrays place; empty: they do not
 
     [[nodiscard]] double east(double column) const { return origin[0] + step[0] * column; }
     [[nodiscard]] double north(double row) const { return origin[1] - step[1] * row; }
 };
+
+// Whether the polynomial that GDAL lays through control points is off one of them by more than a pixel; off_px: by how
+// much, of the worst.
+[[nodiscard]] bool points_are_bent(GDALDataset& file, double& off_px);
 
 // Throws Failure 1 for a grid that is rotated or sheared, or absurd.
 [[nodiscard]] Placement place(GDALDataset& file, const std::string& path);

@@ -98,7 +98,12 @@ int grey_band(GDALDataset& file, const std::string& wanted, const std::string& p
     const GDALColorTable* const table = type == GDT_Byte ? band.GetColorTable() : nullptr;
     if (table && !is_grey_table(*table))
         throw Failure(
-            1, fmt::format("{}: is a palette image, whose numbers are no heights; convert it to grey first", path));
+            1,
+            fmt::format(
+                "{}: is a palette image, whose numbers are no heights; if its colours are Terrarium or Mapbox heights, "
+                "give --encoding terrarium or terrain-rgb, if they are greys, convert it first: "
+                "gdal_translate -expand gray {} OUT.tif",
+                path, path));
     return number;
 }
 

@@ -30,7 +30,11 @@ std::string warp_command(const Placement& like, const std::string& path) {
 
 void check_alike(const FileFacts& a, const FileFacts& b) {
     for (const FileFacts* f : {&a, &b})
-        if (f->at.axes == Axes::none)
+        if (!f->at.command.empty())
+            throw Failure(1, fmt::format("{}: is placed by control points or arrays of coordinates alone; make a grid "
+                                         "of it first: {}",
+                                         f->path, f->at.command));
+        else if (f->at.axes == Axes::none)
             throw Failure(1,
                           fmt::format("{}: has no georeference, so that its place beside {} is not known; give it one "
                                       "with gdal_edit.py -a_ullr",

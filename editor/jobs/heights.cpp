@@ -62,6 +62,7 @@ constexpr OptionWords option_words[] = {
     {"--band", "Band", BakeField::band},
     {"--size COLUMNSxROWS", "their columns and rows for Raw size", BakeField::size},
     {"--size", "Raw size", BakeField::size},
+    {"--texture-bands N", "its number for Texture bands", BakeField::texture_bands},
     {"--texture-bands R,G,B", "Texture bands, such as 4,3,2", BakeField::texture_bands},
     {"--texture-bands", "Texture bands", BakeField::texture_bands},
 };
@@ -225,6 +226,23 @@ std::vector<float> paint(HeightFacts& f, const SmallField& small, const std::str
     return light;
 }
 
+// Numbers of the three bands, in turn, as the bake shows them: by a palette, or the whitest of 16 bits as white.
+std::vector<std::uint8_t> bytes_of(const std::vector<std::uint16_t>& numbers, GDALRasterBand& band) {
+    std::vector<std::uint8_t> bytes(numbers.size());
+    const GDALColorTable* const table = band.GetColorTable();
+    const std::uint32_t white =
+        band.GetRasterDataType() == GDT_Byte ? 255 : baker::picture_white(band, *std::ranges::max_element(numbers));
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (!table) {
+            bytes[i] =
+                static_cast<std::uint8_t>((std::min<std::uint32_t>(numbers[i], white) * 255 + white / 2) / white);
+        } else if (const GDALColorEntry* const c = table->GetColorEntry(numbers[i])) {
+            bytes[i] = static_cast<std::uint8_t>(i % 3 == 0 ? c->c1 : i % 3 == 1 ? c->c2 : c->c3);
+        }
+    }
+    return bytes;
+}
+
 // To the right of the heights, as high as they are.
 void add_image(HeightFacts& f, const std::string& path, const std::string& texture_bands, std::uint32_t rows) {
     baker::GdalMessages messages;
@@ -237,12 +255,14 @@ void add_image(HeightFacts& f, const std::string& path, const std::string& textu
     const double scale = std::min(rows / static_cast<double>(h), picture_columns / static_cast<double>(w));
     f.image_px = std::max(static_cast<std::uint32_t>(w * scale), 1u);
     const std::uint32_t high = std::max(static_cast<std::uint32_t>(h * scale), 1u);
-    std::vector<std::uint8_t> rgb(std::size_t{3} * f.image_px * high);
+    std::vector<std::uint16_t> numbers(std::size_t{3} * f.image_px * high);
     for (std::size_t band = 0; band < 3; ++band)
         if (file->GetRasterBand(bands[band % bands.size()])
-                ->RasterIO(GF_Read, 0, 0, w, h, rgb.data() + band, static_cast<int>(f.image_px), static_cast<int>(high),
-                           GDT_Byte, 3, 3 * static_cast<GSpacing>(f.image_px), nullptr) != CE_None)
+                ->RasterIO(GF_Read, 0, 0, w, h, numbers.data() + band, static_cast<int>(f.image_px),
+                           static_cast<int>(high), GDT_UInt16, 6, 6 * static_cast<GSpacing>(f.image_px),
+                           nullptr) != CE_None)
             throw Failure(1, fmt::format("{}: cannot be read{}", path, messages.said()));
+    const std::vector<std::uint8_t> rgb = bytes_of(numbers, *file->GetRasterBand(bands[0]));
     const std::uint32_t before = f.width_px;
     std::vector<std::uint32_t> both(std::size_t{before + f.image_px} * f.height_px, 0xff2a2520u);
     for (std::uint32_t y = 0; y < f.height_px; ++y) {
@@ -307,7 +327,7 @@ void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop) {
     f.spacing_m[1] = s.spacing_m[1];
     f.crs = baker::crs_text(baker::crs_label(s.crs_wkt));
     f.reprojected_from = s.facts.reprojected_from;
-    f.unit_named = !s.facts.height_unit.empty() || pack.height_scale != 1;
+    f.unit_named = !s.facts.height_unit.empty() || pack.height_scale != 0;
     f.all_read = static_cast<double>(s.columns) * s.rows <= most_read;
     SmallField small = small_field_of(s);
     baker::ReadStatistics statistics;

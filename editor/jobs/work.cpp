@@ -53,7 +53,7 @@ baker::Recipe bake_recipe(const BakePack& b) {
     if (b.tile != 0) recipe.tile = std::to_string(b.tile);
     if (!(b.spacing_m >= 0)) throw Failure(2, fmt::format("spacing={}: must be 0 or more (metres)", b.spacing_m));
     if (b.spacing_m > 0) recipe.spacing = b.spacing_m;
-    if (b.height_scale != 1) recipe.zscale = b.height_scale;
+    if (b.height_scale != 0) recipe.zscale = b.height_scale;
     if (b.height_offset_m != 0) recipe.zoffset = b.height_offset_m;
     set_word(recipe.order, b.order, "order");
     set_word(recipe.nodata, b.nodata, "nodata");

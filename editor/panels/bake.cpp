@@ -302,8 +302,11 @@ void draw_form(BakeForm& form, const State& state, Commands& commands) {
         form.output_is_chosen = form.output[0] != '\0';
     number_field("Spacing, m", BakeField::spacing, "spacing", form.spacing_m,
                  "Metres between samples. 0: the file's own. Needed where the file has no coordinates.", state);
-    number_field("Height scale", BakeField::height_scale, "zscale", form.height_scale,
-                 "Multiplies heights: 0.3048 converts feet to metres. 1: as the file has them.", state);
+    number_field(
+        "Height scale", BakeField::height_scale, "zscale", form.height_scale,
+        "Multiplies heights: 0.3048 converts feet to metres, -1 depths to heights. 0: as the file says; 1: its "
+        "numbers are metres, whatever it says.",
+        state);
     number_field("Height offset, m", BakeField::none, "zoffset", form.height_offset_m,
                  "Added to heights, after the scale.", state);
     (void)path_field("Texture", form, BakeField::texture, form.texture, "none",

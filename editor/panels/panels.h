@@ -51,7 +51,7 @@ struct BakeForm {
     std::vector<std::string> more; // heights, beside the first
     bool output_is_chosen = false;
     int tile = 0, order = 0, nodata = 0, splat = 1, horizons = 0, encoding = 0;
-    double spacing_m = 0, height_scale = 1, height_offset_m = 0;
+    double spacing_m = 0, height_scale = 0, height_offset_m = 0;
     BakePack sent;
     BakeField browsing = BakeField::none; // for this one's file
     bool browsing_another = false;

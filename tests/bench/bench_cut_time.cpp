@@ -110,6 +110,68 @@ void teleport_budget(benchmark::State& state, double offscreen_factor) {
     state.counters["coarse_output_p99_us"] = rank(claim_us, 0.99);
 }
 
+// A flight of a quarter of a cell a frame that turns, and jumps to a random place every 500 frames: how long do frames
+// take with a limit of time, without one, and when the mesh is found anew in each?
+void jumps(benchmark::State& state, double budget_us) {
+    constexpr std::size_t frames = 10'000, frames_a_jump = 500;
+    const Scene& scene = mountains();
+    const Terrain& t = scene.pack.terrain;
+    std::uint32_t seed = 1;
+    const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
+    Vec3 eye_m = flight_views(t, 0.25, 1)[0].eye_m;
+    std::vector<View> views;
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+        if (frame % frames_a_jump == frames_a_jump / 2) // the mesh that is there at first is that of the first place
+            eye_m = {(0.1 + 0.8 * random()) * t.x_m(4096), 0, (0.1 + 0.8 * random()) * t.z_m(4096)};
+        eye_m = eye_m + Vec3{12, 0, -9};
+        eye_m.y = data_of(t).ground_m(eye_m.x, eye_m.z) + 400;
+        const double angle = static_cast<double>(frame) * 0.005;
+        views.push_back(make_view(eye_m, {std::sin(angle), -0.15, std::cos(angle)}, {0, 1, 0}, 0.7853981633974483, 1280,
+                                  960, 10, 1e6));
+    }
+    const auto report = [&](const std::vector<double>& us, const std::string& of) {
+        for (const auto& [name, share] : {std::pair{"p50", 0.5}, {"p90", 0.9}, {"p99", 0.99}, {"p999", 0.999}})
+            state.counters[of + "_" + name + "_us"] = rank(us, share);
+        state.counters[of + "_worst_us"] = rank(us, 1);
+    };
+    const auto fly = [&](double offscreen_factor, double limit_us, const std::string& name) {
+        const std::size_t bytes = cut_bytes(t, cut_budget);
+        const io::AlignedMemory memory = io::allocate(bytes);
+        LiveCut cut;
+        if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+        CutSettings settings;
+        settings.max_error_px = scene.error_px;
+        settings.offscreen_factor = offscreen_factor;
+        CutReport now;
+        (void)rebuild_cut(cut, {&views[0], 1}, settings, now);
+        settings.max_time_us = limit_us;
+        std::vector<double> us;
+        double converged = 0;
+        for (const View& each : views) {
+            const double start = worked_us();
+            if (!update_cut(cut, {&each, 1}, settings, now).ok()) std::abort();
+            us.push_back(worked_us() - start);
+            converged += now.converged;
+            (void)cut_take_changes(cut);
+        }
+        report(us, name);
+        state.counters[name + "_converged_share"] = converged / static_cast<double>(frames);
+    };
+    for (auto _ : state) {
+        fly(1, budget_us, "limited");
+        fly(8, budget_us, "limited_offscreen");
+        fly(1, 0, "unlimited");
+        std::vector<double> us;
+        for (const View& each : views) {
+            const double start = worked_us();
+            if (!scene.lean->refine(each, scene.error_px, true).whole) std::abort();
+            us.push_back(worked_us() - start);
+        }
+        report(us, "lean");
+    }
+    state.counters["limit_us"] = budget_us;
+}
+
 // A cell a frame in less time than that takes: what does the mesh claim to keep, and what does it cost to say so?
 void lag(benchmark::State& state, double budget_us) {
     const Scene& scene = mountains();
@@ -272,6 +334,7 @@ void teleport_claims(benchmark::State& state, double budget_us) {
 } // namespace
 
 void declare_frames_that_time_ends() {
+    declare("jumps", [](benchmark::State& s) { jumps(s, 1000); });
     declare("lag-1500us", [](benchmark::State& s) { lag(s, 1500); });
     declare("lag-500us", [](benchmark::State& s) { lag(s, 500); });
     declare("teleport-300us/all-around", [](benchmark::State& s) { teleport_budget(s, 1); });

@@ -3,9 +3,9 @@
 // Names: stream/scene/what. frame/C: a flight of C cells a frame at 60 frames a second over the mountains of
 // content/terrain with a ninth of their pages' slots; the client answers within a frame, so it is our work that is
 // measured, not the disk's. soak, first_picture, teleport: with the real reader from the file, its cache dropped where
-// that is said (mincore() tells how much of the file was still in memory: the counter `cached`). object: io::LiveTerrain
-// beside the parts that it is made of. size/S/T: an update's
-// cost by slots and tiles. memory: by pool, with profiles/laptop.toml's budgets.
+// that is said (mincore() tells how much of the file was still in memory: the counter `cached`). object:
+// io::LiveTerrain beside the parts that it is made of. size/S/T: an update's cost by slots and tiles. memory: by pool,
+// with profiles/laptop.toml's budgets.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

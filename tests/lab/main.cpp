@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "fjell/io/failure.h"
+#include "io/file.h"
+#include "lab/charts.h"
 #include "lab/measure.h"
 #include "lab/report.h"
 #include "session/path.h"
@@ -23,6 +25,7 @@ using namespace fjell;
 
 struct Options {
     std::string recipes = FJELL_SOURCE_DIR "/content/experiments", out, machine;
+    std::string draw;  // docs/plots.json: only draws it
     std::string count; // RECIPE:NUMBER: only flies that case, for whoever counts its instructions
     bool quick = false, fresh = false;
     std::size_t cases = std::numeric_limits<std::size_t>::max();
@@ -97,6 +100,14 @@ lab::Results run_recipe(const lab::Recipe& recipe, lab::Store& store, const Opti
 
 int run(const Options& options) {
     io::catch_interrupts();
+    if (!options.draw.empty()) {
+        for (const auto& [name, svg] : lab::read_charts(options.draw)) {
+            io::AtomicFile file(options.out + "/" + name + ".svg");
+            file.write(std::as_bytes(std::span(svg)));
+            file.commit();
+        }
+        return 0;
+    }
     const char* const data = std::getenv("FJELL_DATA");
     const std::string real_folder = data ? data : "";
     if (!options.count.empty()) return fly_counted(options, real_folder);
@@ -137,6 +148,7 @@ int main(int argc, char** argv) {
     app.add_flag("--fresh", options.fresh, "Measure again what was measured before");
     app.add_option("--cases", options.cases, "Stop after so many cases, and report what there is");
     app.add_option("--machine", options.machine, "What the report says of the machine");
+    app.add_option("--draw", options.draw, "Only draw the plots of this file (docs/plots.json) into the folder --out");
     app.add_option("--count", options.count,
                    "RECIPE:NUMBER: only fly this case, as is done under callgrind to count its instructions");
     try {

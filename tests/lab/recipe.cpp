@@ -102,7 +102,8 @@ const std::vector<std::string> order_words{"planar", "hz", "linear"}, estimate_w
               "binary-tree",
               "skirted-tiles",
               "multi-triangulation",
-              "progressive-mesh"},
+              "progressive-mesh",
+              "incremental-offscreen"},
     conclusion_words{"tilings", "orders", "estimates", "methods", "rivals", "drawing", "instructions"};
 
 Site site_of(const json& terrain, const std::string& file, const std::string& real_folder) {

@@ -30,7 +30,8 @@ enum class Way : std::uint8_t {
     binary_tree,
     skirted_tiles,
     multi_triangulation,
-    progressive_mesh
+    progressive_mesh,
+    incremental_offscreen // with an offscreen factor of 8
 };
 
 // Heights and a camera path over them. One of the two: a landscape for the baker's synthesis, or a file.

@@ -147,7 +147,7 @@ void add_experiment(Pages& pages, const Results& results, const std::string& fol
     for (const Plot& plot : r.plots) {
         const std::vector<Line> lines = lines_of(results, plot);
         if (lines.empty()) continue; // nothing was measured
-        const std::string svg = plot_svg(heading_of(plot.x), heading_of(plot.y), lines),
+        const std::string svg = plot_svg(LinePlot{{}, heading_of(plot.x), heading_of(plot.y), {}, lines}),
                           name = fmt::format("{}-{}.svg", r.name, plot.y);
         write_text(folder + "/" + name, svg);
         pages.markdown += fmt::format("![{} over {}]({})\n\n", heading_of(plot.y), heading_of(plot.x), name);

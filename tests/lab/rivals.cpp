@@ -175,7 +175,9 @@ nlohmann::json measure_rival(const Recipe& recipe, const Case& c, World& world, 
         Rival* const rival = bout.rival.get();
         const std::vector<View> views = world.views(c, recipe.frames);
         nlohmann::json all = times_of(recipe, c, *rival, *bout.lean, views);
-        if (c.cells_a_frame == recipe.cells_a_frame[0]) {
+        const bool looks = recipe.measures_any({"triangles_in_view", "true_error_px", "folds", "open_edges", "gap_px",
+                                                "popping_px", "memory_mb", "equal_threshold_px", "equal_triangles"});
+        if (looks && c.cells_a_frame == recipe.cells_a_frame[0]) {
             Case on_path = c;
             on_path.cells_a_frame = 0;
             add_quality(c, ground, *rival, views, world.views(on_path, recipe.verify_frames), all);

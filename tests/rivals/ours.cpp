@@ -16,7 +16,7 @@ void ensure(const Status& status) {
 
 CutBudget ample_cut_budget(const Terrain& terrain) {
     const std::uint32_t samples = terrain.columns() * terrain.rows();
-    const std::uint32_t vertices = std::min(samples + 4096, CutBudget{}.vertices);
+    const std::uint32_t vertices = std::min(samples + 4096, std::max(CutBudget{}.vertices, samples / 16));
     return {vertices, 2 * vertices + 4096, 512, 1};
 }
 RecursiveBudget ample_recursive_budget(const Terrain& terrain) {
@@ -72,8 +72,9 @@ std::span<std::byte> Memory::span() {
     return {static_cast<std::byte*>(std::align(64, bytes_, start, left)), bytes_};
 }
 
-Incremental::Incremental(const Terrain& terrain, bool morphing)
-    : terrain_(terrain), memory_(cut_bytes(terrain, ample_cut_budget(terrain))), morphing_(morphing) {
+Incremental::Incremental(const Terrain& terrain, bool morphing, double offscreen_factor)
+    : terrain_(terrain), memory_(cut_bytes(terrain, ample_cut_budget(terrain))), morphing_(morphing),
+      offscreen_factor_(offscreen_factor) {
     ensure(create_cut(terrain, ample_cut_budget(terrain), memory_.span(), cut_));
 }
 
@@ -81,6 +82,7 @@ Refined Incremental::refine(const View& view, double error_px, std::uint32_t ope
     CutSettings settings;
     settings.max_error_px = error_px;
     settings.max_work = operations;
+    settings.offscreen_factor = offscreen_factor_;
     settings.morph = morphing_ ? Morph::error : Morph::none;
     settings.now_s = now_s_ += 1.0 / 60; // or what comes late would never arrive
     CutReport report;

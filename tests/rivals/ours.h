@@ -30,17 +30,19 @@ private:
 
 class Incremental final : public Rival {
 public:
-    Incremental(const Terrain& terrain, bool morphing);
+    // offscreen_factor: CutSettings has it. Its bound then speaks of what the view shows.
+    Incremental(const Terrain& terrain, bool morphing, double offscreen_factor = 1);
     [[nodiscard]] Refined refine(const View& view, double error_px, std::uint32_t operations) override;
     void faces(std::vector<Face>& out) const override;
     [[nodiscard]] std::size_t bytes() const override;
-    [[nodiscard]] Traits traits() const override { return {true, true, false, true}; }
+    [[nodiscard]] Traits traits() const override { return {true, true, offscreen_factor_ > 1, true}; }
 
 private:
     Terrain terrain_;
     Memory memory_;
     LiveCut cut_;
     bool morphing_;
+    double offscreen_factor_;
     double now_s_ = 0; // 60 frames a second
 };
 

@@ -74,7 +74,7 @@ public:
     [[nodiscard]] virtual Traits traits() const = 0;
 };
 
-// "incremental", "incremental-morph", "recursive", "lean", and what rival_names() has besides.
+// "incremental", "incremental-morph", "incremental-offscreen", "recursive", "lean", and what rival_names() has besides.
 [[nodiscard]] const std::vector<std::string>& rival_names();
 [[nodiscard]] std::unique_ptr<Rival> make_rival(const std::string& name, const Ground& ground, const Terrain& terrain);
 

@@ -33,6 +33,7 @@ std::unique_ptr<Rival> roam_of_wedgies(const Ground& ground, const Terrain&) {
 
 constexpr Entry entries[] = {{"incremental", from_terrain<Incremental, false>},
                              {"incremental-morph", from_terrain<Incremental, true>},
+                             {"incremental-offscreen", from_terrain<Incremental, false, 8>},
                              {"recursive", from_terrain<Recursive>},
                              {"lean", from_terrain<Lean>},
                              {"roam", from_ground<Roam>},

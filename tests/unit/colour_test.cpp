@@ -387,6 +387,10 @@ TEST_CASE("an image's colours are the bands that say so, or those that are asked
         {{"blue", "green", "red"}, false, "", {120, 80, 40}},
         {{"Blue", "Green", "Red", "NIR"}, true, "", {120, 80, 40}},
         {{"", "", "", "", ""}, true, "", {}},
+        {{"", "", "", ""}, true, "", {40, 80, 120}}, // near infrared behind them
+        {{"", ""}, true, "", {}},
+        {{"grey", "alpha of some kind"}, true, "", {}},
+        {{""}, true, "", {40, 40, 40}},
         {{"B01", "B02", "B03", "B04", "B08"}, true, "B04,B03,B02", {160, 120, 80}},
         {{"B01", "blue", "green", "red", "B08"}, true, "", {160, 120, 80}},
         {{"", "", "", "", ""}, true, "5,1,3", {200, 40, 120}},

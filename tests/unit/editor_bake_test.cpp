@@ -190,6 +190,81 @@ TEST_CASE("bands and sizes that are missing mark their fields, and are right onc
     CHECK(right.texels.at(20) == (0xff000000u | 40u | 30u << 8 | 20u << 16));
 }
 
+TEST_CASE("the dialog shows an image as the bake lays it: white of 10 to 16 bits, colours of a palette") {
+    const TemporaryFolder folder;
+    fjell::baker::register_drivers();
+    spit(folder / "west.asc", ascii_grid(0, "101"));
+    BakePack pack = pack_of({folder / "west.asc"});
+    pack.texture = folder / "image.tif";
+    struct Case {
+        const char* bits;          // the file says
+        int number, largest, byte; // of most pixels, of the first one; what is shown of the former
+    };
+    for (const Case& c : {Case{"NBITS=12", 2048, 2048, 128},
+                          {"NBITS=16", 1023, 2047, 127},
+                          {"NBITS=16", 32896, 65535, 128},
+                          {"NBITS=16", 4096, 8191, 16},
+                          {"", 3, 3, 90}}) {
+        CAPTURE(c.bits, c.number);
+        const char* const words[] = {c.bits, nullptr};
+        const bool palette = *c.bits == '\0';
+        GDALDataset* const file = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+            pack.texture.c_str(), 20, 10, 1, palette ? GDT_Byte : GDT_UInt16,
+            palette ? nullptr : const_cast<char**>(words));
+        GDALColorTable table;
+        const GDALColorEntry entry{90, 90, 90, 255};
+        table.SetColorEntry(3, &entry);
+        if (palette) REQUIRE(file->GetRasterBand(1)->SetColorTable(&table) == CE_None);
+        REQUIRE(file->GetRasterBand(1)->Fill(c.number) == CE_None);
+        auto largest = static_cast<std::uint16_t>(c.largest);
+        REQUIRE(file->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, 1, 1, &largest, 1, 1, GDT_UInt16, 0, 0, nullptr) ==
+                CE_None);
+        GDALClose(file);
+        const HeightFacts f = facts_of(pack);
+        REQUIRE(f.problem.empty());
+        CHECK((f.texels.at(f.width_px - 1) & 255) == static_cast<std::uint32_t>(c.byte));
+    }
+}
+
+TEST_CASE("what a file leaves open about its heights is answered by the form's fields, a scale of 1 too") {
+    const TemporaryFolder folder;
+    fjell::baker::register_drivers();
+    const auto write = [&](const char* crs_name) {
+        OGRSpatialReference crs;
+        crs.SetFromUserInput(crs_name);
+        GDALDataset* const file = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+            (folder / "a.tif").c_str(), 20, 10, 1, GDT_Float32, nullptr);
+        double t[6] = {6e6, 30, 0, 2e6, 0, -30};
+        if (std::string(crs_name) != "EPSG:2225") t[0] = 5e5;
+        file->SetGeoTransform(t);
+        file->SetSpatialRef(&crs);
+        REQUIRE(file->GetRasterBand(1)->Fill(100) == CE_None);
+        GDALClose(file);
+    };
+    BakePack pack = pack_of({folder / "a.tif"});
+    write("EPSG:32633+5715"); // depths
+    CHECK(facts_of(pack).at == BakeField::height_scale);
+    CHECK(facts_of(pack).problem.find("Height scale 1 if they are heights already") != std::string::npos);
+    for (const double scale : {1.0, -1.0}) {
+        pack.height_scale = scale;
+        CHECK(facts_of(pack).problem.empty());
+        CHECK(facts_of(pack).least_m == 100 * scale);
+    }
+    pack.height_scale = 0;
+    write("EPSG:2225"); // in US feet, and the heights say nothing
+    CHECK(facts_of(pack).at == BakeField::vertical_unit);
+    CHECK(facts_of(pack).problem.find("--") == std::string::npos);
+    for (const auto& [unit, height_m] : {std::pair{"m", 100.0}, {"us-ft", 100 * 1200.0 / 3937}}) {
+        pack.vertical_unit = unit;
+        CHECK(facts_of(pack).problem.empty());
+        CHECK(facts_of(pack).least_m == Approx(height_m));
+    }
+    pack.vertical_unit.clear();
+    pack.height_scale = 1;
+    CHECK(facts_of(pack).problem.empty());
+    CHECK(facts_of(pack).least_m == 100);
+}
+
 TEST_CASE("options of fjell-bake that a command names, the bake has, and the dialog finds the file of rules") {
     const TemporaryFolder folder;
     spit(folder / "west.asc", ascii_grid(0, "101"));

@@ -35,14 +35,6 @@ TEST_CASE("a picture without a georeference wants a spacing") {
     }
 }
 
-TEST_CASE("a rotated grid is refused") {
-    const TempDir dir;
-    Raster r = raster(20, 15, slope);
-    r.geotransform = {0, 10, 3, 0, 3, -10};
-    const std::string path = write(r, dir / "a.tif");
-    check_refusal(refused(path, spaced(10)), 1, path, {"rotated", "gdalwarp"});
-}
-
 TEST_CASE("what is no raster file is refused with what to do") {
     const TempDir dir;
     check_refusal(refused(dir / "missing.tif"), 1, dir / "missing.tif", {"no such file", "check the path"});
@@ -135,5 +127,6 @@ TEST_CASE("an image is not taken for heights") {
         file.GetRasterBand(1)->SetColorTable(&table);
     };
     const std::string palette = write(r, dir / "b.png", "PNG");
-    check_refusal(refused(palette, spaced(60)), 1, palette, {"palette"});
+    check_refusal(refused(palette, spaced(60)), 1, palette,
+                  {"palette", "--encoding terrarium or terrain-rgb", "gdal_translate -expand gray"});
 }

@@ -292,6 +292,11 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
         Raster wide = classes;
         wide.columns = 17, wide.rows = 68, wide.geotransform.clear(), wide.crs.clear();
         (void)write(wide, file.beside("wide.tif"));
+        Raster two = classes;
+        two.bands = 2, two.more = [](GDALDataset& to) {
+            to.GetRasterBand(1)->SetDescription("cover"), to.GetRasterBand(2)->SetDescription("certainty");
+        };
+        (void)write(two, file.beside("two.tif"));
         BakeOptions options = small_bake(5);
         options.max_texture_log2 = 6;
         options.layers_path = file.path();
@@ -326,12 +331,15 @@ TEST_CASE("classes and paint lie where their rasters lie, warped or stretched, a
     const auto weights = baked(R"({"rules": [{"painted": "paint.tif", "channels": ["rock", null, "snow"]}]})");
     CHECK(share(weights, 0.15, 0.5).at("rock") == Approx(250.0 / 255).margin(0.003));
     CHECK(share(weights, 0.85, 0.5).at("snow") == Approx(250.0 / 255).margin(0.003));
-    std::string line;
-    try {
-        (void)baked(R"({"rules": [{"classes": "wide.tif", "layers": {"7": "rock"}}]})");
-    } catch (const io::Failure& failure) {
-        line = failure.what();
+    const auto line = [&](const std::string& rule) {
+        return refusal([&] { (void)baked("{\"rules\": [{" + rule + "}]}"); });
+    };
+    const Refusal oblong = line(R"("classes": "wide.tif", "layers": {"7": "rock"})");
+    CHECK(oblong.says("wide.tif: has 17 x 68 pixels and no georeference"));
+    CHECK(oblong.says("gdal_translate -a_srs -a_ullr"));
+    for (const char* const rule :
+         {R"("classes": "two.tif", "layers": {"7": "rock"})", R"("painted": "two.tif", "channels": ["rock"])"}) {
+        CHECK(line(rule).says("two.tif: has 2 bands, 1 \"cover\", 2 \"certainty\"; give a raster with the one that "));
+        CHECK(line(rule).says("gdal_translate -b N"));
     }
-    CHECK(line.find("wide.tif: has 17 x 68 pixels and no georeference") != std::string::npos);
-    CHECK(line.find("gdal_translate -a_srs -a_ullr") != std::string::npos);
 }
