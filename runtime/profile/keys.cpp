@@ -90,7 +90,7 @@ constexpr ProfileKey keys[] = {
      .choices = methods,
      .about = "How the mesh is updated. \"incremental\": kept from frame to frame, refined all around the eye; costs "
               "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
-              "\"recursive\": rebuilt from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
+              "\"recursive\": rebuilt from the roots in every frame; 30 to 140 ns a selected vertex, and only those "
               "in view are selected, about a quarter.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,
@@ -123,7 +123,7 @@ constexpr ProfileKey keys[] = {
      .zero = "none",
      .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + hysteresis). No unit, 0 "
               "to 10. "
-              "0.3 takes a tenth more vertices and makes a third fewer changes. (Incremental.)",
+              "0.3 takes a fifth more vertices, and spares changes where a camera goes to and fro. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
@@ -135,8 +135,9 @@ constexpr ProfileKey keys[] = {
      .logarithmic = true,
      .about =
          "What no view sees, nor soon will, is refined to max_error_px times this. No unit, 1 to 100. 1 refines all "
-         "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
-         "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
+         "around, and turning then changes no vertex. 8 takes 0.3 to 0.8 of the vertices and 0.3 to 0.5 of the time of "
+         "a flight straight on; turning then refines what comes into sight, and an export is coarse where nobody "
+         "looked. "
          "(Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
@@ -148,7 +149,7 @@ constexpr ProfileKey keys[] = {
      .most = 2,
      .choices = morphs,
      .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the distance; takes a "
-              "seventh more vertices. \"time\": they morph over morph_s seconds; the threshold holds only where "
+              "sixth more vertices. \"time\": they morph over morph_s seconds; the threshold holds only where "
               "nothing is morphing any more. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph>::get,
@@ -421,7 +422,7 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_stream_pages,
      .logarithmic = true,
-     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 5 to 10 us each. When they do not suffice, the rest waits "
               "for the next frame, and the report says \"stream_pages\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::pages>::get,
