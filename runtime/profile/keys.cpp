@@ -268,7 +268,7 @@ constexpr ProfileKey keys[] = {
      .logarithmic = true,
      .zero = "no limit",
      .about = "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 "
-              "to 4294967294; 0 means no limit. An item takes 100 to 400 ns, depending on the cache. "
+              "to 4294967294; 0: no limit. An item takes 100 to 400 ns, depending on the cache. "
               "When they do not suffice, the mesh lags behind the camera and the report says \"items\". "
               "(Incremental.)",
      .used_by = UsedBy::incremental,
@@ -282,7 +282,7 @@ constexpr ProfileKey keys[] = {
      .most = ranges::most_time_us,
      .logarithmic = true,
      .zero = "no limit",
-     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0 means no limit. The clock is "
+     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is "
               "read every few items, so an update exceeds it by at most some microseconds. With a limit "
               "of time no two runs are alike. When it does not suffice, the report says \"time\". "
               "(Incremental.)",
@@ -406,7 +406,7 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = ranges::max_lookahead_s,
      .zero = "not at all",
-     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0 means not at all. It "
+     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. It "
               "loads pages on the way in advance, and some pages that are never wanted.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
@@ -417,7 +417,7 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = ranges::max_fade_s,
      .zero = "at once",
-     .about = "Time in which a new mip fades in. Seconds, 0 to 10; 0 means at once. Costs nothing.",
+     .about = "Time in which a new mip fades in. Seconds, 0 to 10; 0: at once. Costs nothing.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::fade_s>::get,
      .set = At<&Profile::stream, &StreamSettings::fade_s>::set},
