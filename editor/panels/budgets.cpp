@@ -117,7 +117,7 @@ void draw_stream(const State& state, Commands& commands) {
                session::exhausted_stream_requests},
               state, commands);
     draw_line({"Pages per frame", "stream.pages",
-               "Inserted pages, 10 to 20 us each. At the limit, pages wait for the next frame.",
+               "Inserted pages, 5 to 10 us each. At the limit, pages wait for the next frame.",
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), session::exhausted_stream_pages},
               state, commands);

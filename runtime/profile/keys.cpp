@@ -91,7 +91,7 @@ constexpr ProfileKey keys[] = {
      .about = "How the mesh is updated. \"incremental\": the mesh is kept from frame to frame and "
               "refined all around the eye. It costs 100 to 400 ns for each change, and next to nothing "
               "while the camera rests or turns. \"recursive\": the mesh is selected anew in every "
-              "frame. It costs 40 to 140 ns for each selected vertex, but selects only the quarter that "
+              "frame. It costs 30 to 140 ns for each selected vertex, but selects only the quarter that "
               "is in view.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,
@@ -135,8 +135,8 @@ constexpr ProfileKey keys[] = {
      .most = max_offscreen_factor,
      .logarithmic = true,
      .about = "Ground that no view sees, nor soon will, is refined to max_error_px times this. No unit, "
-              "1 to 100. 1 refines all around, so that turning costs nothing. 8 takes 0.3 to 0.7 of the "
-              "vertices, and as much of the time of a flight straight on. Turning then refines the "
+              "1 to 100. 1 refines all around, so that turning changes no vertex. 8 takes 0.3 to 0.8 of the "
+              "vertices, and 0.3 to 0.5 of the time of a flight straight on. Turning then refines the "
               "ground that comes into sight, and an export is coarse outside the views. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
@@ -148,7 +148,7 @@ constexpr ProfileKey keys[] = {
      .most = 2,
      .choices = morphs,
      .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the "
-              "distance, which takes 17 to 20% more vertices. \"time\": they morph over morph_s "
+              "distance, which takes a sixth more vertices. \"time\": they morph over morph_s "
               "seconds, and the threshold holds only after a vertex has finished. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph>::get,
@@ -429,7 +429,7 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_stream_pages,
      .logarithmic = true,
-     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 5 to 10 us each. When they do not suffice, the rest waits "
               "for the next frame, and the report says \"stream_pages\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::pages>::get,

@@ -68,7 +68,7 @@ struct StreamSettings {
     double lookahead_s = 0.5;           // how far ahead the eyes' motion is extrapolated; 0: not at all
     double fade_s = 0.3;                // time in which a new mip fades in; 0 to 10
     double now_s = 0;                   // the host's clock; must not run backwards
-    std::uint32_t pages = 16;           // inserted in a frame at most; some 10 to 20 us each
+    std::uint32_t pages = 16;           // inserted in a frame at most; some 5 to 10 us each
     std::uint32_t tests = 1u << 16;     // pages tested in a frame at most, some 10 ns each
     std::uint32_t map_bytes = 1u << 20; // uploaded in a frame at most, but always at least one mip
 };
