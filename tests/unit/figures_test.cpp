@@ -129,7 +129,7 @@ TEST_CASE("the README's plots are those of docs/plots.json") {
 TEST_CASE("a plot's points lie where its axes say, and its lines' names are beside their ends, apart from each other") {
     const std::vector<std::pair<double, double>> points{{0.06, 31}, {0.5, 800}, {10, 12'000}};
     const std::string svg = fjell::lab::plot_svg(fjell::lab::LinePlot{
-        "Times & places", "speed", "us", {}, {{"one", points}, {"two", {{1, 11'900}, {10, 11'900}}}}});
+        "Times & places", "speed", "us", {}, {{"one", points}, {"two", {{10, 11'900}, {1, 11'900}}}}});
     const auto x_ticks = numbers_in(svg, "<text x='([0-9.]+)' y='[0-9.]+' text-anchor='middle'>([0-9.]+)<"),
                y_ticks = numbers_in(std::regex_replace(svg, std::regex(",(?=[0-9]{3})"), ""),
                                     "y='([0-9.]+)' text-anchor='end'>([0-9.]+)<"),
@@ -147,6 +147,8 @@ TEST_CASE("a plot's points lie where its axes say, and its lines' names are besi
     REQUIRE(names.size() == 2);
     CHECK(std::abs(names[0].second - names[1].second) >= 17);
     CHECK(names[0].first > dots[2].first);
+    for (const auto& leader : numbers_in(svg, "<line x1='([0-9.]+)' y1='([0-9.]+)'[^>]* stroke-width='0.7'"))
+        CHECK(leader.first == Approx(dots[2].first + 4)); // from the right end, whichever way a line runs
     CHECK(svg.find("Times &amp; places") != std::string::npos);
     for (const auto& row : {"33,000 (3.3 times)", ">10,000<"})
         CHECK(fjell::lab::plot_svg(fjell::lab::RowPlot{"", "n", {{"of", {{"a", 10'000}, {"b", 33'000}}}}}).find(row) !=
