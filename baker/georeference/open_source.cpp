@@ -82,6 +82,13 @@ Window crop_to(const ReadPlan& plan) {
         const double turn = turn_of(source_crs(p)).length;
         const double off = turn * std::round((p.east((p.columns - 1) / 2.0) - (west + east) / 2) / turn);
         west += off, east += off;
+        const bool whole = (p.columns + 0.5) * p.step[0] > turn;
+        if (whole && east - west < turn && (west < p.east(-1) || east > p.east(p.columns)))
+            throw Failure(1, fmt::format("{}: --bbox goes across {}, where the field begins and ends, which a square "
+                                         "grid in degrees cannot; leave out --spacing{} to reproject it, or bake its "
+                                         "two sides one by one",
+                                         plan.names(), p.east(-0.5),
+                                         plan.options.crs == "auto" ? "" : " and --crs " + plan.options.crs));
     }
     const bool counted = p.axes == Axes::none; // columns and rows from the north-west
     if (!(west < east) || !(counted ? north < south : south < north))
