@@ -440,7 +440,7 @@ std::vector<Verb> program_verbs() {
              return RunBenchmark{path, w.more() ? w.count("frames") : 0};
          }},
         {"export", "FILE.glb [converged|ERROR_PX]",
-         "the frame's mesh as it stands, or as its view would settle on, or the whole terrain at a threshold",
+         "the mesh as drawn now, or the converged mesh of this view, or the whole terrain at a threshold",
          [](Words& w) {
              const std::string path = w.text("a file");
              const MeshChoice choice = mesh_choice(w);

@@ -35,18 +35,18 @@ bool parse_options(int argc, char** argv, Options& options) {
     std::string size;
     bool help_commands = false, no_vsync = false;
     app.add_option("PACK", options.pack,
-                   "the terrain: a pack, or heights to be baked (--headless: beside themselves, never over a file); "
-                   "none: the start page");
+                   "the terrain: a pack, or heights to bake (with --headless the pack is written beside them and never "
+                   "replaces a file); default: the start page");
     app.add_option("--profile", options.profile, "the profile to tune (profiles/*.toml)");
     app.add_option("--path", options.path, "a camera path (content/paths/*.json)");
-    auto* const materials = app.add_option("--materials", options.materials,
-                                           "what near ground is drawn with: a file of fjell-bake materials");
+    auto* const materials =
+        app.add_option("--materials", options.materials, "textures of near ground: a file of fjell-bake materials");
     app.add_option("--layers", options.layers,
-                   "and where, unless the pack's splat maps say: rules (content/materials/rules/*.json)")
+                   "rules that place the materials, if the pack has no splat maps (content/materials/rules/*.json)")
         ->needs(materials);
     app.add_option("--screenshot", options.screenshot, "writes the window as PNG after --frames, and quits");
     app.add_option("--frames", options.frames, "quits after so many frames")->check(io::whole_within(1, 1'000'000'000));
-    app.add_option("--do", options.commands, "a command; may be given again (see --help-commands)")
+    app.add_option("--do", options.commands, "a command; may be repeated (see --help-commands)")
         ->allow_extra_args(false);
     app.add_option("--script", options.script, "a file of commands, one a line; -: standard input");
     app.add_flag("--headless", options.headless, "no window: for scripts; quits when they are done");

@@ -132,8 +132,8 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"inputs",
          Of::files,
          &Recipe::inputs,
-         "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several of one CRS and "
-         "spacing make a mosaic, later ones on top",
+         "the height field: GeoTIFF, PNG, BMP, ASCII grid, HGT, USGS DEM, netCDF, VRT, ...; several files of one CRS "
+         "and spacing make a mosaic, in which later files cover earlier ones",
          {},
          true},
         {"output", Of::files, &Recipe::output, "the pack to write", {}, true},
@@ -150,7 +150,7 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"nesting",
          Of::pack,
          &Recipe::nesting,
-         "mu: how much larger a parent's error is, 0.001 to 1 (default 0.05); with less the mesh may crack",
+         "mu, 0.001 to 1 (default 0.05): a parent's error is at least 1 + mu times its child's",
          {},
          false,
          0.001,
@@ -170,13 +170,13 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"texture",
          Of::files,
          &Recipe::texture,
-         "ortho-images, placed by their coordinates or stretched over all; later ones on top",
+         "ortho-images, placed by their coordinates, or else stretched over the terrain; later images cover earlier "
+         "ones",
          {},
          true},
         {"texture-bands", Of::pack, &Recipe::texture_bands,
-         "of images with several bands, those that are red, green and blue, or the one that is grey: numbers, from 1, "
-         "or "
-         "names, as in 4,3,2 (default: what the image says)"},
+         "the bands of red, green and blue in images with several bands, or the band of grey: numbers, from 1, or "
+         "names, as in 4,3,2 (default: as the image says)"},
         {"ramp", Of::files, &Recipe::ramp, "colours by height (JSON, content/ramps)", {}, true},
         {"horizons",
          Of::pack,
@@ -201,10 +201,10 @@ const std::vector<RecipeKey>& recipe_keys() {
          std::numeric_limits<double>::infinity(),
          "control"},
         {"crs", Of::reading, &Recipe::crs,
-         "auto (default: what is in degrees, or in a CRS whose metres are not the ground's, is reprojected to a "
-         "projection "
-         "that suits it), keep (as it is), none (the same), or a projected CRS to "
-         "reproject to, such as EPSG:32633"},
+         "auto (default: a field in degrees, or in a CRS whose metres are not metres on the ground, is reprojected to "
+         "a "
+         "suitable projection), keep or none (nothing is reprojected), or a projected CRS to reproject to, such as "
+         "EPSG:32633"},
         {"encoding",
          Of::reading,
          &Recipe::encoding,
@@ -213,30 +213,30 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"nodata",
          Of::reading,
          &Recipe::nodata,
-         "samples without a height: leave a hole, fill from their neighbours, or refuse (default: what the file marks "
-         "and NaN become holes, implausible heights are refused)",
+         "samples without a height: leave a hole, fill from their neighbours, or refuse (default: samples that the "
+         "file "
+         "marks and NaN become holes, implausible heights are refused)",
          {"hole", "fill", "refuse"}},
         {"spacing", Of::reading, &Recipe::spacing,
-         "metres between samples: of a file without a georeference, of one in degrees to take it as a square grid, or "
-         "to resample to where there is a projected CRS"},
+         "metres between samples, for a file without a georeference; a file in degrees is taken as a square grid, a "
+         "file in a projected CRS is resampled"},
         {"band", Of::reading, &Recipe::band,
-         "of a file with several bands, the one that holds heights: its number, from 1, or its name (default: the one "
-         "that is named as elevation)"},
+         "the band of heights in a file with several bands: its number, from 1, or its name (default: the band that is "
+         "named as elevation)"},
         {"size", Of::reading, &Recipe::size,
-         "COLUMNSxROWS of raw numbers (.raw, .r16, .r32: 16 bits or floats, little-endian), whose file does not say; "
-         "not given: it is square"},
+         "COLUMNSxROWS of a file of raw numbers (.raw, .r16, .r32: 16 bits or floats, little-endian); default: it is "
+         "square"},
         {"vertical-unit", Of::reading, &Recipe::vertical_unit,
-         "what heights count that name no unit: m, ft, us-ft, or another of PROJ's names (default: m, and a question "
-         "where the CRS counts feet)"},
+         "the unit of heights whose file names no unit: m, ft, us-ft, or another of PROJ's names (default: m; a file "
+         "whose CRS counts feet is refused without it)"},
         {"zscale", Of::reading, &Recipe::zscale, "multiplies heights (after the file's own scale)"},
         {"zoffset", Of::reading, &Recipe::zoffset, "metres added to heights after --zscale"},
         {"bbox", Of::reading, &Recipe::bbox,
-         "WEST,SOUTH,EAST,NORTH: only samples inside, in units of the CRS (after reprojection), in degrees where the "
-         "field is in degrees and has the box so, or columns and rows from the north-west where there is no "
-         "georeference"},
+         "WEST,SOUTH,EAST,NORTH: only the samples inside; in units of the CRS after reprojection, in degrees if the "
+         "field is in degrees, or in columns and rows from the north-west if the field has no georeference"},
         {"void", Of::reading, &Recipe::voids,
-         "a number that stands for no height without the file saying so, as the file has it: before its scale and "
-         "offset and before --zscale; give it again for more. none: every other number is a height, even one that "
+         "a number that means \"no height\" although the file does not mark it, as the file has it: before its scale "
+         "and offset and before --zscale; may be repeated. With none, every other number is a height, even one that "
          "looks like a void"}};
     return keys;
 }

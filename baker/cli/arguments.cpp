@@ -59,7 +59,7 @@ void add_recipe_options(CLI::App& app, Recipe& r, bool reading = false) {
 }
 
 void add_how_options(CLI::App& app, Arguments& a) {
-    app.add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
+    app.add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     app.add_option("--memory", a.memory_mb, "MB the bake may use, whatever the height field's size (default 512)")
         ->check(io::whole_within(128, 1 << 24));
     app.add_flag("--quiet", a.quiet, "no progress, no summary");
@@ -68,13 +68,14 @@ void add_how_options(CLI::App& app, Arguments& a) {
 void declare_bake(CLI::App& app, Arguments& a) {
     add_recipe_options(app, a.given);
     app.add_option("-o,--output", a.given.output, "the pack to write");
-    app.add_option("--recipe", a.recipe_path, "take from this file what is not given here (--save-recipe writes one)");
+    app.add_option("--recipe", a.recipe_path,
+                   "take options that are not given here from this file (--save-recipe writes one)");
     app.add_option("--save-recipe", a.save_recipe_path, "record inputs and options in a file, for --recipe");
     add_how_options(app, a);
     app.add_option(
            "--checkpoint", a.checkpoint_s,
-           "keep complete stages on the disk, to go on from, even when all fits --memory; what an input that fails "
-           "within this many seconds leaves is removed (default 5)")
+           "keep complete stages on the disk, so that the bake can be resumed, even if all fits --memory; if an input "
+           "fails within this many seconds, its files are removed (default 5)")
         ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
@@ -96,24 +97,24 @@ void add_packs_option(CLI::App& command, Arguments& a, const std::string& about)
 }
 
 constexpr const char* about_set =
-    "write a pack set instead: OUT is its folder, with so many packs across and down; those without any ground are "
+    "write a pack set instead, with so many packs across and down: OUT is its folder; packs without any ground are "
     "left out";
 
 void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     c.plan = app.add_subcommand("plan", "cut a bake into shards that machines with a shared folder bake apart");
     add_recipe_options(*c.plan, a.given);
     c.plan->add_option("-o,--output", a.plan_folder, "the shared folder to write the plan to");
-    c.plan->add_option("--shards", a.shards, "how many")->check(io::whole_within(1, max_shards));
+    c.plan->add_option("--shards", a.shards, "the number of shards")->check(io::whole_within(1, max_shards));
     add_packs_option(*c.plan, a,
-                     "plan for a pack set of so many packs across and down: packs without any ground are not baked");
-    c.plan->add_option("--recipe", a.recipe_path, "take from this file what is not given here");
-    c.plan->add_flag("--status", a.status, "of the plan in the folder IN: which shards have completed which step");
-    c.shard = app.add_subcommand("shard",
-                                 "run a step of a shard of a plan, or of several: the next that it has not completed");
+                     "plan for a pack set with so many packs across and down; packs without any ground are not baked");
+    c.plan->add_option("--recipe", a.recipe_path, "take options that are not given here from this file");
+    c.plan->add_flag("--status", a.status, "show which shards have completed which step of the plan in the folder IN");
+    c.shard = app.add_subcommand(
+        "shard", "run a step of one shard of a plan, or of several: the next step that it has not completed");
     c.shard->add_option("DIR", a.plan_folder, "the plan's folder")->required();
     c.shard->add_option("K/N", a.shard, "the shard, from 1/N to N/N, or several: K-L/N")->required();
-    c.shard->add_option("--step", a.shard_step, "this step: read, measure, step1, step2, ...");
-    c.shard->add_flag("--again", a.again, "also if it is complete");
+    c.shard->add_option("--step", a.shard_step, "run this step: read, means, measure, step1, step2, ...");
+    c.shard->add_flag("--again", a.again, "run the step even if it is complete");
     add_how_options(*c.shard, a);
     c.launch = app.add_subcommand("launch", "run all shards of a plan, step by step, and merge them");
     c.launch->add_option("DIR", a.plan_folder, "the plan's folder")->required();
@@ -121,16 +122,16 @@ void declare_shards(CLI::App& app, Arguments& a, Commands& c) {
     c.launch
         ->add_option(
             "--with", a.launcher,
-            "local: processes on this machine (default); slurm: a job array a step; mpi: an mpirun a step, with "
-            "what FJELL_MPI_OPTIONS says")
+            "local: processes on this machine (default); slurm: one job array for each step; mpi: one mpirun for each "
+            "step, with the options in FJELL_MPI_OPTIONS")
         ->check(io::one_of({"local", "slurm", "mpi"}));
     c.launch->add_option("--at-once", a.at_once, "local, mpi: processes side by side (default 1)")
         ->check(io::whole_within(1, max_shards));
     c.launch->add_flag("--dry-run", a.dry_run,
-                       "only print the commands, and what a shard takes of time, disk and memory");
+                       "only print the commands, and the time, disk and memory that a shard takes");
     add_packs_option(*c.launch, a, about_set);
     add_how_options(*c.launch, a);
-    c.merge = app.add_subcommand("merge", "make the pack, or a pack set, from what all shards of a plan have left");
+    c.merge = app.add_subcommand("merge", "make the pack, or a pack set, from the results of all shards of a plan");
     c.merge->add_option("DIR", a.plan_folder, "the plan's folder")->required();
     c.merge->add_option("-o,--output", a.given.output, "the pack to write")->required();
     add_packs_option(*c.merge, a, about_set);
@@ -151,7 +152,7 @@ void declare_materials(CLI::App& app, Arguments& a, Commands& c) {
         });
     c.materials->add_option("--pictures", a.textures_folder,
                             "write each material's colour, height and normal as PNGs into this folder too");
-    c.materials->add_option("--threads", a.threads, "0: all cores")->check(io::whole_within(0, 1024));
+    c.materials->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
 }
 
 // What all commands take alike; the summary for scripts where one has any, and a refusal where it has none.
@@ -173,7 +174,7 @@ void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
     c.split->add_option("PACK", a.pack)->required();
     c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
-    add_packs_option(*c.split, a, "how many across and down (default 2x2); those without any ground are left out");
+    add_packs_option(*c.split, a, "packs across and down (default 2x2); packs without any ground are left out");
     c.join = app.add_subcommand("join", "make a pack set of the packs in a folder, if they agree where they meet");
     c.join->add_option("FOLDER", a.set_folder, "the packs' folder; its set.json is written")->required();
 }
@@ -184,12 +185,12 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     app.set_version_flag("--version", fmt::format("fjell-bake, pack version {}", pack_version));
     declare_bake(app, a);
     Commands c{};
-    c.info = app.add_subcommand("info", "what a pack holds");
+    c.info = app.add_subcommand("info", "describe a pack");
     c.info->add_option("PACK", a.pack); // looked for in what is parsed: it may stand behind --json
     c.info
         ->add_option_function<std::string>(
             "--json", [&a](const std::string& path) { a.info_json = path.empty() ? "-" : path; },
-            "as JSON, to a file or (default, or -) standard output")
+            "write JSON to a file; - (default): to standard output")
         ->expected(0, 1);
     auto* const picture =
         c.info->add_option("--picture", a.picture_path, "a PNG of its relief, errors, holes and tiles")
@@ -199,9 +200,10 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
         ->needs(picture);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
     c.verify->add_option("PACK", a.pack)->required();
-    c.verify->add_option("--against", a.against.inputs,
-                         "the height field it was baked from, one file or several, read as the pack says unless given "
-                         "here");
+    c.verify->add_option(
+        "--against", a.against.inputs,
+        "the height field it was baked from, one file or several, read with the options in the pack, or "
+        "with those given here");
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
     add_recipe_options(*c.verify, a.against, true);

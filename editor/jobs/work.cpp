@@ -157,17 +157,13 @@ gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& contr
     return options;
 }
 
-gltf::SnapshotResult write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
+gltf::SnapshotCounts write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
     return session::write_snapshot(*plan.pack, snapshot, plan.path, snapshot_options(plan, control),
                                    {plan.layers, plan.profile.layers});
 }
 
-gltf::SnapshotResult write_frame(const ExportPlan& plan, JobControl& control) {
-    return write(plan, plan.frame, control);
-}
-
 // A session that is as the frame's; of a streamed one with as much as the view wants and the page slots hold.
-gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) {
+gltf::SnapshotCounts write_refined(const ExportPlan& plan, JobControl& control) {
     session::FlightOptions options = options_of(plan.pack, plan.profile);
     options.streaming = plan.streamed ? session::Streaming::on : session::Streaming::off;
     options.profile.stream.fade_s = options.profile.stream.lookahead_s = 0; // time stands still
@@ -186,22 +182,14 @@ gltf::SnapshotResult write_refined(const ExportPlan& plan, JobControl& control) 
                 control.progress("stream", wanted > left ? wanted - left : 0, wanted);
             });
     control.progress("refine", 0, 1);
-    gltf::Snapshot snapshot;
-    if (!own)
-        snapshot = session::take_converged(session);
-    else if (gltf::SnapshotResult taken = gltf::take_refined(session.terrain(), plan.view, plan.error_px, snapshot);
-             !taken.ok())
-        return taken;
-    return write(plan, snapshot, control);
+    return write(
+        plan, own ? gltf::take_refined(session.terrain(), plan.view, plan.error_px) : session::take_converged(session),
+        control);
 }
 
 void run(const ExportPlan& plan, JobControl& control) {
     control.progress("open", 0, 1);
-    const gltf::SnapshotResult r = plan.frame.empty() ? write_refined(plan, control) : write_frame(plan, control);
-    if (!r.ok()) {
-        control.check();
-        throw io::Failure(r.exit_code, r.message);
-    }
+    const gltf::SnapshotCounts r = plan.frame.empty() ? write_refined(plan, control) : write(plan, plan.frame, control);
     control.publish([&](JobView& view) {
         view.output = plan.path;
         view.preview = {r.error_bound_px, r.vertices, r.triangles, r.file_bytes};

@@ -141,7 +141,7 @@ bool draw_proposal(const BakeDraft& draft, BakeField field) {
     char text[48];
     (void)std::snprintf(text, sizeof text, "Use %.32s", f.proposed.c_str());
     return side_button(text, "propose", field,
-                       f.because.empty() ? "Takes what the line below proposes." : f.because.c_str());
+                       f.because.empty() ? "Uses the value that is proposed below." : f.because.c_str());
 }
 
 float proposal_room(const BakeDraft& draft, BakeField field) {
@@ -246,42 +246,43 @@ void draw_options(BakeForm& form, const State& state) {
         ImGui::Combo("##nodata", &form.nodata, nodata_names, static_cast<int>(std::size(nodata_names)));
     }
     ui::control("bake", "nodata",
-                "What becomes of samples without a height: they stay a hole, are filled from their neighbours, or are "
+                "Samples without a height: they become holes, are filled from their neighbours, or are "
                 "refused.");
     if (draw_proposal(state.bake, BakeField::nodata)) form.nodata = 1;
     text_row("Voids", BakeField::voids, form.voids, "what the file marks",
-             "Numbers that mean \"no height\" although the file does not say so, such as -9999; separate several by "
-             "commas. none: every number that the file does not mark is a height.",
+             "Numbers that mean \"no height\" although the file does not mark them, such as -9999. Separate several by "
+             "commas. With none, every number that the file does not mark is a height.",
              state);
     if (draw_proposal(state.bake, BakeField::voids)) fields::copy(form.voids, state.bake.facts.proposed);
     text_row("CRS", BakeField::crs, form.crs, "the file's own; degrees become UTM",
-             "The coordinate reference system to reproject to, such as EPSG:25832. none: nothing is reprojected.",
+             "The coordinate reference system to reproject to, such as EPSG:25832. With none, nothing is reprojected.",
              state);
     text_row("Extract", BakeField::bbox, form.bbox, "all of it",
-             "Only what lies within west,south,east,north: units of the CRS after reprojection, or columns and rows "
-             "from the north-west where there are no coordinates.",
+             "Bakes only the region west,south,east,north: in units of the CRS after reprojection, or in columns and "
+             "rows from the north-west if the file has no coordinates.",
              state);
     text_row("Band", BakeField::band, form.band, "the one named as elevation",
-             "Of a file with several bands, the one that holds heights: its number, from 1, or its name.", state);
+             "The band of heights, in a file with several bands: its number, from 1, or its name.", state);
     text_row("Height unit", BakeField::vertical_unit, form.vertical_unit, "as the file says; else metres",
-             "What heights count that name no unit: m, ft, us-ft, or another of PROJ's names.", state);
+             "The unit of heights that name no unit: m, ft, us-ft, or another of PROJ's names.", state);
     text_row("Raw size", BakeField::size, form.size, "square",
              "Columns and rows of raw numbers (.raw, .r16, .r32), as in 1025x513.", state);
     ImGui::BeginDisabled(form.texture[0] == '\0');
-    text_row(
-        "Texture bands", BakeField::texture_bands, form.texture_bands, "as the image says",
-        "Of an image with several bands, those that are red, green and blue, as in 4,3,2, or the one that is grey.",
-        state);
+    text_row("Texture bands", BakeField::texture_bands, form.texture_bands, "as the image says",
+             "The bands of red, green and blue in an image with several bands, as in 4,3,2, or the band of grey.",
+             state);
     ImGui::EndDisabled();
     {
         const Marked warn(state.bake, BakeField::encoding);
-        fields::choice("Encoding", "bake", "encoding", form.encoding, encoding_names,
-                       "How heights are packed into red, green and blue: terrarium or terrain-rgb (Mapbox). none: one "
-                       "band of heights.");
+        fields::choice(
+            "Encoding", "bake", "encoding", form.encoding, encoding_names,
+            "How heights are packed into red, green and blue: terrarium or terrain-rgb (Mapbox). With none, the "
+            "file has one band of heights.");
     }
-    fields::choice("Tile", "bake", "tile", form.tile, tile_names,
-                   "Cells along a side of a tile, the unit of drawing. Smaller tiles are culled more tightly and cost "
-                   "more draw calls; auto chooses 512, or what suits the extents.");
+    fields::choice(
+        "Tile", "bake", "tile", form.tile, tile_names,
+        "Cells along a side of a tile. A tile is drawn or culled as a whole. Smaller tiles are culled more tightly and "
+        "cost more draw calls; auto chooses 512, or a size that suits the extents.");
     fields::choice("Order", "bake", "order", form.order, order_names,
                    "Order of the vertices in a page: planar and hz (hierarchical Z) suit both methods; linear, as in "
                    "the thesis, suits the recursive method alone.");
@@ -297,23 +298,24 @@ void draw_form(BakeForm& form, const State& state, Commands& commands) {
     draw_more_heights(form);
     if (path_field(
             "Pack", form, BakeField::output, form.output, "beside the heights, with .fjell",
-            "Where the pack is written. An existing one is replaced once you have agreed and the bake is complete.",
+            "Where the pack is written. An existing pack is replaced only if you agree, and when the bake is complete.",
             state, commands))
         form.output_is_chosen = form.output[0] != '\0';
     number_field("Spacing, m", BakeField::spacing, "spacing", form.spacing_m,
-                 "Metres between samples. 0: the file's own. Needed where the file has no coordinates.", state);
+                 "Metres between samples. 0 takes the file's own. Needed if the file has no coordinates.", state);
     number_field(
         "Height scale", BakeField::height_scale, "zscale", form.height_scale,
-        "Multiplies heights: 0.3048 converts feet to metres, -1 depths to heights. 0: as the file says; 1: its "
-        "numbers are metres, whatever it says.",
+        "Multiplies heights: 0.3048 converts feet to metres, and -1 depths to heights. 0 takes the file's own scale. 1 "
+        "takes its numbers as metres.",
         state);
     number_field("Height offset, m", BakeField::none, "zoffset", form.height_offset_m,
                  "Added to heights, after the scale.", state);
-    (void)path_field("Texture", form, BakeField::texture, form.texture, "none",
-                     "An ortho-image, placed by its coordinates, or stretched over the terrain where it has none.",
-                     state, commands);
+    (void)path_field(
+        "Texture", form, BakeField::texture, form.texture, "none",
+        "An ortho-image. It is placed by its coordinates; without coordinates it is stretched over the terrain.", state,
+        commands);
     (void)path_field("Ramp", form, BakeField::ramp, form.ramp, "by height, from meadows to snow",
-                     "Colours by height and slope where there is no image (JSON, as in content/ramps).", state,
+                     "Colours by height and slope, used without an image (JSON, as in content/ramps).", state,
                      commands);
     (void)path_field("Rules", form, BakeField::rules, form.rules, "none",
                      "Rules for splat maps: which materials lie where, by height, slope, curvature, aspect, wetness "
@@ -490,8 +492,8 @@ void draw_plan(const State& state) {
         ImGui::Text("Writes %s: %s to %s, in %s, in the background.%s %s%s%s", file_name(d.pack.output),
                     byte_text(samples * (bytes_a_sample[0] + maps_bytes(d.pack))).text,
                     byte_text(samples * (bytes_a_sample[1] + maps_bytes(d.pack))).text, time,
-                    d.output_exists ? " A pack of that name is there; you are asked before it is replaced." : "",
-                    state.scene.open() ? "When it is done, you are asked whether to leave " : "Then it is opened.",
+                    d.output_exists ? " A pack of that name exists; you are asked before it is replaced." : "",
+                    state.scene.open() ? "When it is done, you are asked whether to close " : "Then it is opened.",
                     state.scene.open() ? file_name(state.scene.path) : "", state.scene.open() ? "." : "");
     }
     ImGui::PopTextWrapPos();
@@ -589,9 +591,9 @@ void draw_bake(const State& state, PanelState& own, Commands& commands) {
 }
 
 void draw_baked(const State& state, PanelState&, Commands& commands) {
-    ImGui::TextWrapped("%s is ready. Fly it, and leave %s?", file_name(state.bake.ready), file_name(state.scene.path));
+    ImGui::TextWrapped("%s is ready. Open it, and close %s?", file_name(state.bake.ready), file_name(state.scene.path));
     ImGui::Spacing();
-    if (ui::button("Fly it", true)) commands.push(OpenBaked{true});
+    if (ui::button("Open it", true)) commands.push(OpenBaked{true});
     ui::mark("baked", "open");
     ImGui::SameLine();
     if (ui::button("Not now")) commands.push(OpenBaked{false});

@@ -117,7 +117,7 @@ void draw_stream(const State& state, Commands& commands) {
                session::exhausted_stream_requests},
               state, commands);
     draw_line({"Pages per frame", "stream.pages",
-               "Accepted pages, 10 to 20 us each. At the limit, pages wait for the next frame.",
+               "Inserted pages, 5 to 10 us each. At the limit, pages wait for the next frame.",
                static_cast<double>(r.pages_inserted), static_cast<double>(p.pages_inserted),
                static_cast<double>(profile.stream.pages), session::exhausted_stream_pages},
               state, commands);
@@ -132,7 +132,8 @@ void draw_stream(const State& state, Commands& commands) {
               state, commands);
     const bool tests = (state.measures.last().exhausted & session::exhausted_stream_tests) != 0;
     ui::row("Pages tested", tests ? "limit reached" : "within the limit");
-    ui::tip("Pages that an update of the stream tests (stream.tests). Raise it when the limit is reached.");
+    ui::tip(
+        "How many pages one stream update tests for being wanted (stream.tests). Raise it when the limit is reached.");
 }
 
 void memory_row(const char* label, double bytes, const char* about, double& sum) {
@@ -210,23 +211,24 @@ void draw_geometry(const StreamReport& r) {
     flag("Pages for this view", r.converged, "complete", "incomplete",
          "Complete: the threshold holds against the whole terrain.");
     ui::row("Wanted, missing", "%s", count_text(r.pages_wanted).text);
-    ui::tip("Pages that the views want and that are not loaded, although the coarser ones above them are.");
-    ui::row("Accepted, left", "%s, %s", count_text(r.pages_inserted).text, count_text(r.pages_left).text);
-    ui::tip("Arrived pages that were accepted in this frame, and those left for the next ones (stream.pages).");
+    ui::tip("Pages that the views want and that are not loaded yet. Their coarser pages are loaded.");
+    ui::row("Inserted, waiting", "%s, %s", count_text(r.pages_inserted).text, count_text(r.pages_left).text);
+    ui::tip("Pages that were inserted in this frame, and pages that have arrived and wait for the next frames "
+            "(stream.pages).");
     ui::row("Evicting", "%s", count_text(r.pages_evicting).text);
-    ui::tip("Pages that are not wanted any more, evicted as soon as the mesh does not use them.");
+    ui::tip("Pages that no view wants any more. They are evicted as soon as the mesh does not use them.");
     ui::row("Page slots", "%s of %s", count_text(r.page_slots.used).text, count_text(r.page_slots.capacity).text);
     if (r.missing_px >= 1e7)
-        ui::row("Missing error", "unbounded");
+        ui::row("Error of missing pages", "unbounded");
     else
-        ui::row("Missing error", "%.2f px", r.missing_px);
+        ui::row("Error of missing pages", "%.2f px", r.missing_px);
     ui::tip("The largest error on screen that a missing page may hide, in pixels.");
 }
 
 void draw_maps(const StreamReport& r) {
     ui::heading("Maps");
     flag("Mips for this view", r.maps_converged, "complete", "incomplete", "Complete: loaded and faded in.");
-    ui::row("Accepted, left", "%s, %s", count_text(r.mips_uploaded).text, count_text(r.mips_left).text);
+    ui::row("Uploaded, waiting", "%s, %s", count_text(r.mips_uploaded).text, count_text(r.mips_left).text);
     ui::row("Missing mips", "%.1f", r.missing_mips);
     ui::tip("Mips that the blurriest tile in view lacks.");
     ui::row("On the GPU", "%s of %s", byte_text(static_cast<double>(r.map_bytes_used)).text,
@@ -304,7 +306,7 @@ void level_bar(const LevelHistogram& levels, std::uint32_t level, int tile_log2,
     list.AddText({from.x + width - ImGui::CalcTextSize(number).x, from.y}, ImGui::GetColorU32(ImGuiCol_Text), number);
     ImGui::Dummy({width, 1.15F * em});
     char about[96];
-    std::snprintf(about, sizeof about, "level %u: %s triangles with legs of %.4g m", level, number, leg_m);
+    std::snprintf(about, sizeof about, "level %u: %s triangles with short sides of %.4g m", level, number, leg_m);
     ui::tip(about);
 }
 

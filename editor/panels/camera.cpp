@@ -147,7 +147,7 @@ void draw_path_edits(const State& state, Commands& commands) {
                          "Saves the camera path to a file, as control points in metres."))
         commands.push(ShowDialog{Dialog::save_path});
     ui::beside("Clear");
-    if (ui::panel_button("Clear", "path", "clear", n > 0, "Removes the path; Restore brings it back."))
+    if (ui::panel_button("Clear", "path", "clear", n > 0, "Removes the path. Restore brings it back."))
         commands.push(ClearPath{});
     ui::beside("Restore");
     if (ui::panel_button("Restore", "path", "restore", route.can_restore(),

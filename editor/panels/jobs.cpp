@@ -15,7 +15,7 @@ namespace fjell::editor {
 
 void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
     ExportForm& form = own.mesh_export;
-    constexpr const char* kinds[] = {"the frame's", "custom threshold"};
+    constexpr const char* kinds[] = {"as drawn now", "custom threshold"};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
     fields::path("glTF", "export", "path", form.path, "a file that ends in .glb",
@@ -23,16 +23,15 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
     fields::destination("export", form.path);
     fields::choice(
         "Mesh", "export", "own", form.own, kinds,
-        "The frame's is written as it is drawn: the triangles that the camera sees, morphed, as fine as the budgets "
-        "allowed. A custom threshold refines the whole terrain for this view, whatever the budgets.");
+        "As drawn now: the triangles that the camera sees, morphed, as fine as the budgets allowed. A custom "
+        "threshold refines the whole terrain for this view, whatever the budgets.");
     fields::label("Converged");
     ImGui::BeginDisabled(form.own == 1);
     bool converged = form.converged || form.own == 1;
     if (ImGui::Checkbox("##converged", &converged) && form.own == 0) form.converged = converged;
     ImGui::EndDisabled();
-    ui::control(
-        "export", "converged",
-        "The mesh that this view settles on once it has had time and work items, instead of the frame's as it stands.");
+    ui::control("export", "converged",
+                "Waits until the mesh of this view needs no more work, instead of taking the mesh of this frame.");
     ImGui::BeginDisabled(form.own == 0);
     double shown = form.own == 1 ? form.error_px : state.measures.last().error_bound_px;
     fields::number("Pixels", "export", "error_px", shown, "%.4g",
@@ -43,7 +42,7 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
     if (fields::button("Preview", "export", "preview", can,
-                       "Counts, and the size of the file to the byte; nothing is written."))
+                       "Shows the counts and the size of the file to the byte. Writes nothing."))
         commands.push(PreviewExport{form.converged, error_px});
     ImGui::SameLine();
     if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
@@ -97,10 +96,10 @@ namespace {
 // What will be flown.
 void draw_flight(const State& state) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(
-        ImColor(ui::quiet).Value,
-        "Flies %s as the profile says, over a terrain that is loaded once more for this, in a view of %u x %u.",
-        state.route.flight_name().text, state.document.profile().width_px, state.document.profile().height_px);
+    ImGui::TextColored(ImColor(ui::quiet).Value,
+                       "Flies %s with this profile, in a view of %u x %u. The terrain is loaded a second time.",
+                       state.route.flight_name().text, state.document.profile().width_px,
+                       state.document.profile().height_px);
     ImGui::PopTextWrapPos();
 }
 
@@ -111,12 +110,12 @@ void draw_tune_form(TuneForm& form) {
                    "The time that 99% of the frames (p99) must not exceed: 0.01 to 1,000 milliseconds. A frame at 60 "
                    "Hz has 16.7.");
     fields::choice("Measure", "auto-tune", "measure", form.measure, measures,
-                   "Update: CPU time of refinement and streaming. Whole frame: with upload and drawing, in a picture "
-                   "as large as the profile says; slower, and dependent on the graphics driver.");
+                   "Update: CPU time of refinement and streaming. Whole frame: upload and drawing too, in a picture "
+                   "of the profile's size. It takes longer and depends on the graphics driver.");
     fields::whole("Frames, 0: auto", "auto-tune", "frames", form.frames,
-                  "Frames of a flight, 10 to 100,000; 0: as many as the path has at 60 Hz, or 840 for an orbit if "
-                  "there is no path. Fewer frames fly the same path faster, with more changes in each.");
-    fields::label("From, to, px");
+                  "Frames of a flight, 10 to 100,000. With 0 a path is flown at 60 Hz, and an orbit takes 840 frames. "
+                  "Fewer frames fly the same path faster, with more changes in each.");
+    fields::label("Thresholds, px");
     ImGui::PushID("range");
     float width = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     ImGui::SetNextItemWidth(width);
@@ -125,7 +124,7 @@ void draw_tune_form(TuneForm& form) {
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 0.3F);
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
-    ui::control("auto-tune", "most_px", "The largest threshold, in pixels: the search begins there.");
+    ui::control("auto-tune", "most_px", "The largest threshold to try, in pixels. The search begins with it.");
     ImGui::PopID();
 }
 
@@ -148,7 +147,7 @@ void draw_auto_tune(const State& state, PanelState& own, Commands& commands) {
     draw_flight(state);
     const bool can = !state.job.running && state.scene.open();
     if (fields::button("Start", "auto-tune", "start", can,
-                       "Flies again and again until the smallest threshold is found whose p99 keeps the budget.")) {
+                       "Flies the path repeatedly, to find the smallest threshold whose p99 is within the budget.")) {
         TuneThreshold t;
         t.settings = {form.measure == 1 ? TuneMeasure::frame : TuneMeasure::update,
                       form.budget_ms * 1000,
@@ -172,8 +171,8 @@ void draw_benchmark(const State& state, PanelState& own, Commands& commands) {
     fields::path("CSV", "benchmark", "path", form.path, "a file",
                  "One line for each frame, with the columns of fjell-fly --csv.");
     fields::whole("Frames, 0: auto", "benchmark", "frames", form.frames,
-                  "0: as many as the path has at 60 Hz, or 840 for an orbit if there is no path. Fewer frames fly the "
-                  "same path faster.");
+                  "With 0 a path is flown at 60 Hz, and an orbit takes 840 frames. Fewer frames fly the same path "
+                  "faster.");
     draw_flight(state);
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open() && form.path[0] != '\0';
@@ -195,13 +194,13 @@ void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
     const bool entered =
         ImGui::InputTextWithHint("##name", "a name, or none", name, sizeof name, ImGuiInputTextFlags_EnterReturnsTrue);
-    ui::control("bookmark", "name", "What the bookmark is called; without a name it is numbered.");
+    ui::control("bookmark", "name", "The name of the bookmark. Without a name it gets a number.");
     ImGui::SameLine();
     if (ImGui::Button("Add") || entered) {
         commands.push(AddBookmark{name});
         name[0] = '\0';
     }
-    ui::control("bookmark", "add", "Keeps the camera's place.");
+    ui::control("bookmark", "add", "Remembers the camera's place.");
     std::size_t index = 0;
     char mark[24];
     for (const Bookmark& b : state.bookmarks.all) {
@@ -227,13 +226,15 @@ void draw_render(const State& state, PanelState& own, Commands& commands) {
     ui::heading("Render");
     fields::suggest(form.file, form.made_for, state, ".png");
     fields::path("Picture", "render", "path", form.file, "a file that ends in .png", "Where the PNG is written.");
-    fields::whole("Width, px", "render", "width", form.width, "Of the picture; the window's size does not matter.");
-    fields::whole("Height, px", "render", "height", form.height, "Of the picture; the window's size does not matter.");
+    fields::whole("Width, px", "render", "width", form.width, "The picture's size; the window's size does not matter.");
+    fields::whole("Height, px", "render", "height", form.height,
+                  "The picture's size; the window's size does not matter.");
     const bool can =
         !state.job.running && state.scene.open() && form.file[0] != '\0' && form.width >= 16 && form.height >= 16;
-    if (fields::button("Render", "render", "start", can,
-                       "Draws beside the frames, and holds the threshold in every picture whatever the budgets are. A "
-                       "picture wider than the profile's view is refined further, as for a larger screen."))
+    if (fields::button(
+            "Render", "render", "start", can,
+            "Draws in the background. Every picture keeps the threshold, whatever the budgets. A picture wider "
+            "than the profile's view is refined further, as for a larger screen."))
         commands.push(
             RenderPicture{form.file, static_cast<std::uint32_t>(form.width), static_cast<std::uint32_t>(form.height)});
     if (fields::runs(state, JobKind::picture)) fields::cancel("render", commands);

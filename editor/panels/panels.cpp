@@ -406,7 +406,7 @@ struct Part {
 Part threshold_part(const State& state) {
     const session::FrameEntry& e = state.measures.last();
     Part part{"", ui::good, 1, "threshold",
-              "The threshold that the mesh keeps now, and why it is not the requested one."};
+              "The error bound of the mesh now, and the reason if it is not the requested threshold."};
     constexpr std::uint32_t lasting = session::exhausted_vertices | session::exhausted_indices |
                                       session::exhausted_triangles | session::exhausted_page_slots;
     const char* why = "";
@@ -459,8 +459,7 @@ std::size_t make_parts(const State& state, Parts& parts) {
     }
     parts[n++] = threshold_part(state);
     if (m.ring(Series::update_us).size() != 0) {
-        Part& update = parts[n++] = {"", plain, 2, "update",
-                                     "The longest of the last 512 updates, without the slowest hundredth."};
+        Part& update = parts[n++] = {"", plain, 2, "update", "99% of the last 512 updates took no longer than this."};
         std::snprintf(update.text, sizeof update.text, "update p99 %s ms",
                       ms_text(static_cast<double>(m.ring(Series::update_us).quantiles().p99)).text);
         Part& fps = parts[n++] = {"", plain, 3, "fps", "Frames per second, from the median frame time."};

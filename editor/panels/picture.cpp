@@ -32,10 +32,11 @@ constexpr Choice overlay_choices[] = {
     {"Wireframe", "Edges of all triangles."},
     {"Tile borders", "Borders of tiles, on the ground and in the overview."},
     {"Page borders", "Borders of pages, which are loaded and evicted as a whole."},
-    {"Bounding spheres", "Around vertices, as refinement uses them."},
+    {"Bounding spheres", "The spheres around vertices that refinement uses."},
     {"Culled", "With refinement frozen: culled tiles, and the frustum of the frozen camera."},
-    {"True error", "How far the mesh is from the full-resolution terrain, in pixels; hatched where it exceeds the "
-                   "bound. Takes the picture's place; all heights are read first."},
+    {"True error",
+     "The distance of the mesh from the full-resolution terrain, in pixels. It is hatched above the bound. "
+     "It replaces the picture; all heights are read first."},
     {"Camera path", "The path, its points and the recording in progress; hidden during playback."},
     {"Contours", "Lines of equal height, every fifth one wider."},
     {"Slope", "Steep ground in bands that begin at 15, 25, 35 and 45 degrees."},
@@ -133,7 +134,7 @@ void explain_overlays(const State& state) {
     if (state.shows(Overlay::culled) && !state.eye.frozen)
         ui::note("Culled tiles are out of view: freeze refinement (F), and look from elsewhere.");
     if (!state.shows(Overlay::error)) return;
-    if (state.heights_share < 0) return ui::note("The heights to compare with cannot be read; see Help > Messages.");
+    if (state.heights_share < 0) return ui::note("The full-resolution heights cannot be read; see Help > Messages.");
     if (state.heights_share < 1) {
         char text[48];
         std::snprintf(text, sizeof text, "Reading heights: %.0f%%", 100 * state.heights_share);
@@ -292,7 +293,7 @@ void draw_compare_picture(const State& state, PanelState& own, Commands& command
     if (ImGui::SliderFloat("Divider", &percent, 0, 100, "%.0f%%", ImGuiSliderFlags_NoInput))
         commands.push(SetDivider{static_cast<double>(percent) / 100});
     ui::control("compare-picture", "divider",
-                "Where the divider stands, in percent of the picture's width. Or drag it.");
+                "The place of the divider, in percent of the picture's width. Or drag it.");
 }
 
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands) {

@@ -130,7 +130,7 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
     if (p.reached < 0.9999) ImGui::Text("%.1f%% of the frames reached the threshold", 100 * p.reached);
     if (const LimitingPart limit = limiting_part(p.dearest_us); limit.name != nullptr)
         ImGui::Text("slowest frames: %.0f%% %s", 100 * limit.share, limit.name);
-    ImGui::TextUnformatted(p.keeps ? "keeps the budget" : "does not keep the budget");
+    ImGui::TextUnformatted(p.keeps ? "within the budget" : "over the budget");
     ImGui::EndTooltip();
 }
 
@@ -346,7 +346,7 @@ void draw_run_table(const State& state, Commands& commands) {
         if (ImGui::SmallButton("x")) commands.push(ForgetRun{r});
         char name[32];
         std::snprintf(name, sizeof name, "forget.%zu", r);
-        ui::control("run", name, "Removes this run from the panel; its CSV stays.");
+        ui::control("run", name, "Removes this run from the panel. Its CSV file is kept.");
         ImGui::PopID();
     }
     ImGui::EndTable();
@@ -361,11 +361,11 @@ void draw_flown_place(const FlownPlace& place, const FlownRun& run, std::size_t 
         std::snprintf(error, sizeof error, "%.3g px", static_cast<double>(place.error_px));
     std::snprintf(text, sizeof text, "%3.0f%%  %s ms  %s%s", 100 * run.share_of(at),
                   ms_text(static_cast<double>(place.update_us)).text, error,
-                  place.exhausted != 0 ? "  budget spent" : "");
+                  place.exhausted != 0 ? "  budget exhausted" : "");
     ImGui::PushID(static_cast<int>(at));
     const bool chosen = state.runs.chosen && state.runs.chosen->run == index && state.runs.chosen->place == at;
     if (ImGui::Selectable(text, chosen)) commands.push(ChoosePlace{index, run.share_of(at)});
-    ui::tip("How far along the path, the update's time, and the largest error there. Click: look from there.");
+    ui::tip("Position on the path, time of the update, and largest error. Click to look from this place.");
     ImGui::PopID();
 }
 
@@ -395,9 +395,10 @@ void draw_heat_choice(const State& state, Commands& commands) {
         if (i > 0) ImGui::SameLine();
         if (ImGui::RadioButton(labels[i], static_cast<int>(state.runs.heat) == i))
             commands.push(SetHeat{static_cast<Heat>(i)});
-        ui::control("heat", heat_names[i],
-                    "Colours the latest run's path on the overview in the Camera panel: blue is fast or exact, red the "
-                    "run's p99 time or its threshold, white beyond that.");
+        ui::control(
+            "heat", heat_names[i],
+            "Colours the latest run's path on the overview in the Camera panel. Blue is fast or exact, red is the "
+            "run's p99 time or its threshold, white is above that.");
     }
 }
 
@@ -425,7 +426,7 @@ void draw_runs(const State& state, Commands& commands) {
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is spent");
+    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is exhausted");
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }

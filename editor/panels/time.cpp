@@ -16,11 +16,11 @@ constexpr ImU32 blue = IM_COL32(125, 175, 235, 255), teal = IM_COL32(95, 200, 19
 constexpr ImU32 yellow = IM_COL32(225, 205, 110, 255), green = IM_COL32(120, 190, 120, 255),
                 grey = IM_COL32(140, 146, 158, 255);
 constexpr double frame_budget_ms = 1000.0 / 60;
-constexpr const char *upload_about = "Giving the driver what has changed in the mesh.",
-                     *draw_about = "Giving the driver the terrain to draw.",
+constexpr const char *upload_about = "Passing the changes of the mesh to the driver.",
+                     *draw_about = "Passing the draw calls to the driver.",
                      *present_about =
-                         "Copying the picture, drawing the panels, swapping buffers. The GPU, or the software "
-                         "renderer, catches up here with what it was given; with vertical sync the frame waits here.",
+                         "Copying the picture, drawing the panels, swapping buffers. The GPU or the software "
+                         "renderer finishes its work here; with vertical sync the frame waits here.",
                      *other_about = "Input, the overview, and rebuilding.";
 
 // A row of the table: its quantiles in milliseconds.
@@ -48,7 +48,7 @@ void draw_table(const State& state) {
         ui::right_text(name, ui::quiet);
     }
     quantiles("Frame", state, Series::frame_us,
-              "All that the editor does for a frame whose terrain has changed. Waiting for input does not count.");
+              "All work of the editor for a frame whose terrain has changed. Waiting for input does not count.");
     quantiles("Update", state, Series::update_us, "The method's update on the CPU.");
     if (state.measures.last().prepare_us > 0 || state.measures.ring(Series::refine_us).quantiles().max > 0) {
         quantiles("  prepare", state, Series::prepare_us,
@@ -66,9 +66,10 @@ void draw_table(const State& state) {
               "The editor's own code: panels, commands and measures. Should stay below 1 ms.");
     quantiles("Other", state, Series::other_us, other_about);
     if (state.measures.ring(Series::gpu_us).size() != 0)
-        quantiles(
-            "GPU", state, Series::gpu_us,
-            "What the GPU took by its own clock, some frames ago: beside the CPU, so it is none of the parts above.");
+        quantiles("GPU", state, Series::gpu_us,
+                  "The GPU's time by its own clock, some frames ago. The GPU works beside the CPU, so this is not a "
+                  "part of the "
+                  "times above.");
     ImGui::EndTable();
     if (!state.software) return;
     ui::note("GPU: not measured; software draws, in Present.");
@@ -109,7 +110,7 @@ void draw_report(const State& state, Commands& commands) {
     const session::FrameEntry& e = f.entry;
     ui::heading("This frame");
     const std::uint64_t ago = state.measures.recorded() - f.number;
-    ui::row("Before the newest", "%s frames", count_text(static_cast<double>(ago)).text);
+    ui::row("Age", "%s frames", count_text(static_cast<double>(ago)).text);
     if (e.error_bound_px < 1e6)
         ui::row("Threshold", "%.3g px of %.3g", e.error_bound_px, e.error_px_requested);
     else
@@ -137,8 +138,8 @@ void draw_report(const State& state, Commands& commands) {
         ui::control("frame", name, about);
     };
     const std::size_t size = state.measures.ring(Series::frame_us).size();
-    step("<", "older", ago + 1 < size, ago + 1, "The report of the frame before it.");
-    step(">", "newer", ago > 0, ago - 1, "The report of the frame after it.");
+    step("<", "older", ago + 1 < size, ago + 1, "Shows the frame before this one.");
+    step(">", "newer", ago > 0, ago - 1, "Shows the frame after this one.");
 }
 
 // Half of the frames that are shown, around the chosen one or else the newest.
@@ -156,7 +157,7 @@ void draw_hold(const State& state, Commands& commands) {
     const bool held = state.measures.held();
     if (ImGui::Button(held ? "Continue###hold" : "Pause###hold")) commands.push(HoldMeasures{!held});
     ui::control("graphs", "hold",
-                held ? "Measures all frames again (T)." : "Holds graphs and times still, to be looked at (T).");
+                held ? "Measures all frames again (T)." : "Stops graphs and times, so that you can look at them (T).");
     ImGui::SameLine();
     ImGui::BeginDisabled(state.graphs.whole());
     if (ImGui::Button("Zoom out")) commands.push(ZoomGraphs{measured_frames - 1, 0});

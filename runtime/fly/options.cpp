@@ -56,45 +56,47 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_flag("--headless", o.headless, "no window");
     app.add_option("--error-px", f.error_px, "threshold: largest error on screen, in pixels")
         ->check(io::within(ranges::least_threshold_px, ranges::most_threshold_px));
-    app.add_option("--method", f.method, "keep the mesh from frame to frame (incremental, default) or find it anew")
+    app.add_option("--method", f.method,
+                   "incremental (default): keep the mesh from frame to frame; recursive: select it anew in every frame")
         ->check(io::one_of({"incremental", "recursive"}));
-    app.add_flag("--corner-safe", f.corner_safe, "hold the threshold in the image's corners too");
+    app.add_flag("--corner-safe", f.corner_safe, "bound the error in pixels in the image's corners too");
     app.add_option("--fov", f.fov_deg, "vertical field of view in degrees")
         ->check(io::within(ranges::min_fov_deg, ranges::max_fov_deg));
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
 void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
-    auto* const materials = app.add_option("--materials", o.materials_path,
-                                           "what near ground is drawn with: a file of fjell-bake materials");
+    auto* const materials =
+        app.add_option("--materials", o.materials_path, "textures of near ground: a file of fjell-bake materials");
     app.add_option("--layers", o.rules_path,
-                   "and where, unless the pack's splat maps say: rules (content/materials/rules/*.json)")
+                   "rules that place the materials, if the pack has no splat maps (content/materials/rules/*.json)")
         ->needs(materials);
     app.add_option("--light", f.light,
                    "KEY=VALUE[,KEY=VALUE]: sun, air, exposure, water: any key of [light] of a profile, as in "
                    "elevation_deg=5,water=true; may be repeated")
         ->allow_extra_args(false);
-    app.add_option("--samples", f.samples, "samples a pixel that smooth edges; no more than the GPU has")
+    app.add_option("--samples", f.samples, "samples per pixel that smooth edges, no more than the GPU has")
         ->check(io::whole_within(1, ranges::max_samples));
 }
 
 void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     const char* const incremental = "Incremental method";
-    app.add_option("--items", f.items, "most work items a frame may take, the first one too; 0 (default): no limit")
+    app.add_option("--items", f.items, "work items that a frame may take at most; 0 (default): no limit")
         ->check(io::whole_within(0, ranges::most_work))
         ->group(incremental);
-    app.add_option("--budget-us", f.budget_us,
-                   "most microseconds an update may take, the first one too; 0 (default): no limit")
+    app.add_option("--budget-us", f.budget_us, "microseconds that an update may take at most; 0 (default): no limit")
         ->check(io::within(0, ranges::most_time_us))
         ->group(incremental);
-    app.add_option("--hysteresis", f.hysteresis, "a vertex goes below error-px / (1 + this); 0 (default) to 10")
+    app.add_option("--hysteresis", f.hysteresis,
+                   "a vertex is deactivated below error-px / (1 + this); 0 (default) to 10")
         ->check(io::within(0, ranges::max_hysteresis))
         ->group(incremental);
     app.add_option("--offscreen-factor", f.offscreen_factor,
-                   "what no view sees, nor soon will, is refined to error-px times this; 1 (default) to 100")
+                   "ground that no view sees, nor soon will, is refined to error-px times this; 1 (default) to 100")
         ->check(io::within(1, max_offscreen_factor))
         ->group(incremental);
-    app.add_option("--morph", f.morph, "vertices come at once (none, default), with the error or with the time")
+    app.add_option("--morph", f.morph,
+                   "vertices appear at once (none, default), or morph with the distance (error) or over a time (time)")
         ->check(io::one_of({"none", "error", "time"}))
         ->group(incremental);
     app.add_option("--record", o.record, "write the flight to a file that --replay repeats bit for bit")
@@ -108,7 +110,8 @@ void declare_methods(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--topology", f.topology, "triangle list (default), or one strip a tile")
         ->check(io::one_of({"list", "strip"}))
         ->group(recursive);
-    app.add_option("--cull", f.cull, "refine only what the frustum sees (default on); off: all around, as incremental")
+    app.add_option("--cull", f.cull,
+                   "on (default): refine only inside the frustum; off: all around, as the incremental method does")
         ->check(io::one_of({"on", "off"}))
         ->group(recursive);
 }
@@ -120,20 +123,22 @@ void declare_streaming(CLI::App& app, FlightOptions& o, Flags& f) {
                    "[stream] page_slots of the profile")
         ->check(io::one_of({"on", "off", "auto"}))
         ->group(group);
-    app.add_flag("--wait", o.wait,
-                 "headless: every frame waits for all that its view wants; without it those that are drawn or exported")
+    app.add_flag(
+           "--wait", o.wait,
+           "headless: every frame waits until all pages that its view wants are loaded; by default only drawn and "
+           "exported frames wait")
         ->group(group);
-    app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window; none waits")
+    app.add_flag("--realtime", o.realtime, "headless: one frame every 1/hz seconds, as in a window; no frame waits")
         ->group(group);
-    app.add_option("--read-mb-s", o.read_mb_s, "read no faster, to see what a slower disk does; 0 (default): no limit")
+    app.add_option("--read-mb-s", o.read_mb_s,
+                   "read no faster than this, to imitate a slower disk; 0 (default): no limit")
         ->check(io::within(0, 1e6))
         ->group(group);
     app.add_option("--read-latency-ms", o.read_latency_ms,
-                   "wait before every read; 0 (default): no longer than it takes")
+                   "wait before every read, to imitate a slower disk; 0 (default): no wait")
         ->check(io::within(0, 10000))
         ->group(group);
-    app.add_flag("--cold", o.cold, "ask the system to forget what it keeps of the pack, before the flight")
-        ->group(group);
+    app.add_flag("--cold", o.cold, "ask the system to drop its cache of the pack before the flight")->group(group);
 }
 
 void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
@@ -142,19 +147,20 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--export", f.exports, "FRAME:OUT.glb, the mesh as that frame draws it; may be repeated")
         ->allow_extra_args(false);
     app.add_flag("--export-converged", o.export_converged,
-                 "--export the mesh that the frame's view would settle on, had it time and items");
+                 "--export the converged mesh of the frame's view, as if time and items were unlimited");
     app.add_option("--export-texel", o.export_texel_m,
                    "width of a texel of --export's textures in metres; 0 (default): as fine as the maps are")
         ->check(io::within(0, 1e6));
-    app.add_option("--render", o.render_folder,
-                   "write frame_NNNNN.png into this folder; it is made where there is none");
+    app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder, which is created if need be");
     app.add_option("--render-every", o.render_every, "only every N-th frame")->check(io::whole_within(1, most_frames));
     app.add_option("--mode", f.mode,
-                   "pictures shaded (default), with wireframe, or coloured by tree level, tile, mip, loaded step of "
-                   "geometry, or distance")
+                   "what pictures show: light and colours (shaded, default), edges too (wire), or a colour for each "
+                   "tree level, "
+                   "tile, mip, loaded step of geometry (residency) or distance")
         ->check(io::one_of(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
-    app.add_option("--verify", o.verify_every,
-                   "every N frames, measure the error at every sample; loads a streamed pack whole beside it")
+    app.add_option(
+           "--verify", o.verify_every,
+           "every N frames, measure the error at every sample; of a streamed pack this loads a second, whole copy")
         ->check(io::whole_within(1, most_frames));
 }
 

@@ -1,7 +1,7 @@
-// What a Snapshot holds, and a result that says no.
+// What a Snapshot holds.
 #pragma once
 
-#include <string>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -18,17 +18,11 @@ struct Snapshot::Content {
 
 struct SnapshotAccess {
     static const Snapshot::Content* content(const Snapshot& snapshot) { return snapshot.content_.get(); }
-    static void set(Snapshot& snapshot, Snapshot::Content content) {
+    static Snapshot of(Snapshot::Content content) {
+        Snapshot snapshot;
         snapshot.content_ = std::make_shared<const Snapshot::Content>(std::move(content));
+        return snapshot;
     }
 };
-
-// A result that says no.
-inline SnapshotResult refused(int exit_code, std::string message) {
-    SnapshotResult result;
-    result.exit_code = exit_code;
-    result.message = std::move(message);
-    return result;
-}
 
 } // namespace fjell::gltf

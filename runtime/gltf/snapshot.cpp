@@ -102,7 +102,7 @@ Json crs_of(const Chunks& pack) {
 }
 
 // The fields of extras.fjell, with exactly these names: checkers know nothing else about the file.
-Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotResult& counts) {
+Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotCounts& counts) {
     const PackHeader& h = pack.header;
     const View& view = info.view;
     Json all = {{"error_px", info.error_px},
@@ -216,11 +216,11 @@ private:
 };
 
 void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
-               SceneBuilder& scene, SnapshotResult& result) {
+               SceneBuilder& scene, SnapshotCounts& counts) {
     Textures textures(pack, options);
-    result.texture_px = textures.colour_px();
-    result.normal_px = textures.normal_px();
-    result.occlusion_px = textures.occlusion_px();
+    counts.texture_px = textures.colour_px();
+    counts.normal_px = textures.normal_px();
+    counts.occlusion_px = textures.occlusion_px();
     std::uint64_t done = 0;
     for (const TileGeometry& taken : content.tiles) {
         if (options.progress && !options.progress(done++, content.tiles.size()))
@@ -231,9 +231,6 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
         const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
         const TileTextures added = textures.add(geometry, name, scene);
         scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile), added);
-        ++result.tiles;
-        result.vertices += geometry.vertices.size();
-        result.triangles += geometry.indices.size() / 3;
     }
 }
 
@@ -275,7 +272,7 @@ std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std:
     return total;
 }
 
-SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_with(const Chunks& pack, const Snapshot& snapshot, const std::string& path,
                           const SnapshotOptions& options) {
     try {
         const Snapshot::Content* const content = SnapshotAccess::content(snapshot);
@@ -291,21 +288,19 @@ SnapshotResult write_with(const Chunks& pack, const Snapshot& snapshot, const st
         if (options.write) file.emplace(path);
         if (!(options.texel_m >= 0)) throw io::Failure(2, "texel_m must be 0 (the finest) or a number of metres");
         const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
-        SnapshotResult result;
-        result.converged = content->info.converged;
-        result.error_bound_px = content->info.error_bound_px;
+        SnapshotCounts counts = snapshot.counts();
         SceneBuilder scene(max_file_bytes);
-        add_tiles(pack, *content, options, scene, result);
+        add_tiles(pack, *content, options, scene, counts);
         scene.add_camera(content->info.view);
-        result.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, content->info, result)), max_file_bytes,
+        counts.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, content->info, counts)), max_file_bytes,
                                       path, file ? &*file : nullptr);
-        return result;
-    } catch (const io::Failure& failure) {
-        return refused(failure.exit_code, failure.what());
+        return counts;
+    } catch (const io::Failure&) {
+        throw;
     } catch (const std::bad_alloc&) {
-        return refused(3, "not enough memory for the snapshot; ask for a larger error_px or smaller textures");
+        throw io::Failure(3, "not enough memory for the snapshot; ask for a larger error_px or smaller textures");
     } catch (const std::exception& error) {
-        return refused(3, fmt::format("{}: cannot write the snapshot: {}", path, io::as_failure(error).what()));
+        throw io::Failure(3, fmt::format("{}: cannot write the snapshot: {}", path, io::as_failure(error).what()));
     }
 }
 
@@ -320,27 +315,25 @@ bool is_snapshot_name(const std::string& path) {
     return ending == ".glb" || (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there));
 }
 
-SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options) {
     return write_with(chunks_of(pack), snapshot, path, options);
 }
 
-SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options) {
     return write_with(chunks_of(file), snapshot, path, options);
 }
 
-SnapshotResult write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options) {
     return terrain.file() ? write_snapshot(*terrain.file(), snapshot, path, options)
                           : write_snapshot(terrain.pack(), snapshot, path, options);
 }
 
-SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
+SnapshotCounts write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options) {
-    Snapshot snapshot;
-    SnapshotResult taken = take_snapshot(terrain, mesh, info, snapshot);
-    return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
+    return write_snapshot(pack, take_snapshot(terrain, mesh, info), path, options);
 }
 
 } // namespace fjell::gltf

@@ -45,26 +45,22 @@ std::vector<TileGeometry> tiles_of(const Terrain& terrain, const MeshView& mesh,
     return tiles;
 }
 
-SnapshotResult take(const Terrain& terrain, const MeshView& mesh, std::span<const float> drawn_m,
-                    const SnapshotInfo& info, Snapshot& snapshot) {
+// take() returns a Snapshot; too little memory for it is a Failure.
+template <typename Take>
+Snapshot with_memory(const Take& take) {
     try {
-        check(terrain, info);
-        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)};
-        SnapshotResult result;
-        for (const TileGeometry& tile : content.tiles) {
-            result.vertices += tile.vertices.size();
-            result.triangles += tile.indices.size() / 3;
-        }
-        result.tiles = static_cast<std::uint32_t>(content.tiles.size());
-        result.converged = info.converged;
-        result.error_bound_px = info.error_bound_px;
-        SnapshotAccess::set(snapshot, std::move(content));
-        return result;
-    } catch (const io::Failure& failure) {
-        return refused(failure.exit_code, failure.what());
+        return take();
     } catch (const std::bad_alloc&) {
-        return refused(3, "not enough memory for the snapshot; ask for a larger error_px");
+        throw io::Failure(3, "not enough memory for the snapshot; ask for a larger error_px");
     }
+}
+
+Snapshot copied(const Terrain& terrain, const MeshView& mesh, std::span<const float> drawn_m,
+                const SnapshotInfo& info) {
+    return with_memory([&] {
+        check(terrain, info);
+        return SnapshotAccess::of({info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)});
+    });
 }
 
 // The threshold that the method refines to, for a view: thresholds of all views rise alike. What the mesh lacks of it
@@ -79,38 +75,48 @@ SnapshotInfo Snapshot::info() const {
     return content_ ? content_->info : SnapshotInfo{};
 }
 
-SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
-                             const CutReport& report, Snapshot& snapshot) {
+SnapshotCounts Snapshot::counts() const {
+    SnapshotCounts counts;
+    if (!content_) return counts;
+    for (const TileGeometry& tile : content_->tiles) {
+        counts.vertices += tile.vertices.size();
+        counts.triangles += tile.indices.size() / 3;
+    }
+    counts.tiles = static_cast<std::uint32_t>(content_->tiles.size());
+    counts.converged = content_->info.converged;
+    counts.error_bound_px = content_->info.error_bound_px;
+    return counts;
+}
+
+Snapshot take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
+                       const CutReport& report) {
     const CutMesh live = cut_mesh(cut);
     SnapshotInfo info{
         .view = view, .error_px = view_max_error_px(view, settings.max_error_px), .corner_safe = settings.corner_safe};
-    std::vector<float> drawn_m;
-    try {
-        drawn_m.reserve(live.mesh.vertices.size());
-    } catch (const std::bad_alloc&) {
-        return refused(3, "not enough memory for the snapshot; ask for a larger error_px");
-    }
-    if (live.frame.morph != Morph::none)
-        for (std::size_t i = 0; i < live.mesh.vertices.size(); ++i)
-            drawn_m.push_back(morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame));
-    for (const TileRange& range : live.mesh.tiles)
-        for (std::uint32_t i = range.first_index; i < range.first_index + range.index_count && !drawn_m.empty(); ++i) {
-            const std::uint32_t vertex = live.mesh.indices[i];
-            info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
-        }
     info.error_bound_px = bound_error_px(cut, view, settings.corner_safe,
                                          reached_px(info.error_px, report.error_px_requested, report.threshold_px));
     info.lagging = report.waiting != 0 || report.morphing != 0 || terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_bound_px <= info.error_px;
-    return take(terrain, live.mesh, drawn_m, info, snapshot);
+    return with_memory([&] {
+        std::vector<float> drawn_m;
+        if (live.frame.morph != Morph::none) drawn_m.reserve(live.mesh.vertices.size());
+        for (std::size_t i = 0; i < drawn_m.capacity(); ++i)
+            drawn_m.push_back(morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame));
+        for (const TileRange& range : live.mesh.tiles)
+            for (std::uint32_t i = 0; i < range.index_count && !drawn_m.empty(); ++i) {
+                const std::uint32_t vertex = live.mesh.indices[range.first_index + i];
+                info.morphed = info.morphed || drawn_m[vertex] != live.mesh.vertices[vertex].height_m;
+            }
+        return copied(terrain, live.mesh, drawn_m, info);
+    });
 }
 
-SnapshotResult take_snapshot(const io::LiveTerrain& terrain, const View& view, Snapshot& snapshot) {
-    return take_snapshot(terrain.terrain(), terrain.cut(), view, terrain.settings.cut, terrain.frame().cut, snapshot);
+Snapshot take_snapshot(const io::LiveTerrain& terrain, const View& view) {
+    return take_snapshot(terrain.terrain(), terrain.cut(), view, terrain.settings.cut, terrain.frame().cut);
 }
 
-SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
-                             const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot) {
+Snapshot take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view, const RefineSettings& settings,
+                       const FrameReport& report) {
     SnapshotInfo info{
         .view = view, .error_px = view_max_error_px(view, settings.max_error_px), .corner_safe = settings.corner_safe};
     info.culled = settings.cull;
@@ -118,12 +124,11 @@ SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, con
                                          reached_px(info.error_px, report.error_px_requested, report.error_bound_px));
     info.lagging = terrain.missing_px() > info.error_px;
     info.converged = !info.lagging && info.error_bound_px <= info.error_px;
-    return take(terrain, recursive_mesh(method), {}, info, snapshot);
+    return copied(terrain, recursive_mesh(method), {}, info);
 }
 
-SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
-                             Snapshot& snapshot) {
-    return take(terrain, mesh, {}, info, snapshot);
+Snapshot take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info) {
+    return copied(terrain, mesh, {}, info);
 }
 
 // A budget that fits is found by trying: the mesh' size is known only once it is made, a pass costs tens of nanoseconds
@@ -144,8 +149,8 @@ RecursiveBudget largest_budget(const Terrain& terrain) {
 
 } // namespace
 
-SnapshotResult take_refined(const Terrain& terrain, const View& view, double error_px, Snapshot& snapshot) {
-    if (!terrain.valid()) return refused(2, "there is no terrain behind the handle; load it with load_terrain");
+Snapshot take_refined(const Terrain& terrain, const View& view, double error_px) {
+    if (!terrain.valid()) throw io::Failure(2, "there is no terrain behind the handle; load it with load_terrain");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
         .max_error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};
@@ -158,7 +163,7 @@ SnapshotResult take_refined(const Terrain& terrain, const View& view, double err
         try {
             memory = io::allocate(bytes);
         } catch (const std::bad_alloc&) {
-            return refused(
+            throw io::Failure(
                 3, fmt::format("not enough memory to refine the whole terrain ({} bytes); ask for a larger error_px",
                                bytes));
         }
@@ -167,19 +172,15 @@ SnapshotResult take_refined(const Terrain& terrain, const View& view, double err
         if (status.code == StatusCode::budget_too_small && !all) continue;
         FrameReport report;
         if (status.ok()) status = update_recursive(method, view, settings, report);
-        if (!status.ok()) return refused(2, fmt::format("{}: {}", status.field, message(status.code)));
+        if (!status.ok()) throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
         if (!report.converged && !all) continue;
-        SnapshotResult taken = take_snapshot(terrain, method, view, settings, report, snapshot);
-        (void)destroy_recursive(method);
-        return taken;
+        return take_snapshot(terrain, method, view, settings, report); // the method dies with its memory
     }
 }
 
-SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
+SnapshotCounts export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options) {
-    Snapshot snapshot;
-    SnapshotResult taken = take_refined(terrain, view, error_px, snapshot);
-    return taken.ok() ? write_snapshot(pack, snapshot, path, options) : taken;
+    return write_snapshot(pack, take_refined(terrain, view, error_px), path, options);
 }
 
 } // namespace fjell::gltf

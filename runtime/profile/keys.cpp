@@ -88,10 +88,11 @@ constexpr ProfileKey keys[] = {
      .label = "Method",
      .kind = choice_key,
      .choices = methods,
-     .about = "How the mesh is updated. \"incremental\": kept from frame to frame, refined all around the eye; costs "
-              "what changes, 100 to 400 ns a work item, and next to nothing while the camera rests or turns. "
-              "\"recursive\": rebuilt from the roots in every frame; 30 to 90 ns a selected vertex, and only those "
-              "in view are selected, about a quarter.",
+     .about = "How the mesh is updated. \"incremental\": the mesh is kept from frame to frame and "
+              "refined all around the eye. It costs 100 to 400 ns for each change, and next to nothing "
+              "while the camera rests or turns. \"recursive\": the mesh is selected anew in every "
+              "frame. It costs 30 to 140 ns for each selected vertex, but selects only the quarter that "
+              "is in view.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::method>::get,
      .set = At<&Profile::method>::set},
@@ -103,17 +104,17 @@ constexpr ProfileKey keys[] = {
      .least = ranges::least_threshold_px,
      .most = ranges::most_threshold_px,
      .logarithmic = true,
-     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 times the "
-              "vertices and the time.",
+     .about = "Threshold: the largest error on screen. Pixels, 0.01 to 1000. Halving it takes 2 to 3.5 "
+              "times the vertices and the time.",
      .get = At<&Profile::refine, &RefineSettings::max_error_px>::get,
      .set = At<&Profile::refine, &RefineSettings::max_error_px>::set},
     {.table = "refine",
      .name = "corner_safe",
-     .label = "Hold in corners",
+     .label = "Bound in corners",
      .kind = flag_key,
-     .about =
-         "Hold the threshold in pixels in the image's corners too, not only as an angle: true or false. Divides it by "
-         "1.48 for a picture of 4:3 at 45 degrees, by 1.71 for one of 16:9: about 1.7 and 2.1 times the vertices.",
+     .about = "Bounds the error in pixels in the image's corners too, not only as an angle: true or "
+              "false. It divides the threshold by 1.48 for a picture of 4:3 at 45 degrees, and by 1.71 "
+              "for 16:9. That takes 1.7 and 2.1 times the vertices.",
      .get = At<&Profile::refine, &RefineSettings::corner_safe>::get,
      .set = At<&Profile::refine, &RefineSettings::corner_safe>::set},
     {.table = "refine",
@@ -121,9 +122,9 @@ constexpr ProfileKey keys[] = {
      .label = "Hysteresis",
      .most = ranges::max_hysteresis,
      .zero = "none",
-     .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + hysteresis). No unit, 0 "
-              "to 10. "
-              "0.3 takes a tenth more vertices and makes a third fewer changes. (Incremental.)",
+     .about = "A vertex is activated at max_error_px and deactivated below max_error_px / (1 + "
+              "hysteresis). No unit, 0 to 10. 0.3 takes a fifth more vertices; fewer vertices change "
+              "while a camera goes to and fro. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
@@ -133,11 +134,10 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = max_offscreen_factor,
      .logarithmic = true,
-     .about =
-         "What no view sees, nor soon will, is refined to max_error_px times this. No unit, 1 to 100. 1 refines all "
-         "around: turning costs nothing. 8 takes 0.3 to 0.7 of the vertices, and as much of the time of a flight "
-         "straight on; turning then refines what comes into sight, and an export is coarse where nobody looked. "
-         "(Incremental.)",
+     .about = "Ground that no view sees, nor soon will, is refined to max_error_px times this. No unit, "
+              "1 to 100. 1 refines all around, so that turning changes no vertex. 8 takes 0.3 to 0.8 of the "
+              "vertices, and 0.3 to 0.5 of the time of a flight straight on. Turning then refines the "
+              "ground that comes into sight, and an export is coarse outside the views. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::offscreen_factor>::get,
      .set = At<&Profile::cut, &CutSettings::offscreen_factor>::set},
@@ -147,9 +147,9 @@ constexpr ProfileKey keys[] = {
      .kind = choice_key,
      .most = 2,
      .choices = morphs,
-     .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the distance; takes a "
-              "seventh more vertices. \"time\": they morph over morph_s seconds; the threshold holds only where "
-              "nothing is morphing any more. (Incremental.)",
+     .about = "How vertices appear and disappear. \"none\": at once. \"error\": they morph with the "
+              "distance, which takes a sixth more vertices. \"time\": they morph over morph_s "
+              "seconds, and the threshold holds only after a vertex has finished. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::morph>::get,
      .set = At<&Profile::cut, &CutSettings::morph>::set},
@@ -170,19 +170,21 @@ constexpr ProfileKey keys[] = {
      .label = "Metric",
      .kind = choice_key,
      .choices = metrics,
-     .about = "What an error is divided by: the \"isotropic\" distance to the eye, or the \"depth\" along the view "
-              "(thesis 5.4.1; needs cull = true). Depth holds the bound in the image's corners too where the view is "
-              "level, for a tenth more vertices. (Recursive.)",
+     .about = "The distance by which errors are divided: \"isotropic\", the distance to the eye, or "
+              "\"depth\", the distance along the view (thesis 5.4.1; needs cull = true). With depth the "
+              "bound is kept in the image's corners too if the view is level, for a tenth more "
+              "vertices. (Recursive.)",
      .used_by = UsedBy::recursive,
      .get = At<&Profile::refine, &RefineSettings::metric>::get,
      .set = At<&Profile::refine, &RefineSettings::metric>::set},
     {.table = "refine",
      .name = "cull",
-     .label = "Only in view",
+     .label = "Cull to the view",
      .kind = flag_key,
-     .about = "Leave out vertices outside the view frustum: true or false. False refines all around, for about four "
-              "times the vertices at 45 degrees; turning the head then changes nothing. (Recursive; the incremental "
-              "method refines all around and draws the tiles that may be seen.)",
+     .about = "Leaves out vertices outside the view frustum: true or false. False refines all around, "
+              "for about four times the vertices at 45 degrees, and the mesh does not change when the "
+              "head turns. (Recursive. The incremental method refines all around, and draws the tiles "
+              "that may be seen.)",
      .used_by = UsedBy::recursive,
      .get = At<&Profile::refine, &RefineSettings::cull>::get,
      .set = At<&Profile::refine, &RefineSettings::cull>::set},
@@ -205,10 +207,11 @@ constexpr ProfileKey keys[] = {
      .least = ranges::min_budget,
      .most = ranges::max_vertices,
      .logarithmic = true,
-     .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. 57 bytes each for the incremental method, 28 on "
-              "the GPU, and 19.7 KB for 64 of them as far as there are pages; 20 and 12 for the recursive one, which "
-              "needs a quarter to a sixth as many. When they do not "
-              "suffice, the threshold rises, the mesh stays crack-free, and the report says \"vertices\".",
+     .about = "Slots of the vertex buffer. Vertices, 16 to 134217728. Incremental: 57 bytes each, 28 on "
+              "the GPU, and 19.7 KB of page state for each 64 vertices, up to the number of pages. "
+              "Recursive: 20 bytes each, 12 on the GPU, and a quarter to a sixth as many suffice. When "
+              "they do not suffice, the threshold rises, the mesh stays crack-free, and the report says "
+              "\"vertices\".",
      .rebuild = Rebuild::method,
      .get = Vertices::get,
      .set = Vertices::set},
@@ -220,10 +223,10 @@ constexpr ProfileKey keys[] = {
      .least = ranges::min_budget,
      .most = ranges::max_triangles,
      .logarithmic = true,
-     .about =
-         "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU, too. About two "
-         "an active vertex, and up to an eighth of them is idle in half-full segments. When they do not suffice, the "
-         "threshold rises and the report says \"triangles\". (Incremental.)",
+     .about = "Slots of the index buffer. Triangles, 16 to 536870912. 12 bytes each, on the GPU too. "
+              "The mesh has about two for each active vertex, and up to an eighth of the slots is idle "
+              "in half-full segments. When they do not suffice, the threshold rises and the report says "
+              "\"triangles\". (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::triangles>::get,
@@ -235,8 +238,9 @@ constexpr ProfileKey keys[] = {
      .unit = "views",
      .least = 1,
      .most = max_cut_views,
-     .about = "Views that share one mesh: split screen, shadows. Views, 1 to 8. They take hardly any memory; each one "
-              "adds its distances to every evaluation. fjell-fly gives one. (Incremental.)",
+     .about = "Views that share one mesh, as for split screen and shadows. Views, 1 to 8. They take "
+              "hardly any memory. Each one adds its distances to every evaluation. fjell-fly has one "
+              "view. (Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::views>::get,
@@ -247,8 +251,9 @@ constexpr ProfileKey keys[] = {
      .kind = whole_key,
      .least = 1,
      .most = max_cut_workers,
-     .about = "Threads that build what the camera sees in the first frame and after a jump, with the frame's own; the "
-              "mesh does not depend on it. 1 to 64. 160 KB each with tiles of 513. (Incremental.)",
+     .about = "Threads that build the mesh in the first frame and after a jump, the calling thread "
+              "included. 1 to 64. 160 KB each with tiles of 513. The mesh is the same with any number. "
+              "(Incremental.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut_budget, &CutBudget::workers>::get,
@@ -256,30 +261,31 @@ constexpr ProfileKey keys[] = {
     {.table = "budget",
      .name = "max_work",
      .old_name = "items",
-     .label = "Work items a frame",
+     .label = "Work items per frame",
      .kind = whole_key,
      .unit = "items",
      .most = ranges::most_work,
      .logarithmic = true,
      .zero = "no limit",
-     .about =
-         "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 to 4294967294; 0: no "
-         "limit. An item takes 100 to 400 ns, depending on the cache. When they do not suffice, the mesh lags behind "
-         "the camera and the report says \"items\". (Incremental.)",
+     .about = "Work that a frame may do: groups evaluated, vertices activated or deactivated. Items, 0 "
+              "to 4294967294; 0: no limit. An item takes 100 to 400 ns, depending on the cache. "
+              "When they do not suffice, the mesh lags behind the camera and the report says \"items\". "
+              "(Incremental.)",
      .used_by = UsedBy::incremental,
      .get = Items::get,
      .set = Items::set},
     {.table = "budget",
      .name = "max_time_us",
      .old_name = "budget_us",
-     .label = "Time an update",
+     .label = "Update time",
      .unit = "us",
      .most = ranges::most_time_us,
      .logarithmic = true,
      .zero = "no limit",
-     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is read every few "
-              "items, so it is exceeded by some microseconds at most; but no two runs are alike. The report says "
-              "\"time\". (Incremental.)",
+     .about = "Time that an update may take. Microseconds, 0 to 1000000; 0: no limit. The clock is "
+              "read every few items, so an update exceeds it by at most some microseconds. With a limit "
+              "of time no two runs are alike. When it does not suffice, the report says \"time\". "
+              "(Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::max_time_us>::get,
      .set = At<&Profile::cut, &CutSettings::max_time_us>::set},
@@ -291,9 +297,9 @@ constexpr ProfileKey keys[] = {
      .least = ranges::min_budget,
      .most = ranges::max_indices,
      .logarithmic = true,
-     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU, all uploaded in "
-              "every frame. A list needs about 6 a selected vertex, strips 3.5. When they do not suffice, the report "
-              "says \"indices\". (Recursive.)",
+     .about = "Indices of one frame. Indices, 16 to 1073741824. 4 bytes each, and as many on the GPU. "
+              "All of them are uploaded in every frame. A list needs about 6 for each selected vertex, "
+              "strips 3.5. When they do not suffice, the report says \"indices\". (Recursive.)",
      .rebuild = Rebuild::method,
      .used_by = UsedBy::recursive,
      .get = At<&Profile::budget, &RecursiveBudget::indices>::get,
@@ -307,9 +313,9 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_page_slots,
      .logarithmic = true,
-     .about =
-         "Pages in memory at a time. Pages, 1 to 16777216; at least one a tile of the pack. 12.5 KB each. When they do "
-         "not suffice, the terrain is coarser where its error shows least, and the report says \"page_slots\".",
+     .about = "Pages in memory at a time. Pages, 1 to 16777216, and at least one for each tile of the "
+              "pack. 12.5 KB each. When they do not suffice, the terrain is coarser where its error "
+              "shows least, and the report says \"page_slots\".",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::page_slots>::get,
@@ -322,8 +328,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_page_requests,
      .logarithmic = true,
-     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer follow a turn of the head sooner, more "
-              "keep a disk of high latency busy.",
+     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer requests follow a turn "
+              "of the head sooner, more requests keep a disk of high latency busy.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
@@ -350,8 +356,9 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_map_mb,
      .logarithmic = true,
-     .about = "Maps on the GPU. MB (1048576 bytes), 1 to 65536; at least the smallest size of all tiles. When they do "
-              "not suffice, maps are blurrier where it shows least, and the report says \"map_bytes\".",
+     .about = "Maps on the GPU. MB (1048576 bytes), 1 to 65536, and at least the smallest size of all "
+              "tiles. When they do not suffice, maps are blurrier where it shows least, and the report "
+              "says \"map_bytes\".",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::map_bytes, 20>::get,
@@ -362,8 +369,9 @@ constexpr ProfileKey keys[] = {
      .kind = whole_key,
      .least = ranges::min_tail_log2,
      .most = max_texture_log2,
-     .about = "Map size that every tile always has, read before all others: a power of two texels a side, 2 to 12. One "
-              "more takes four times the bytes: 2.7 KB of colour and 5.5 of normals a tile for 6.",
+     .about = "Map size that every tile always has, read before all others. 2 to 12: a power of two of "
+              "texels a side. One more takes four times the bytes; 6 takes 2.7 KB of colours and 5.5 KB "
+              "of normals for each tile.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::tail_log2>::get,
@@ -374,8 +382,8 @@ constexpr ProfileKey keys[] = {
      .kind = whole_key,
      .least = 1,
      .most = ranges::most_decoders,
-     .about = "Threads that read and decompress what the views want, beside the frame's. 1 to 16; one decodes some 400 "
-              "million samples a second. 160 KB each.",
+     .about = "Threads that read and decompress pages and maps, beside the thread of the frame. 1 to "
+              "16. One decodes some 400 million samples a second. 160 KB each.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::decoders>::get,
@@ -398,8 +406,8 @@ constexpr ProfileKey keys[] = {
      .unit = "s",
      .most = ranges::max_lookahead_s,
      .zero = "not at all",
-     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. Prefetches what is on "
-              "the way, and some that is never wanted.",
+     .about = "How far ahead the camera's motion is predicted. Seconds, 0 to 10; 0: not at all. It "
+              "loads pages on the way in advance, and some pages that are never wanted.",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::lookahead_s>::get,
      .set = At<&Profile::stream, &StreamSettings::lookahead_s>::set},
@@ -415,40 +423,42 @@ constexpr ProfileKey keys[] = {
      .set = At<&Profile::stream, &StreamSettings::fade_s>::set},
     {.table = "stream",
      .name = "pages",
-     .label = "Pages a frame",
+     .label = "Pages per frame",
      .kind = whole_key,
      .unit = "pages",
      .least = 1,
      .most = ranges::max_stream_pages,
      .logarithmic = true,
-     .about = "Pages inserted in a frame. Pages, 1 to 4096; 10 to 20 us each. When they do not suffice, the rest waits "
+     .about = "Pages inserted in a frame. Pages, 1 to 4096; 5 to 10 us each. When they do not suffice, the rest waits "
               "for the next frame, and the report says \"stream_pages\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::pages>::get,
      .set = At<&Profile::stream, &StreamSettings::pages>::set},
     {.table = "stream",
      .name = "tests",
-     .label = "Pages looked at a frame",
+     .label = "Pages tested per frame",
      .kind = whole_key,
      .unit = "pages",
      .least = ranges::min_stream_tests,
      .most = 0xffffffff,
      .logarithmic = true,
-     .about = "Pages that a frame may test to find what is wanted. Pages, 1024 to 4294967295; some 10 ns each. When "
-              "they do not suffice, the search goes on in the next frame, and the report says \"stream_tests\".",
+     .about = "Pages that a frame may test to find those that the views want. Pages, 1024 to "
+              "4294967295; some 10 ns each. When they do not suffice, the search goes on in the next "
+              "frame, and the report says \"stream_tests\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::tests>::get,
      .set = At<&Profile::stream, &StreamSettings::tests>::set},
     {.table = "stream",
      .name = "map_kb",
-     .label = "Map uploads a frame",
+     .label = "Map uploads per frame",
      .kind = whole_key,
      .unit = "KB",
      .least = 1,
      .most = ranges::max_map_kb,
      .logarithmic = true,
-     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. Too much costs a "
-              "hitch. The report says \"stream_upload\" when more has arrived.",
+     .about = "Maps uploaded in a frame, but always at least one mip. KB (1024 bytes), 1 to 1048576. "
+              "Too large a value makes single frames long. When more has arrived, the report says "
+              "\"stream_upload\".",
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream, &StreamSettings::map_bytes, 10>::get,
      .set = At<&Profile::stream, &StreamSettings::map_bytes, 10>::set},
@@ -460,7 +470,7 @@ constexpr ProfileKey keys[] = {
      .unit = "px",
      .least = 1,
      .most = ranges::max_size_px,
-     .about = "Picture's width. Pixels, 1 to 16384. Drawing costs with the area.",
+     .about = "The picture's width. Pixels, 1 to 16384. Drawing costs with the area.",
      .get = At<&Profile::width_px>::get,
      .set = At<&Profile::width_px>::set},
     {.table = "view",
@@ -470,8 +480,8 @@ constexpr ProfileKey keys[] = {
      .unit = "px",
      .least = 1,
      .most = ranges::max_size_px,
-     .about = "Picture's height. Pixels, 1 to 16384. Vertices grow with it at an equal threshold; drawing costs with "
-              "the area.",
+     .about = "The picture's height. Pixels, 1 to 16384. At an equal threshold the number of vertices "
+              "grows with it. Drawing costs with the area.",
      .get = At<&Profile::height_px>::get,
      .set = At<&Profile::height_px>::set},
     {.table = "view",
@@ -486,23 +496,25 @@ constexpr ProfileKey keys[] = {
      .set = At<&Profile::fov_deg>::set},
     {.table = "view",
      .name = "samples",
-     .label = "Samples a pixel",
+     .label = "Samples per pixel",
      .kind = whole_key,
      .unit = "samples",
      .least = 1,
      .most = ranges::max_samples,
-     .about = "Samples a pixel that smooth edges (MSAA). Samples, 1 to 16; no more than the GPU has. 4 take 32 bytes a "
-              "pixel, and in software nearly twice the time. fjell-fly's pictures and window; the editor's has one.",
+     .about = "Samples per pixel that smooth edges (MSAA). Samples, 1 to 16, and no more than the GPU "
+              "has. 4 take 32 bytes a pixel, and in software nearly twice the time. For pictures and "
+              "the window of fjell-fly; the editor's picture has one sample.",
      .get = At<&Profile::samples>::get,
      .set = At<&Profile::samples>::set},
 
     {.table = "light",
      .name = "sun",
-     .label = "Sun by",
+     .label = "Sun position",
      .kind = KeyKind::choice,
      .choices = suns,
-     .about = "Where the sun's place comes from. \"direction\": azimuth_deg and elevation_deg. \"time\": year, month, "
-              "day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 degrees.",
+     .about = "How the sun is placed. \"direction\": by azimuth_deg and elevation_deg. \"time\": by "
+              "year, month, day and hour_utc, seen from latitude_deg and longitude_deg, to 0.02 "
+              "degrees.",
      .get = At<&Profile::light, &Light::sun>::get,
      .set = At<&Profile::light, &Light::sun>::set},
     {.table = "light",
@@ -566,7 +578,8 @@ constexpr ProfileKey keys[] = {
      .kind = KeyKind::whole,
      .least = 1,
      .most = 31,
-     .about = "Day of the month. 1 to 31; past the month's end it counts on into the next. (By time.)",
+     .about = "Day of the month. 1 to 31. Days after the month's end count on into the next month. (By "
+              "time.)",
      .get = At<&Profile::light, &Light::day>::get,
      .set = At<&Profile::light, &Light::day>::set},
     {.table = "light",
@@ -595,9 +608,9 @@ constexpr ProfileKey keys[] = {
      .least = gl::min_visibility_km,
      .most = gl::max_visibility_km,
      .logarithmic = true,
-     .about =
-         "How far a dark ridge can be told from the sky at sea level. Kilometres, 1 to 280: 280 is pure air, 160 a "
-         "clear day, 20 haze, 5 a dull one. Terrain of more than 400 km across is taken for a model of that size.",
+     .about = "The distance at which a dark ridge can just be told from the sky at sea level. "
+              "Kilometres, 1 to 280: 280 is pure air, 160 a clear day, 20 haze, 5 a dull day. Terrain "
+              "of more than 400 km across is treated as a model of that size.",
      .get = At<&Profile::light, &Light::visibility_km>::get,
      .set = At<&Profile::light, &Light::visibility_km>::set},
     {.table = "light",
@@ -605,8 +618,9 @@ constexpr ProfileKey keys[] = {
      .label = "Exposure",
      .kind = KeyKind::choice,
      .choices = exposures,
-     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter measures it; "
-              "whatever is looked at, so pictures of one sun match. \"fixed\": by ev100.",
+     .about = "\"automatic\": by the light that falls on the lowest ground, as an incident-light meter "
+              "measures it. It does not depend on the view, so pictures of one sun match. \"fixed\": by "
+              "ev100.",
      .get = At<&Profile::light, &Light::exposure>::get,
      .set = At<&Profile::light, &Light::exposure>::set},
     {.table = "light",
@@ -621,11 +635,12 @@ constexpr ProfileKey keys[] = {
      .set = At<&Profile::light, &Light::ev100>::set},
     {.table = "light",
      .name = "exposure_bias_ev",
-     .label = "Brighter by",
+     .label = "Exposure bias",
      .unit = "EV",
      .least = -gl::max_exposure_bias_ev,
      .most = gl::max_exposure_bias_ev,
-     .about = "Brighter by so many stops, automatic and fixed. Stops, -8 to 8.",
+     .about = "Makes the picture brighter by so many stops, with automatic and with fixed exposure. "
+              "Stops, -8 to 8.",
      .get = At<&Profile::light, &Light::exposure_bias_ev>::get,
      .set = At<&Profile::light, &Light::exposure_bias_ev>::set},
     {.table = "light",
@@ -656,9 +671,9 @@ constexpr ProfileKey keys[] = {
      .name = "shadows",
      .label = "Shadows",
      .kind = KeyKind::flag,
-     .about =
-         "Shadows of the ground, and less light where it hides some of the sky: true or false. Of packs baked with "
-         "--horizons; their horizon maps take room among the maps on the GPU, and six texture reads a pixel.",
+     .about = "Shadows of the ground, and less light where the ground hides some of the sky: true or "
+              "false. Needs a pack baked with --horizons. The horizon maps take room among the maps on "
+              "the GPU, and six texture reads a pixel.",
      .rebuild = Rebuild::session,
      .get = At<&Profile::light, &Light::shadows>::get,
      .set = At<&Profile::light, &Light::shadows>::set},
@@ -683,9 +698,9 @@ constexpr ProfileKey keys[] = {
      .name = "on",
      .label = "Detail layers",
      .kind = KeyKind::flag,
-     .about =
-         "Materials on near ground, of fjell-fly --materials and --layers: true or false. Without such files there "
-         "are none. Some 10 to 20 texture reads a pixel, only where the ground is near.",
+     .about = "Materials on near ground, from fjell-fly --materials and --layers: true or false. "
+              "Without such files none are drawn. Some 10 to 20 texture reads a pixel, only on near "
+              "ground.",
      .get = At<&Profile::layers, &Layers::on>::get,
      .set = At<&Profile::layers, &Layers::on>::set},
     {.table = "layers",
@@ -693,8 +708,9 @@ constexpr ProfileKey keys[] = {
      .old_name = "control",
      .label = "Splat maps",
      .kind = KeyKind::flag,
-     .about = "Materials where a pack's splat maps say, of fjell-bake --layers: true or false. They take room among "
-              "the maps on the GPU, and 4 to 8 texture reads a pixel. Without them rules say: fjell-fly --layers.",
+     .about = "Takes the places of materials from a pack's splat maps, which fjell-bake --layers makes: "
+              "true or false. They take room among the maps on the GPU, and 4 to 8 texture reads a "
+              "pixel. Without them the rules of fjell-fly --layers place the materials.",
      .rebuild = Rebuild::session,
      .get = At<&Profile::layers, &Layers::splat>::get,
      .set = At<&Profile::layers, &Layers::splat>::set},
@@ -705,15 +721,16 @@ constexpr ProfileKey keys[] = {
      .least = gl::min_layer_distance_m,
      .most = gl::max_layer_distance_m,
      .logarithmic = true,
-     .about = "From how far on the ground is as its map has it. Metres, 1 to 100000; from 0.4 of it on materials fade. "
-              "Pixels beyond it cost next to nothing on a GPU; in software a far view takes 1.2 times as long.",
+     .about = "The distance beyond which the ground has only its map's colour. Metres, 1 to 100000. "
+              "Materials begin to fade at 0.4 of it. Pixels beyond it cost next to nothing on a GPU; in "
+              "software a far view takes 1.2 times as long.",
      .get = At<&Profile::layers, &Layers::distance_m>::get,
      .set = At<&Profile::layers, &Layers::distance_m>::set},
     {.table = "layers",
      .name = "tint",
      .label = "Tint",
-     .about = "How far a material takes on the colour of the map under it. 0 to 1: at 0 it has its own, at 1 near and "
-              "far ground are of one colour.",
+     .about = "How far a material takes on the colour of the map under it. 0 to 1: at 0 it keeps its "
+              "own colour, at 1 near and far ground have one colour.",
      .get = At<&Profile::layers, &Layers::tint>::get,
      .set = At<&Profile::layers, &Layers::tint>::set},
     {.table = "layers",
@@ -731,8 +748,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_material_mb,
      .logarithmic = true,
-     .about = "GPU memory for the textures of materials. MB, 1 to 65536: their finest mips are left out until they "
-              "fit. Ten materials of 512 texels a side take 7 MB.",
+     .about = "GPU memory for the textures of materials. MB, 1 to 65536. Their finest mips are left out "
+              "until they fit. Ten materials of 512 texels a side take 7 MB.",
      .rebuild = Rebuild::method,
      .get = At<&Profile::material_bytes, nullptr, 20>::get,
      .set = At<&Profile::material_bytes, nullptr, 20>::set},

@@ -12,26 +12,14 @@
 
 namespace fjell::session {
 
-namespace {
-
 using io::Failure;
 
-void require(const gltf::SnapshotResult& result) {
-    if (!result.ok()) throw Failure(result.exit_code, result.message);
-}
-
-} // namespace
-
 gltf::Snapshot take_frame(const Session& session) {
-    gltf::Snapshot snapshot;
-    require(session.method->take_frame(snapshot));
-    return snapshot;
+    return session.method->take_frame();
 }
 
 gltf::Snapshot take_converged(const Session& session) {
-    gltf::Snapshot snapshot;
-    require(session.method->take_converged(snapshot));
-    return snapshot;
+    return session.method->take_converged();
 }
 
 namespace {
@@ -98,7 +86,7 @@ std::vector<std::string> names_of_layers(const io::PackFile& file) {
     return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
 }
 
-gltf::SnapshotResult write_snapshot(const io::PackFile& file, const gltf::Snapshot& snapshot, const std::string& path,
+gltf::SnapshotCounts write_snapshot(const io::PackFile& file, const gltf::Snapshot& snapshot, const std::string& path,
                                     gltf::SnapshotOptions options, const GroundPaint& paint) {
     if (paint.layers && paint.settings.on) {
         options.paint = Painter(file, paint);

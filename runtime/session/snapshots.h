@@ -32,7 +32,7 @@ struct GroundPaint {
 };
 
 // gltf::write_snapshot() with the ground's colours as it is drawn near the eye. file: the snapshot's pack.
-gltf::SnapshotResult write_snapshot(const io::PackFile& file, const gltf::Snapshot& snapshot, const std::string& path,
+gltf::SnapshotCounts write_snapshot(const io::PackFile& file, const gltf::Snapshot& snapshot, const std::string& path,
                                     gltf::SnapshotOptions options, const GroundPaint& paint);
 
 } // namespace fjell::session

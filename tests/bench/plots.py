@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Puts what fjell-lab and bench_cut measured into one small file, which the README's plots are drawn from.
+"""Puts what fjell-lab and bench_cut measured into one small file, which the README's plots are drawn from,
+and the part of measured.md beside it that has them.
 
 plots.py FOLDER FILE    FOLDER: of speed.jsonl, triangles.jsonl, triangles-real.jsonl and jumps.json
 """
@@ -8,6 +9,8 @@ import json
 import os
 import re
 import sys
+
+BEGIN, END = "<!-- by ./dev plots -->\n", "<!-- end -->"
 
 
 def cases(folder, name):
@@ -73,6 +76,47 @@ def jumps_plot(folder):
                                                   for i, rank in enumerate(ranks)]} for key, label in names.items()]}
 
 
+def written(value):
+    return f"{value:,.0f}" if value >= 100 else f"{value:g}"
+
+
+def table(head, rows):
+    return [f"| {' | '.join(head)} | command |", "|---" * len(head) + "|---|",
+            *(f"| {' | '.join(row)} | `./dev plots` |" for row in rows), ""]
+
+
+def of_lines(plot, first, renamed=None):
+    """A row for each x, a column for each line."""
+    lines = [{**line, "label": (renamed or {}).get(line["label"], line["label"])} for line in plot["lines"]]
+    names = plot.get("x_names") or [written(x) for x, _ in lines[0]["points"]]
+    return table([first, *(line["label"] for line in lines)],
+                 [[name, *(written(line["points"][i][1]) for line in lines)] for i, name in enumerate(names)])
+
+
+def page(plots):
+    """The part of docs/measured.md that is made: each plot with its values."""
+    speed, triangles, jumps = plots["plots"]
+    measured = plots["measured"]
+    return ["", f"Machine B: {measured['machine']}, on {measured['date']}.", "",
+            "![Median update time over camera speed, on logarithmic axes, of Fjell, recursion, ROAM and CDLOD]"
+            "(pictures/plot-speed.svg)",
+            "Median update, in microseconds. Synthetic mountains of 4097 x 4097 samples, 60 m apart, 0.8 px, 100,000 "
+            "vertices in view.", "",
+            *of_lines(speed, "speed [cells a frame]"),
+            "![Triangles in view that Fjell, recursion, ROAM and CDLOD take for the same true error]"
+            "(pictures/plot-triangles.svg)",
+            "Triangles in view at which the largest true error of eight cameras is so many pixels.", "",
+            *table(["terrain", "method", "triangles"],
+                   [[group["heading"], row["label"], written(row["value"])]
+                    for group in triangles["groups"] for row in group["rows"]]),
+            "![Update times of frames that jump: the median and rarer ones, of Fjell with and without a limit and of "
+            "recursion](pictures/plot-jumps.svg)",
+            "Updates, in microseconds: 10,000 frames that turn and fly 0.25 cells each, with a jump to a random place "
+            "every 500, over the mountains of the first plot; the limit is 1 ms (`./dev plots`). So many frames take at "
+            "most so long:", "",
+            *of_lines(jumps, "frames", {"Fjell, limit 1 ms": "Fjell, with the limit"})]
+
+
 def main():
     folder, path = sys.argv[1:]
     plots = {"measured": {"command": "./dev plots", "date": datetime.date.today().isoformat(),
@@ -82,6 +126,12 @@ def main():
     with open(path + ".new", "w", encoding="utf-8") as file:
         file.write(text + "\n")
     os.replace(path + ".new", path)
+    page_path = os.path.join(os.path.dirname(path), "measured.md")
+    with open(page_path, encoding="utf-8") as file:
+        before, rest = file.read().split(BEGIN)
+    after = rest.split(END)[1]
+    with open(page_path, "w", encoding="utf-8") as file:
+        file.write(before + BEGIN + "\n".join(page(plots)) + END + after)
 
 
 main()

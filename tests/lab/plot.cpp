@@ -114,12 +114,12 @@ std::vector<double> label_places(const std::vector<double>& ends, double top, do
 }
 
 void draw_lines(Picture& picture, const LinePlot& plot, const Axis& x, const Axis& y, double right) {
-    std::vector<double> ends;
+    std::vector<double> ends_x, ends; // of each line, where it is farthest to the right
     for (const Line& line : plot.lines) {
-        double end = (y.from + y.to) / 2;
+        ends_x.push_back(x.from);
+        ends.push_back((y.from + y.to) / 2);
         for (const auto& [px, py] : line.points)
-            if (px > 0 && py > 0) end = y.at(py);
-        ends.push_back(end);
+            if (px > 0 && py > 0 && x.at(px) >= ends_x.back()) ends_x.back() = x.at(px), ends.back() = y.at(py);
     }
     const std::vector<double> places = label_places(ends, y.to, y.from);
     for (std::size_t i = 0; i < plot.lines.size(); ++i) {
@@ -130,17 +130,14 @@ void draw_lines(Picture& picture, const LinePlot& plot, const Axis& x, const Axi
                                  : i >= std::size(colours) ? " stroke-dasharray='2 3'"
                                                            : "";
         std::string points;
-        double end_x = x.to;
-        for (const auto& [px, py] : line.points) {
-            if (px <= 0 || py <= 0) continue;
-            points += fmt::format("{:.1f},{:.1f} ", x.at(px), y.at(py));
-            end_x = x.at(px);
-        }
+        for (const auto& [px, py] : line.points)
+            if (px > 0 && py > 0) points += fmt::format("{:.1f},{:.1f} ", x.at(px), y.at(py));
         picture.polyline(points, fmt::format("stroke='{}' stroke-width='2'{}", colour, dash));
         if (!line.dashed)
             for (const auto& [px, py] : line.points)
                 if (px > 0 && py > 0) picture.dot(x.at(px), y.at(py), colour);
-        picture.line(end_x + 4, ends[i], right + 10, places[i], fmt::format("stroke='{}' stroke-width='0.7'", colour));
+        picture.line(ends_x[i] + 4, ends[i], right + 10, places[i],
+                     fmt::format("stroke='{}' stroke-width='0.7'", colour));
         picture.text(right + 14, places[i] + font_px * 0.36, "start", line.label, fmt::format(" fill='{}'", colour));
     }
 }

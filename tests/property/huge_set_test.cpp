@@ -235,9 +235,7 @@ TEST_CASE("a terrain of a million samples a side is opened, flown across its voi
                                 640, 480, 1, 1e6);
     flown.settings.max_error_px = 8;
     flown.rest(view);
-    gltf::Snapshot snapshot;
-    REQUIRE(gltf::take_snapshot(terrain, flown.cut->cut, view, flown.settings, flown.cut_report, snapshot).ok());
-    const gltf::SnapshotResult written = gltf::write_snapshot(file, snapshot, set.folder / "far.glb");
-    CHECK(written.message == "");
-    CHECK(written.triangles > 100);
+    const gltf::Snapshot snapshot =
+        gltf::take_snapshot(terrain, flown.cut->cut, view, flown.settings, flown.cut_report);
+    CHECK(gltf::write_snapshot(file, snapshot, set.folder / "far.glb").triangles > 100);
 }

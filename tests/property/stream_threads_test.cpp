@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "fjell/gltf/snapshot.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
@@ -255,10 +256,11 @@ TEST_CASE(
     CHECK(seen.enough());
 }
 
-TEST_CASE("a terrain in one object is updated by one thread, asked by two, and ends at any moment") {
+TEST_CASE("a terrain in one object is updated by one thread, asked by two, exported by one, and ends at any moment") {
     Random random(733);
     const Ground ground(random, PageOrder::planar);
     std::uint64_t asked = 0;
+    std::atomic<std::uint64_t> exports{0};
     for (int run = 0; run < rounds(3, 10); ++run) {
         io::LiveTerrain terrain(ground.file.path(), {.page_slots = 40, .cut = {30'000, 60'000, 64, 1}});
         std::atomic<bool> stop{false};
@@ -273,11 +275,18 @@ TEST_CASE("a terrain in one object is updated by one thread, asked by two, and e
         };
         std::vector<std::jthread> threads;
         for (unsigned i = 0; i < 2; ++i) threads.emplace_back(ask, 734 + i);
+        std::jthread exporter;
         View view = random_view(random, terrain.terrain());
         for (int frame = 0; frame < 20 * (run + 1); ++frame) {
             if (frame % 10 == 0) view = random_view(random, terrain.terrain());
             (void)terrain.update({&view, 1}, frame / 60.0);
             (void)terrain.take_map_commands();
+            if (frame % 10 == 5 && terrain.frame().mesh.mesh.tiles.size() > 0) { // one at a time
+                exporter = std::jthread([&terrain, &exports, path = ground.file.path() + ".glb",
+                                         snapshot = gltf::take_snapshot(terrain, view)] {
+                    exports += gltf::write_snapshot(terrain, snapshot, path).tiles;
+                });
+            }
         }
         while (answers == 0) std::this_thread::yield(); // they may not have had their turn yet
         stop = true;
@@ -285,4 +294,5 @@ TEST_CASE("a terrain in one object is updated by one thread, asked by two, and e
         asked += answers;
     }
     CHECK(asked > 0);
+    CHECK(exports > 0);
 }

@@ -8,7 +8,9 @@
 //
 // Memory: one piece from the host, stream_bytes() of it; all slots are fixed at creation. Threads: the frame's for
 // update_stream(), stream_retry_failed() and what they return; client threads, StreamBudget::decoders at a time, for
-// stream_next_request(), stream_still_wanted(), stream_provide() and stream_fail(). Lock-free: none waits for another.
+// stream_next_request(), stream_still_wanted(), stream_provide() and stream_fail(). There are no locks. The frame's
+// thread never waits for a client, nor a client for it. More threads than decoders in stream_provide() yield to each
+// other until a decoder is free.
 // Complexity of an update: O(pages whose answer the eye's motion may change), bounded by StreamSettings' limits. The
 // order of decisions is fixed, so the same arrivals give the same pages.
 // Failure: a chunk that cannot be read or is damaged is reported once and not requested again; terrain is coarser
@@ -50,7 +52,7 @@ struct StreamBudget {
     std::uint32_t map_requests = 16;  // mips in flight at a time, 1 to 64; the largest mip's bytes each
     std::uint64_t map_bytes = std::uint64_t{256} << 20; // of maps on the GPU; at least the tails of all tiles
     std::uint32_t tail_log2 = 6;                        // of the size that every tile always has, 2 to 12
-    std::uint32_t decoders = 1; // client threads at a time, 1 to 16; 160 KB each. More would wait in stream_provide()
+    std::uint32_t decoders = 1; // threads that decompress in stream_provide() at a time, 1 to 16; 160 KB each
     bool horizons = false;      // horizon maps too, of a pack that has them: for renderers that draw shadows
     bool splat = false;         // splat maps too: for renderers that draw materials
 };
@@ -66,7 +68,7 @@ struct StreamSettings {
     double lookahead_s = 0.5;           // how far ahead the eyes' motion is extrapolated; 0: not at all
     double fade_s = 0.3;                // time in which a new mip fades in; 0 to 10
     double now_s = 0;                   // the host's clock; must not run backwards
-    std::uint32_t pages = 16;           // inserted in a frame at most; some 10 to 20 us each
+    std::uint32_t pages = 16;           // inserted in a frame at most; some 5 to 10 us each
     std::uint32_t tests = 1u << 16;     // pages tested in a frame at most, some 10 ns each
     std::uint32_t map_bytes = 1u << 20; // uploaded in a frame at most, but always at least one mip
 };

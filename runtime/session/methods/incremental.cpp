@@ -50,11 +50,11 @@ public:
     }
     void upload(gl::Renderer& renderer) const override { renderer.upload(mesh(), cut_take_changes(cut_)); }
 
-    [[nodiscard]] gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const override {
-        return gltf::take_snapshot(terrain_, cut_, *view_, settings_, report_, snapshot);
+    [[nodiscard]] gltf::Snapshot take_frame() const override {
+        return gltf::take_snapshot(terrain_, cut_, *view_, settings_, report_);
     }
     // Of a second cut, built from scratch.
-    [[nodiscard]] gltf::SnapshotResult take_converged(gltf::Snapshot& snapshot) const override {
+    [[nodiscard]] gltf::Snapshot take_converged() const override {
         io::AlignedMemory block;
         try {
             block = io::allocate(bytes());
@@ -67,9 +67,7 @@ public:
         CutReport report;
         require(create_cut(terrain_, budget_, {block.get(), bytes()}, cut));
         require(rebuild_cut(cut, {&*view_, 1}, settings_, report));
-        gltf::SnapshotResult taken = gltf::take_snapshot(terrain_, cut, *view_, settings_, report, snapshot);
-        (void)destroy_cut(cut);
-        return taken;
+        return gltf::take_snapshot(terrain_, cut, *view_, settings_, report); // the cut dies with its memory
     }
 
     [[nodiscard]] nlohmann::json described(const Profile& profile) const override {

@@ -89,8 +89,8 @@ public:
     virtual void upload(gl::Renderer& renderer) const = 0;
 
     // The mesh of the last update as it stands, and the one that its view would settle on.
-    [[nodiscard]] virtual gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const = 0;
-    [[nodiscard]] virtual gltf::SnapshotResult take_converged(gltf::Snapshot& snapshot) const = 0;
+    [[nodiscard]] virtual gltf::Snapshot take_frame() const = 0;
+    [[nodiscard]] virtual gltf::Snapshot take_converged() const = 0;
 
     // What it was told, for the JSON of a flight.
     [[nodiscard]] virtual nlohmann::json described(const Profile& profile) const = 0;

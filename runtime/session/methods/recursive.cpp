@@ -48,12 +48,10 @@ public:
         slots.indices = profile.budget.indices;
     }
     void upload(gl::Renderer& renderer) const override { renderer.upload(recursive_mesh(method_)); }
-    [[nodiscard]] gltf::SnapshotResult take_frame(gltf::Snapshot& snapshot) const override {
-        return gltf::take_snapshot(terrain_, method_, *view_, settings_, report_, snapshot);
+    [[nodiscard]] gltf::Snapshot take_frame() const override {
+        return gltf::take_snapshot(terrain_, method_, *view_, settings_, report_);
     }
-    [[nodiscard]] gltf::SnapshotResult take_converged(gltf::Snapshot& snapshot) const override {
-        return take_frame(snapshot);
-    }
+    [[nodiscard]] gltf::Snapshot take_converged() const override { return take_frame(); }
 
     [[nodiscard]] nlohmann::json described(const Profile& profile) const override {
         const RefineSettings& r = profile.refine;

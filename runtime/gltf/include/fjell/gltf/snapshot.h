@@ -30,8 +30,9 @@
 // Ownership: a Snapshot holds copies; nothing else is kept after a call. Thread: take_snapshot on the one that updates
 // the method, O(triangles); write_snapshot on any, and calls for different paths may run at once. Memory: some 60 bytes
 // a vertex of the snapshot; the file's content is held until it is written, at most max_file_bytes. Complexity of
-// writing: O(triangles + texels), mostly PNG encoding. Failure: a result with an exit code and one line that says what
-// to do; the path then holds what it held before.
+// writing: O(triangles + texels), mostly PNG encoding. Failure: io::Failure, whose text is one line that says what to
+// do: 1 a pack that cannot be read or a place that cannot be written to, 2 what the caller gave, 3 the disk or too
+// little memory, 130 stopped. The path then holds what it held before.
 #pragma once
 
 #include <cstdint>
@@ -92,19 +93,17 @@ struct SnapshotOptions {
     std::function<bool(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
-// What was written, or why nothing was.
-struct [[nodiscard]] SnapshotResult {
-    int exit_code = 0;   // 0 done, 1 the input is at fault, 2 usage, 3 the machine (disk, memory) is, 130 stopped
-    std::string message; // one line, the remedy in it; empty when done
+// What is in a snapshot, and in its file.
+struct SnapshotCounts {
     std::uint32_t tiles = 0;
     std::uint64_t vertices = 0, triangles = 0; // as in extras
     bool converged = false;
     double error_bound_px = 0;
-    std::uint32_t texture_px = 0;   // texels a side; 0: the pack has no colour
+    // Of the file only. Texels a side; 0: the pack has no colour.
+    std::uint32_t texture_px = 0;
     std::uint32_t normal_px = 0;    // the same of the normal texture
     std::uint32_t occlusion_px = 0; // and of the occlusion: of packs with horizon maps
     std::uint64_t file_bytes = 0;
-    [[nodiscard]] bool ok() const { return exit_code == 0; }
 };
 
 // A frame's mesh, copied: to write it nothing of the method or the terrain is needed any more.
@@ -112,7 +111,8 @@ class Snapshot {
 public:
     struct Content;
     [[nodiscard]] bool empty() const { return content_ == nullptr; }
-    [[nodiscard]] SnapshotInfo info() const; // defaults when empty
+    [[nodiscard]] SnapshotInfo info() const;     // defaults when empty
+    [[nodiscard]] SnapshotCounts counts() const; // of the mesh
 
 private:
     friend struct SnapshotAccess;
@@ -121,38 +121,37 @@ private:
 
 // Of the method's last update, which was for this view with these settings and reported this. Degenerate triangles and
 // vertices that no triangle uses are left out, and so are tiles that the frame does not draw.
-SnapshotResult take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
-                             const CutReport& report, Snapshot& snapshot);
-SnapshotResult take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
-                             const RefineSettings& settings, const FrameReport& report, Snapshot& snapshot);
+[[nodiscard]] Snapshot take_snapshot(const Terrain& terrain, LiveCut cut, const View& view, const CutSettings& settings,
+                                     const CutReport& report);
+[[nodiscard]] Snapshot take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
+                                     const RefineSettings& settings, const FrameReport& report);
 // Of a LiveTerrain's last update, which was for this view. Writing the copy may be another thread's.
-SnapshotResult take_snapshot(const io::LiveTerrain& terrain, const View& view, Snapshot& snapshot);
+[[nodiscard]] Snapshot take_snapshot(const io::LiveTerrain& terrain, const View& view);
 // Of any mesh, list or strips, of which the caller knows what it keeps.
-SnapshotResult take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
-                             Snapshot& snapshot);
+[[nodiscard]] Snapshot take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info);
 
 // A file of that name is what its ending says: .glb, or a device or a pipe (or a folder, which is
 // refused as one).
 [[nodiscard]] bool is_snapshot_name(const std::string& path);
 // Writes path, which ends in .glb, beside its place and renames it. pack: the terrain's, with its bytes; or the file
 // that has them, which is read meanwhile.
-SnapshotResult write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const Pack& pack, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
-SnapshotResult write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const io::PackFile& file, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
-SnapshotResult write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
+SnapshotCounts write_snapshot(const io::LiveTerrain& terrain, const Snapshot& snapshot, const std::string& path,
                               const SnapshotOptions& options = {});
 // Both at once.
-SnapshotResult write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
+SnapshotCounts write_snapshot(const Pack& pack, const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info,
                               const std::string& path, const SnapshotOptions& options = {});
 
 // Not a frame's mesh: the whole terrain, not only what the camera sees, refined to error_px (or View::max_error_px, if
 // set) by a recursive method of its own (isotropic metric, culling off) whose budget grows until the mesh converges: 8
 // bytes a terrain vertex and what the mesh needs.
-SnapshotResult export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
+SnapshotCounts export_snapshot(const Pack& pack, const Terrain& terrain, const View& view, double error_px,
                                const std::string& path, const SnapshotOptions& options = {});
 // The same without the file, to be written by write_snapshot().
-SnapshotResult take_refined(const Terrain& terrain, const View& view, double error_px, Snapshot& snapshot);
+[[nodiscard]] Snapshot take_refined(const Terrain& terrain, const View& view, double error_px);
 
 } // namespace fjell::gltf
 FJELL_API_END
