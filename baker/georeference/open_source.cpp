@@ -230,9 +230,7 @@ SourceFacts facts_of(const ReadPlan& plan) {
     const bool metres = from.axes == Axes::metres;
     const OGRSpatialReference own = source_crs(from);
     f.reprojected_from = crs_text(crs_label(wkt_of(own)));
-    const char* angle = nullptr;
-    (void)own.GetAngularUnits(&angle);
-    f.from_unit = metres ? "m" : EQUAL(angle, "degree") ? "degrees" : std::string(angle) + "s";
+    f.from_unit = metres ? "m" : angle_name(own);
     f.resampled = plan.ratio < 1 ? fmt::format("cubic over {:.2g} samples", 1 / plan.ratio) : "cubic";
     if (metres && !points_east_and_north(own)) f.axes = axes_text(own);
     for (const int axis : {0, 1}) f.from_step[axis] = from.step[axis] * (metres ? from.unit_m : 1);
