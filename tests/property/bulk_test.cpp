@@ -91,6 +91,7 @@ TEST_CASE("work items bound a first frame and a jump, which take as many of them
         Cut whole(terrain, ample_cut(terrain)), bounded(terrain, ample_cut(terrain));
         CutSettings settings;
         settings.max_error_px = random_threshold(random) / 4;
+        settings.visits = unlimited_work - 1; // a limit that is never met: without one a jump is built from nothing
         CutSettings few = settings;
         few.max_work = static_cast<std::uint32_t>(pick(random, 20, 4'000));
         for (int jump = 0; jump < 3; ++jump) {
@@ -116,6 +117,37 @@ TEST_CASE("work items bound a first frame and a jump, which take as many of them
             CHECK(work <= once.work * 1.1 + 10);
             // What is built beside takes fewer than one by one would.
             CHECK(once.work <= once.evaluations + once.activations + once.deactivations);
+        }
+    }
+}
+
+TEST_CASE("without a limit the first frame and a jump are built as a rebuild builds them, with as little work") {
+    Random random(108);
+    for (int round = 0; round < rounds(6, 40); ++round) {
+        const auto pack = random_terrain(random, 300, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut flown(terrain, ample_cut(terrain)), replayed(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random) / 4;
+        View before{};
+        for (int jump = 0; jump < 3; ++jump) {
+            const View view = random_view(random, terrain);
+            const double far_m = jump == 0 ? 1e9 : length(view.eye_m - std::exchange(before, view).eye_m);
+            if (far_m < 40 * std::max(terrain.header().spacing_m[0], terrain.header().spacing_m[1])) continue;
+            const CutReport report = flown.update({&view, 1}, settings);
+            Cut rebuilt(terrain, ample_cut(terrain));
+            const CutReport anew = rebuilt.rebuild({&view, 1}, settings);
+            CAPTURE(round, jump);
+            REQUIRE(check_frame(flown, terrain, report, settings) == "");
+            CHECK(report.converged);
+            CHECK_FALSE(report.rebuilt); // the host has not asked for it
+            CHECK(report.work == anew.work);
+            CHECK(report.vertices_changed == anew.vertices_changed);
+            CHECK(triangles_of(flown.mesh()) == triangles_of(rebuilt.mesh()));
+            CutSettings again = settings;
+            again.visits = report.visits; // a replay by visits does the same
+            (void)replayed.update({&view, 1}, again);
+            CHECK(triangles_of(replayed.mesh()) == triangles_of(flown.mesh()));
         }
     }
 }

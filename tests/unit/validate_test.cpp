@@ -50,8 +50,8 @@ struct Scene {
           s(cut.state()), walk{[this] { return check_cut(cut); }} {
         settings.max_error_px = 1;
         const View near = view_from_above(pack.terrain, 0.05), far = view_from_above(pack.terrain, 20);
-        update(near, unlimited_work);
-        update(far, unlimited_work);
+        update(near, unlimited_work - 1); // without a limit it would be built anew, and have no slot that is free
+        update(far, unlimited_work - 1);
         update(near, 400);
         settings.morph = Morph::time;
         for (int frame = 0; frame < 3; ++frame) update(near, 200);

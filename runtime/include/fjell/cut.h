@@ -124,7 +124,7 @@ struct CutReport {
     // Items: evaluations + activations + deactivations. Those of a mesh that is built beside the drawn one are counted
     // in the frames that build it, six for an item; its activations below where it is drawn.
     std::uint32_t work = 0;
-    std::uint32_t visits = 0;
+    std::uint32_t visits = 0; // unlimited_work: the frame had no limit, and was built from nothing
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
     std::uint32_t triangles = 0;                        // of the whole terrain
@@ -143,7 +143,7 @@ struct CutReport {
     // set, these are for it times View::max_error_px / error_px_requested.
     double error_px_requested = 0, error_bound_px = 0, threshold_px = 0;
     bool converged = false;                 // nothing waits or morphs, error bound == requested: the screen bound holds
-    bool rebuilt = false;                   // by the bulk pass
+    bool rebuilt = false;                   // by rebuild_cut()
     BudgetUse vertex_slots, triangle_slots; // triangle slots in whole segments
     std::uint32_t vertices_changed = 0, triangles_changed = 0; // slots that this update has written
     double prepare_us = 0, refine_us = 0, output_us = 0;
@@ -165,8 +165,9 @@ Status destroy_cut(LiveCut cut);
 // Refines and coarsens the cut for the views, as far as the items go: a vertex is wanted when any view wants it. views:
 // 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
 // and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
-// After a jump of 32 cells or more, and in the first frame, what the views see is built beside what is drawn, which
-// stays until it stands: in as many frames as items and time make of it, with what is not seen to follow. That takes
+// After a jump of 32 cells or more, and in the first frame, a frame without limits builds the mesh from nothing, as
+// rebuild_cut() does. With a limit of items or time, what the views see is built beside what is drawn, which stays
+// until it stands: in as many frames as items and time make of it, with what is not seen to follow. That takes
 // slots that are free, a quarter of those in use at least; otherwise the cut is refined vertex by vertex, worst first.
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 

@@ -183,6 +183,53 @@ void mark_all(Mesh& mesh) {
     mesh.dirty_triangles.mark_range(0, (mesh.segment_count - mesh.free_segment_count) << mesh.segment_log2);
 }
 
+// The whole mesh, all around, with the requested threshold or the lowest one above it that the capacities allow.
+void build_from_nothing(CutState& s, std::span<const View> views) {
+    CutReport& r = s.frame.report;
+    begin_governing(s.governor, s.frame.settings.max_error_px);
+    bool complete = true;
+    finish_bulk(s);
+    if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
+    bool cleared = !may_lack_pages(s.pages);
+    for (;;) {
+        set_views(s, views, s.governor.effective_px);
+        watch_pages(s);
+        const BulkStatus status = build_bulk(s);
+        if (status == BulkStatus::built) break;
+        r.evaluations = 0;
+        if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
+            reset(s);
+            while (reclaim_page(s.pages, s.work, s.mesh)) {
+            }
+            continue;
+        }
+        s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
+        if (raise_threshold(s.views, s.governor, s.frame)) continue;
+        // What is wanted at any threshold is too much: as far as it goes, then.
+        reset(s);
+        begin_at_roots(s.pages, s.work, s.mesh);
+        refine(s);
+        complete = false;
+        break;
+    }
+    r.threshold_px = s.governor.effective_px;
+    if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
+    r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
+    r.work = r.evaluations + r.activations;
+    if (complete) r.work = r.work * parts_a_group / parts_an_item;
+    s.bulk.parts = 0;
+    const auto built = Clock::now();
+    finish(s);
+    r.refine_us = microseconds(s.frame.started, built);
+    r.output_us = microseconds(built, Clock::now());
+}
+
+// A frame that has no limit does what it can in the cheapest way. (A replay of one that its time has ended has visits.)
+bool has_no_limit(const Frame& frame) {
+    return frame.item_limit == unlimited_work && frame.settings.visits == unlimited_work &&
+           frame.settings.max_time_us == 0;
+}
+
 } // namespace
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
@@ -199,6 +246,13 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (s.governor.cause == 0) s.governor.aim_px = settings.max_error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
+    if (s.views.leapt && has_no_limit(s.frame)) {
+        build_from_nothing(s, views);
+        r.visits = unlimited_work; // what replays it
+        report = r;
+        FJELL_WALK(s.frame.number, validate_cut(s));
+        return {};
+    }
     if (run_bulk(s)) {
         const auto built = Clock::now();
         finish(s);
@@ -238,46 +292,8 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     s.frame.item_limit = s.frame.settings.visits = unlimited_work;
     s.frame.settings.max_time_us = 0;
     s.frame.report.rebuilt = true;
-    CutReport& r = s.frame.report;
-    // A rebuild starts from scratch: with the requested threshold, or the lowest one above it that the capacities
-    // allow.
-    begin_governing(s.governor, settings.max_error_px);
-    bool complete = true;
-    finish_bulk(s);
-    if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
-    bool cleared = !may_lack_pages(s.pages);
-    for (;;) {
-        set_views(s, views, s.governor.effective_px);
-        watch_pages(s);
-        const BulkStatus status = build_bulk(s);
-        if (status == BulkStatus::built) break;
-        r.evaluations = 0;
-        if (status == BulkStatus::no_pages && !std::exchange(cleared, true)) { // those of what is drawn were missing
-            reset(s);
-            while (reclaim_page(s.pages, s.work, s.mesh)) {
-            }
-            continue;
-        }
-        s.governor.cause |= status == BulkStatus::no_triangles ? cut_budget_triangles : cut_budget_vertices;
-        if (raise_threshold(s.views, s.governor, s.frame)) continue;
-        // What is wanted at any threshold is too much: as far as it goes, then.
-        reset(s);
-        begin_at_roots(s.pages, s.work, s.mesh);
-        refine(s);
-        complete = false;
-        break;
-    }
-    r.threshold_px = s.governor.effective_px;
-    if (complete) mark_all(s.mesh); // otherwise refine() has marked what it wrote
-    r.activations = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
-    r.work = r.evaluations + r.activations;
-    if (complete) r.work = r.work * parts_a_group / parts_an_item;
-    s.bulk.parts = 0;
-    const auto built = Clock::now();
-    finish(s);
-    r.refine_us = microseconds(s.frame.started, built);
-    r.output_us = microseconds(built, Clock::now());
-    report = r;
+    build_from_nothing(s, views);
+    report = s.frame.report;
     FJELL_WALK(s.frame.number, validate_cut(s));
     return {};
 }
