@@ -82,6 +82,13 @@ Window crop_to(const ReadPlan& plan) {
         const double turn = turn_of(source_crs(p)).length;
         const double off = turn * std::round((p.east((p.columns - 1) / 2.0) - (west + east) / 2) / turn);
         west += off, east += off;
+        const bool whole = (p.columns + 0.5) * p.step[0] > turn;
+        if (whole && east - west < turn && (west < p.east(-1) || east > p.east(p.columns)))
+            throw Failure(1, fmt::format("{}: --bbox goes across {}, where the field begins and ends, which a square "
+                                         "grid in degrees cannot; leave out --spacing{} to reproject it, or bake its "
+                                         "two sides one by one",
+                                         plan.names(), p.east(-0.5),
+                                         plan.options.crs == "auto" ? "" : " and --crs " + plan.options.crs));
     }
     const bool counted = p.axes == Axes::none; // columns and rows from the north-west
     if (!(west < east) || !(counted ? north < south : south < north))
@@ -223,9 +230,7 @@ SourceFacts facts_of(const ReadPlan& plan) {
     const bool metres = from.axes == Axes::metres;
     const OGRSpatialReference own = source_crs(from);
     f.reprojected_from = crs_text(crs_label(wkt_of(own)));
-    const char* angle = nullptr;
-    (void)own.GetAngularUnits(&angle);
-    f.from_unit = metres ? "m" : EQUAL(angle, "degree") ? "degrees" : std::string(angle) + "s";
+    f.from_unit = metres ? "m" : angle_name(own);
     f.resampled = plan.ratio < 1 ? fmt::format("cubic over {:.2g} samples", 1 / plan.ratio) : "cubic";
     if (metres && !points_east_and_north(own)) f.axes = axes_text(own);
     for (const int axis : {0, 1}) f.from_step[axis] = from.step[axis] * (metres ? from.unit_m : 1);

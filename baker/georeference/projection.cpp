@@ -271,6 +271,12 @@ bool touches(const Transformer& transformer, const Extent& box, const GDALDatase
 
 } // namespace
 
+std::string angle_name(const OGRSpatialReference& crs) {
+    const char* unit = nullptr;
+    (void)crs.GetAngularUnits(&unit);
+    return EQUAL(unit, "degree") ? "degrees" : std::string(unit) + "s";
+}
+
 OGRSpatialReference source_crs(const Placement& from) {
     OGRSpatialReference crs;
     if (from.crs_wkt.empty())
@@ -351,9 +357,9 @@ ReprojectionTarget choose_target(const Placement& from, const ReadOptions& optio
         throw Failure(1, fmt::format("{}: has no georeference; give --spacing M (metres between samples)", path));
     if (none)
         throw Failure(1,
-                      fmt::format("{}: is in degrees; give --spacing M (metres between samples), or leave out --crs {} "
-                                  "to reproject it",
-                                  path, options.crs));
+                      fmt::format("{}: is in {}; give --spacing M (metres between samples), or leave out --crs {} to "
+                                  "reproject it",
+                                  path, angle_name(source_crs(from)), options.crs));
     if (from.axes == Axes::perhaps_degrees)
         throw Failure(1,
                       fmt::format("{}: has no CRS and looks as if it is in degrees; give --spacing M (metres between "

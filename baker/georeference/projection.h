@@ -65,6 +65,9 @@ private:
 [[nodiscard]] Placement target_grid(GDALDataset& from, const ReprojectionTarget& target, const ReadOptions& options,
                                     const std::string& path);
 
+// What its angles count: "degrees", "grads", ...
+[[nodiscard]] std::string angle_name(const OGRSpatialReference& crs);
+
 // The CRS of what has degrees, without its vertical part.
 [[nodiscard]] OGRSpatialReference source_crs(const Placement& from);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <mutex>
+#include <regex>
 #include <utility>
 
 #include <cpl_string.h>
@@ -47,6 +48,7 @@ struct Recipe {
     std::uint32_t white = 65535, opaque = 65535; // of 16 bits
     std::vector<std::string> cut{};              // for gdalwarp: extents and pixels; empty: it chooses
     bool by_points = false, thin_plate = false;  // warped by control points: by a polynomial or through each point
+    bool centred = false;                        // goes on beyond the edge of its map: centred() before it is warped
 };
 
 bool is_alpha(GDALDataset& file, int band) {
@@ -132,6 +134,46 @@ GdalFile warp(GDALDataset& file, const Recipe& recipe, const GdalMessages& messa
     return checked(made, recipe, "cannot be warped to the terrain's CRS; do it with gdalwarp -t_srs", messages);
 }
 
+// Whether a map of all longitudes goes on beyond its edge, where its CRS knows no places.
+bool goes_beyond(GDALDataset& file, const Turn& turn) {
+    double t[6];
+    if (!(turn.length > 0) || file.GetGeoTransform(t) != CE_None || t[2] != 0 || t[4] != 0 || t[1] <= 0) return false;
+    const double width = file.GetRasterXSize() * t[1], half = turn.length / 2, slack = 0.01 * t[1];
+    return width <= turn.length && (t[0] < turn.middle - half - slack || t[0] + width > turn.middle + half + slack);
+}
+
+// The same pixels on the same map around their own meridian, so that all of them are on it.
+GdalFile centred(GDALDataset& file, const Recipe& recipe, const GdalMessages& messages) {
+    OGRSpatialReference crs(*file.GetSpatialRef());
+    const Turn turn = turn_of(crs);
+    double t[6];
+    (void)file.GetGeoTransform(t);
+    const double east = t[0] + 0.5 * file.GetRasterXSize() * t[1] - turn.middle, degrees = 360 * east / turn.length;
+    char* text = nullptr;
+    (void)crs.exportToProj4(&text); // of WKT PROJ takes Web Mercator's meridian to be Greenwich
+    const std::string own = text ? text : "";
+    CPLFree(text);
+    static const std::regex meridian(R"re(\+lon_0=([-+.0-9eE]+))re");
+    std::smatch found;
+    OGRSpatialReference around;
+    const bool possible =
+        std::regex_search(own, found, meridian) &&
+        around.importFromProj4(fmt::format("{}+lon_0={}{}", found.prefix().str(),
+                                           std::strtod(found[1].str().c_str(), nullptr) + degrees, found.suffix().str())
+                                   .c_str()) == OGRERR_NONE;
+    CPLStringList words;
+    words.AddString("-a_ullr");
+    for (const double edge :
+         {t[0] - east, t[3], t[0] - east + file.GetRasterXSize() * t[1], t[3] + file.GetRasterYSize() * t[5]})
+        words.AddString(fmt::format("{}", edge).c_str());
+    GdalFile made =
+        checked(possible ? translated(file, words) : nullptr, recipe,
+                "goes on beyond the edge of its map; bring it to the terrain's CRS with gdalwarp -t_srs", messages);
+    around.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    made->SetSpatialRef(&around);
+    return made;
+}
+
 Opened open_image(const Recipe& recipe, GdalMessages& messages) {
     Opened opened;
     opened.chain.push_back(open_raster(recipe.path, "an image", messages));
@@ -140,6 +182,7 @@ Opened open_image(const Recipe& recipe, GdalMessages& messages) {
     if (recipe.use != RasterUse::classes && opened.top().GetRasterBand(1)->GetColorTable() &&
         opened.top().GetRasterCount() < 3)
         opened.chain.push_back(expand_palette(opened.top(), recipe, messages));
+    if (recipe.centred) opened.chain.push_back(centred(opened.top(), recipe, messages));
     if (!recipe.warp_to.empty()) {
         opened.chain.push_back(warp(opened.top(), recipe, messages));
         opened.warped = true;
@@ -367,10 +410,17 @@ Under pixels_under(GDALDataset& file, const Frame& ground) {
                 y[0] > file.GetRasterYSize())
                 continue;
             west = std::min(west, x[0]), east = std::max(east, x[0]);
+            // Between neighbours on both sides of a map's edge lies all of it.
+            if (2 * std::max(std::abs(x[1] - x[0]), std::abs(x[2] - x[0])) > file.GetRasterXSize()) continue;
             const double across = std::hypot(x[1] - x[0], y[1] - y[0]), down = std::hypot(x[2] - x[0], y[2] - y[0]);
             if (under.between[0] == 0 && across > 0 && down > 0) under.between[0] = across, under.between[1] = down;
         }
     under.torn = east - west > 4 * std::hypot(under.between[0] * ground.columns, under.between[1] * ground.rows);
+    // A map of all longitudes that begins elsewhere than at -180: GDAL lays parts of it on one side of the others.
+    double t[6];
+    const OGRSpatialReference* const own = file.GetSpatialRef();
+    if (own && own->IsGeographic() && file.GetGeoTransform(t) == CE_None)
+        under.torn |= file.GetRasterXSize() * t[1] > 359 && t[0] > -179;
     return under;
 }
 
@@ -427,9 +477,10 @@ ImageLayer placed(GDALDataset& file, const Frame& ground, const std::string& pat
     const Georeference g = georeference(file);
     ImageLayer layer{file.GetRasterXSize(), file.GetRasterYSize(), {0, 0}, {1, 1}};
     double west = ground.origin[0] - g.t[0];
-    if (crs_of(ground.crs_wkt).IsGeographic()) { // 0..360 and -180..180 name the same places: the nearest turn
+    // 0..360 and -180..180 name the same places, as do places beyond the edge of a map of all: the nearest turn.
+    if (const double turn = turn_of(crs_of(ground.crs_wkt)).length; turn > 0) {
         const double off = west + 0.5 * ((ground.columns - 1) * ground.step[0] - layer.columns * g.t[1]);
-        west -= 360 * std::round(off / 360);
+        west -= turn * std::round(off / turn);
     }
     layer.first_px[0] = west / g.t[1];
     layer.first_px[1] = (ground.origin[1] - g.t[3]) / g.t[5];
@@ -501,7 +552,9 @@ public:
             const ImageLayer& l = layers[i];
             text += fmt::format("image {}; {} x {} at {} {} by {} {}{}{}{}\n", file_identity(recipes_[i].path),
                                 l.columns, l.rows, l.first_px[0], l.first_px[1], l.per_sample[0], l.per_sample[1],
-                                recipes_[i].warp_to.empty() ? "" : " warped",
+                                recipes_[i].warp_to.empty() ? ""
+                                : recipes_[i].centred       ? " centred, warped"
+                                                            : " warped",
                                 recipes_[i].white == 65535 ? "" : fmt::format(" white {}", recipes_[i].white),
                                 recipes_[i].bands.empty() ? "" : fmt::format(" {}", bands_text(recipes_[i])));
         }
@@ -536,6 +589,12 @@ private:
             if (needs_warp(opened->top(), g, ground)) {
                 where = g.by_points ? place_by_points(opened->top(), recipe)
                                     : where + ", warped from " + crs_text(opened->top(), ground);
+                const OGRSpatialReference* const own = opened->top().GetSpatialRef();
+                if (own && own->IsProjected() && goes_beyond(opened->top(), turn_of(*own))) {
+                    recipe.centred = true;
+                    opened.reset();
+                    opened = std::make_unique<Opened>(open_image(recipe, messages));
+                }
                 const Under pixels = recipe.by_points ? Under{} : pixels_under(opened->top(), ground);
                 recipe.warp_to = ground.crs_wkt;
                 opened.reset();
@@ -547,21 +606,26 @@ private:
                 }
             }
             layers.push_back(placed(opened->top(), ground, path));
-            if (recipe.use == RasterUse::picture) add_turns(opened->top(), recipe, ground);
+            add_turns(opened->top(), recipe, ground);
         }
         accounts.push_back(fmt::format("{}: {}; {}", path, numbers, where));
         recipes_.push_back(recipe);
     }
 
-    // Of a terrain in degrees that goes across an edge of an image of all longitudes: the same image on its other side.
+    // Of a terrain in degrees, or on a map of all longitudes, that goes across an edge of an image of all of them: the
+    // same image on its other side.
     void add_turns(GDALDataset& file, const Recipe& recipe, const Frame& ground) {
-        const double turn = crs_of(ground.crs_wkt).IsGeographic() ? 360 / georeference(file).t[1] : 0;
+        const double turn = turn_of(crs_of(ground.crs_wkt)).length / georeference(file).t[1];
         const ImageLayer nearest = layers.back();
         for (const double turns : {-turn, turn}) {
             ImageLayer beside = nearest;
             beside.first_px[0] += turns;
             const double last = beside.first_px[0] + (ground.columns - 1) * beside.per_sample[0];
             if (turns == 0 || last <= 0 || beside.first_px[0] >= beside.columns) continue;
+            if (recipe.use != RasterUse::picture)
+                throw Failure(1, fmt::format("{}: ends within the terrain and goes on from its other end; let the "
+                                             "terrain be reprojected, without --spacing and --crs",
+                                             recipe.path));
             layers.push_back(beside);
             recipes_.push_back(recipe);
         }

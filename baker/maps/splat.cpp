@@ -67,7 +67,7 @@ Edges edges_of(const SplatRange& range) {
 }
 
 // Of azimuths: how far from the middle, which way round ever.
-struct Turn {
+struct Facing {
     float middle = 0, half = 0, per = 0;
 
     [[nodiscard]] float share(float azimuth) const {
@@ -76,7 +76,7 @@ struct Turn {
         return std::clamp((half - off) * per, 0.0f, 1.0f);
     }
 };
-Turn turn_of(const SplatRange& range) {
+Facing facing_of(const SplatRange& range) {
     if (!range.given) return {};
     const double wide = range.high >= range.low ? range.high - range.low : range.high - range.low + 360;
     const double soft = std::max(range.soft, 1e-3);
@@ -87,7 +87,7 @@ Turn turn_of(const SplatRange& range) {
 struct Prepared {
     const SplatRule* rule;
     Edges height, slope, curvature, wetness, noise;
-    Turn aspect;
+    Facing aspect;
     float opacity, ragged_m, ragged_deg;
     bool noisy;
 };
@@ -100,7 +100,7 @@ std::vector<Prepared> prepared(const SplatPlan& plan) {
                    edges_of(r.curvature),
                    edges_of(r.wetness),
                    edges_of(r.noise),
-                   turn_of(r.aspect_deg),
+                   facing_of(r.aspect_deg),
                    static_cast<float>(r.opacity),
                    0,
                    0,

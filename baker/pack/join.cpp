@@ -285,6 +285,7 @@ namespace fs = std::filesystem;
 struct Member {
     std::string file;
     PackHeader header;
+    std::string crs; // WKT
 };
 
 std::vector<Member> members_in(const std::string& folder) {
@@ -304,7 +305,8 @@ std::vector<Member> members_in(const std::string& folder) {
         io::check_interrupt();
         if (std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
             throw Failure(1, folder + ": has a pack whose name is no line of text; rename it"); // set.json refuses it
-        members.push_back({name, io::PackFile((fs::path(folder) / name).string()).pack().header});
+        const io::PackFile pack((fs::path(folder) / name).string());
+        members.push_back({name, pack.pack().header, pack.crs()});
     }
     return members;
 }
@@ -326,6 +328,26 @@ std::uint32_t tiles_from(double begin, const Member& member, const Member& first
                                      first.file, member.file, (cells / side), axis == 0 ? "west" : "north",
                                      axis == 0 ? "east" : "south", side));
     return static_cast<std::uint32_t>(tiles);
+}
+
+// Degrees on both sides of the antimeridian become two zones of UTM, or begin a turn apart.
+void refuse_other_places(const std::vector<Member>& members) {
+    constexpr const char* remedy = "bake their height fields as one (fjell-bake WEST EAST -o ONE.fjell), then "
+                                   "fjell-bake split ONE.fjell -o FOLDER";
+    const Member& first = members.front();
+    const auto name = [](const std::string& wkt) {
+        const std::size_t from = wkt.find('"');
+        return from == std::string::npos ? std::string("none")
+                                         : wkt.substr(from + 1, wkt.find('"', from + 1) - from - 1);
+    };
+    for (const Member& member : members) {
+        if (member.crs != first.crs)
+            throw Failure(1, fmt::format("{} and {}: are in different CRSs, {} and {}; {}", first.file, member.file,
+                                         name(first.crs), name(member.crs), remedy));
+        if (first.crs.starts_with("GEOGC") && std::abs(member.header.crs_origin[0] - first.header.crs_origin[0]) > 180)
+            throw Failure(1, fmt::format("{} and {}: lie in degrees on both sides of the antimeridian; {}", first.file,
+                                         member.file, remedy));
+    }
 }
 
 // The index that packs at these origins have.
@@ -382,6 +404,7 @@ void refuse_overlaps(const io::SetFile& set) {
 
 JoinSummary join_packs(const std::string& folder) {
     const std::vector<Member> members = members_in(folder);
+    refuse_other_places(members);
     const io::SetFile set = index_of(members);
     refuse_overlaps(set);
     JoinSummary summary;

@@ -54,3 +54,33 @@ TEST_CASE("join makes a set of packs that agree where they meet, and join and ve
     CAPTURE(first);
     CHECK(first.find("of 33 errors on their border differ, most at sample (32, ") != std::string::npos);
 }
+
+TEST_CASE("packs in degrees that were baked apart on both sides of the antimeridian are refused, and baked as one they "
+          "join") {
+    const TemporaryFolder folder;
+    for (const auto& [name, west] : {std::pair{"a", 179.0}, {"b", -180.0}}) {
+        std::string text = fmt::format("ncols 65\nnrows 65\nxllcenter {}\nyllcenter 10\ncellsize 0.015625\n", west);
+        for (int y = 0; y < 65; ++y)
+            for (int x = 0; x < 65; ++x)
+                text += fmt::format("{}{}", 100 + (x + (*name == 'b' ? 64 : 0)) % 128 + y, x == 64 ? "\n" : " ");
+        spit(folder / fmt::format("{}.asc", name), text);
+        spit(folder / fmt::format("{}.prj", name), R"(GEOGCS["GCS_WGS_1984",DATUM["D_WGS_1984",)"
+                                                   R"(SPHEROID["WGS_1984",6378137.0,298.257223563]],)"
+                                                   R"(PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]])");
+    }
+    for (const auto& [options, says] :
+         {std::pair{" --spacing 1700", "lie in degrees on both sides of the antimeridian"},
+          {"", "are in different CRSs, WGS 84 / UTM zone 60N and WGS 84 / UTM zone 1N"}}) {
+        CAPTURE(options);
+        const std::string words = std::string(options) + " --tile 32 --quiet && ";
+        REQUIRE(run_in(folder.path, "rm -rf apart as_one && mkdir apart && " + bake + "a.asc -o apart/a.fjell" + words +
+                                        bake + "b.asc -o apart/b.fjell" + words + "true")
+                    .code == 0);
+        refused(folder, bake + "join apart", 1, std::string("a.fjell and b.fjell: ") + says);
+        refused(folder, bake + "join apart", 1, "fjell-bake split ONE.fjell -o FOLDER");
+        CHECK(run_in(folder.path, bake + "a.asc b.asc -o ONE.fjell" + words + bake +
+                                      "split ONE.fjell -o as_one --packs 2x1 && rm as_one/set.json && " + bake +
+                                      "join as_one")
+                  .code == 0);
+    }
+}

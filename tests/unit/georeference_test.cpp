@@ -433,14 +433,20 @@ TEST_CASE("images lie where they are on both sides of the antimeridian, however 
         {{{"e", "EPSG:4326", -180, 1.5, 0.01, 150, 200}}, 180, 181},
         {{{"world", "EPSG:4326", -180, 90, 0.25, 1440, 720}}},
         {{{"world0", "EPSG:4326", 0, 90, 0.25, 1440, 720}}},
-        {{{"mercator", "EPSG:3857", -20037508.34, 20037508.34, 20037508.34 / 720, 1440, 1440}}}};
+        {{{"mercator", "EPSG:3857", -20037508.34, 20037508.34, 20037508.34 / 720, 1440, 1440}}},
+        {{{"over", "EPSG:3857", 20037508.34 - 167'000, 167'000, 1000, 334, 334}}}, // beyond the edge of its map
+        {{{"under", "EPSG:3857", -20037508.34 - 167'000, 167'000, 1000, 334, 334}}},
+        {{{"plain", "EPSG:32662", 20037508.34 - 167'000, 167'000, 1000, 334, 334}}},
+        {{{"all beyond", "EPSG:3395", 20037508.34 + 1000, 167'000, 1000, 166, 334}}, 180, 181}};
     const auto path_of = [&](const Placed& image) { return dir / (std::string(image.name) + ".tif"); };
     for (const Case& c : cases)
         for (const Placed& image : c.images) write_placed(image, colour, path_of(image), true);
     for (const Placed& ground : {Placed{"a", "EPSG:4326", 179, 1, 0.02, 100, 50},
                                  {"b", "EPSG:4326", -181, 1, 0.02, 100, 50},
                                  {"c", "EPSG:32601", 60'000, 110'000, 2000, 100, 50},
-                                 {"d", "EPSG:3832", 3'200'000, 110'000, 2000, 100, 50}}) {
+                                 {"d", "EPSG:3832", 3'200'000, 110'000, 2000, 100, 50},
+                                 {"e", "EPSG:3857", 20037508.34 - 100'000, 110'000, 2000, 100, 50},
+                                 {"f", "EPSG:3857", -20037508.34 - 100'000, 110'000, 2000, 100, 50}}) {
         const std::string dem = write_placed(ground, height, dir / "dem.tif");
         for (const char* const crs : {"auto", "keep"}) {
             ReadOptions o;
@@ -462,6 +468,15 @@ TEST_CASE("images lie where they are on both sides of the antimeridian, however 
                 const Refusal refused = refusal([&] { (void)open_images(paths, frame); });
                 CHECK(refused.line == "");
                 if (refused.code != 0) continue;
+                // Paint lies as images do; what would lie on both sides of a terrain on its map is refused.
+                if (paths.size() == 1) {
+                    const auto paint = [&] {
+                        return open_raster_map(paths[0], frame, RasterUse::paint)->layers.size();
+                    };
+                    const Refusal torn = refusal([&] { CHECK(paint() == open_images(paths, frame)->layers.size()); });
+                    CHECK((torn.code == 0 || (torn.says("without --spacing and --crs") &&
+                                              open_images(paths, frame)->layers.size() == 2)));
+                }
                 const auto images = open_images(paths, frame);
                 const auto reader = images->reader();
                 int wrong = 0, missing = 0, seen = 0;

@@ -22,6 +22,9 @@ TEST_CASE("what only looks like degrees is refused until a spacing settles it, a
     none.crs = "none";
     check_refusal(refused(named, none), 1, named, {"is in degrees; give --spacing M (metres between samples)"});
     CHECK(read_dem(named, spaced(90)).spacing_m[1] == 90);
+    r.crs = "EPSG:4807"; // NTF (Paris)
+    const std::string grads = write(r, dir / "c.tif");
+    check_refusal(refused(grads, none), 1, grads, {"is in grads; give --spacing M"});
 }
 
 TEST_CASE("a picture without a georeference wants a spacing") {

@@ -146,6 +146,21 @@ TEST_CASE("of a whole globe a part in degrees is reprojected, wherever its longi
             CHECK(answer.says(words));
         }
     }
+    // A square grid in degrees has an edge, which no box goes across; reprojected it does.
+    const Degrees globe{-179.75, 89.75, 0.5, 720, 359};
+    const std::string all = written(globe, dir / "c.tif");
+    for (const auto& box : {std::array<double, 4>{160, -35, -160, 35}, {160, -35, 200, 35}, {-200, -35, -160, 35}}) {
+        o = {};
+        o.bbox = box;
+        check(read_dem(all, o), globe);
+        o.spacing_m = 5000;
+        check_refusal(refused(all, o), 1, all, {"across -180", "leave out --spacing to"});
+        o.crs = "none";
+        check_refusal(refused(all, o), 1, all, {"leave out --spacing and --crs none to reproject it"});
+    }
+    o.bbox = {{-200, -10, 200, 10}}; // all longitudes
+    CHECK(read_dem(all, o).columns == 720);
+    o = {};
     Degrees half{-90, 45, 1, 200, 80};
     o.bbox = {{120, 20, 150, 40}};
     const std::string path = written(half, dir / "b.tif");
