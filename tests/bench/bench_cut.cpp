@@ -142,18 +142,22 @@ const Scene& canyon() {
     return scene;
 }
 
-// offscreen_: the same with what no view sees 8 times coarser.
+// offscreen_: the same with what no view sees 8 times coarser. Both with the hysteresis of the profiles, and ahead of
+// them, as plain_, without.
 void compare(benchmark::State& state, const Scene& scene, double cells, double turns) {
     const Terrain& t = scene.pack.terrain;
     const std::vector<View> views = flight_views(t, cells, 600, turns);
     CutSettings settings;
     settings.max_error_px = scene.error_px;
+    CutSettings plain_settings = settings;
+    settings.hysteresis = 0.04;
     CutSettings offscreen_settings = settings;
     offscreen_settings.offscreen_factor = 8;
-    Flight lean, recursive, cut, offscreen;
+    Flight lean, recursive, plain, cut, offscreen;
     for (auto _ : state) {
         if (scene.lean) lean = fly_lean(*scene.lean, views, scene.error_px);
         recursive = fly_recursive(t, views, scene.error_px);
+        plain = fly_cut(t, views, plain_settings);
         cut = fly_cut(t, views, settings);
         offscreen = fly_cut(t, views, offscreen_settings);
     }
@@ -174,6 +178,10 @@ void compare(benchmark::State& state, const Scene& scene, double cells, double t
     c["rec_ns_per_vertex"] = rank(recursive.us, 0.5) * 1000 / recursive.vertices;
     c["rec_p50_us"] = rank(recursive.us, 0.5);
     c["rec_p99_us"] = rank(recursive.us, 0.99);
+    c["plain_p50_us"] = rank(plain.us, 0.5);
+    c["plain_p99_us"] = rank(plain.us, 0.99);
+    c["plain_active"] = plain.vertices;
+    c["plain_evaluations"] = plain.evaluations;
     c["p50_us"] = p50;
     c["p99_us"] = p99;
     c["p9999_us"] = rank(cut.us, 0.9999);

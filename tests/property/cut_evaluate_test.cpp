@@ -44,7 +44,9 @@ void set_views(Random& random, double spacing, std::int32_t x0, std::int32_t y0,
                       static_cast<double>(d.base_m) + uniform(random, -1, 1) * away,
                       y0 * static_cast<double>(d.spacing_z_m) + uniform(random, -1, 1) * away};
         d.reach[v] = make_reach(view, threshold_px);
-        d.keep[v] = make_reach(view, threshold_px / (1 + uniform(random, 0, 2)));
+        const double hysteresis = uniform(random, 0, 2);
+        d.wish[v] = make_reach(view, threshold_px / (1 + hysteresis / 2));
+        d.keep[v] = make_reach(view, threshold_px / (1 + hysteresis));
     }
 }
 

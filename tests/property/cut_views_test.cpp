@@ -111,19 +111,20 @@ TEST_CASE("with hysteresis the cut rests between the two targets, changes nothin
             hesitated += now != least && now != most;
             for (int rest = 0; rest < 3; ++rest) REQUIRE(cut.update(views, settings).work == 0);
         }
-        // There and back within what the hysteresis spans: of what came up none goes. An eye that moves by d, or a
-        // threshold that changes, must not undo itself: the way back finds the same set, the second time too.
+        // There and back within half of what the hysteresis spans: of what came up none goes. What is looked at on the
+        // way back comes up before it must, once.
         settings.max_work = unlimited_work;
         settings.hysteresis = 1;
         const double requested_px = settings.max_error_px;
         (void)settle(cut, views, settings);
         for (int turn = 0; turn < 3; ++turn) {
-            settings.max_error_px = requested_px * 1.5;
+            settings.max_error_px = requested_px * 1.2;
             const CutReport up = cut.update(views, settings);
             REQUIRE(up.activations == 0);
             settings.max_error_px = requested_px;
             const CutReport back = cut.update(views, settings);
-            REQUIRE(back.activations + back.deactivations == 0);
+            REQUIRE(back.deactivations == 0);
+            if (turn > 0) REQUIRE(back.activations == 0);
             REQUIRE(contains(active_set(cut), target_set(terrain, terrain, views, requested_px)));
         }
     }

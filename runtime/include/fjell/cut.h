@@ -79,8 +79,11 @@ inline constexpr double max_offscreen_factor = 100;
 
 // What an update goes by: may change from frame to frame.
 struct CutSettings {
-    double max_error_px = 1;  // the threshold (kappa), 0.001 to 1e6, of views without their own
-    double hysteresis = 0;    // a vertex is deactivated only below max_error_px / (1 + hysteresis); 0 to 10
+    double max_error_px = 1; // the threshold (kappa), 0.001 to 1e6, of views without their own
+    // A vertex is active above max_error_px and inactive below max_error_px / (1 + hysteresis); 0 to 10. Between them
+    // it stays as it is, but what is looked at comes up half-way already. 0.04 takes a twentieth more vertices, and
+    // half of the time where the camera is slow. 0: at rest the mesh is exactly the recursive method's.
+    double hysteresis = 0;
     bool corner_safe = false; // bound pixels in the image's corners too
     // Work items that this frame may do; 0: none, the mesh stands still. What a step of building costs beyond them, 256
     // at most, is charged to the frames that follow.

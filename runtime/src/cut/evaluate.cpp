@@ -127,7 +127,9 @@ HWY_INLINE void decide(D d, const Criterion& c, VF px, VF py, VF pz, VF error, V
     for (std::uint32_t v = 0; v < c.views; ++v) {
         const auto squared = squared_distance(d, c.reach[v], px, py, pz), distance = hn::Sqrt(squared);
         add_view(squared, distance, reach_m(d, c.reach[v], error, radius), reach_margin, span, is_wanted);
-        if (c.hysteresis) add_view(squared, distance, reach_m(d, c.keep[v], error, radius), keep_margin, span, is_kept);
+        if (!c.hysteresis) continue;
+        add_view(squared, distance, reach_m(d, c.keep[v], error, radius), keep_margin, span, is_kept);
+        is_wanted = Or(is_wanted, is_within(squared, reach_m(d, c.wish[v], error, radius)));
     }
     if (!c.hysteresis) keep_margin = reach_margin, is_kept = is_wanted;
 }

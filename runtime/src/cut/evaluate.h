@@ -119,6 +119,9 @@ struct Evaluation {
         const float squared = floats::squared_distance(floats::One(), r, v.x, v.y, v.z);
         floats::add_view(squared, std::sqrt(squared), floats::reach_m(floats::One(), r, v.error_m, v.radius_m), margin,
                          span, v.wanted);
+        if (c.hysteresis && !active)
+            v.wanted = v.wanted ||
+                       floats::is_within(squared, floats::reach_m(floats::One(), c.wish[i], v.error_m, v.radius_m));
     }
     v.slack_m = std::max(floats::slack_m(floats::One(), margin, span), 0.0f);
     return v;

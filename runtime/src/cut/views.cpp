@@ -113,9 +113,11 @@ void take_views(const Grid& grid, Views& views, Morphing& morphing, const Frame&
             view_threshold_px(view, settings, threshold_px) / (settings.corner_safe ? corner_factor(view) : 1);
         const double px = full_px / early;
         c.reach[i] = make_reach(view, px);
+        c.wish[i] = make_reach(view, px / (1 + settings.hysteresis / 2));
         c.keep[i] = make_reach(view, px / (1 + settings.hysteresis));
         const double offscreen_px = px * offscreen_factor(frame, view, px);
         offscreen.reach[i] = make_reach(view, offscreen_px);
+        offscreen.wish[i] = make_reach(view, offscreen_px / (1 + settings.hysteresis / 2));
         offscreen.keep[i] = make_reach(view, offscreen_px / (1 + settings.hysteresis));
         morphing.now.view[i] = {c.reach[i].eye_x, c.reach[i].eye_y, c.reach[i].eye_z, c.reach[i].q,
                                 static_cast<float>(focal_length_px(view) / full_px)};

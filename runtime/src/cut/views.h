@@ -23,9 +23,11 @@ struct Criterion {
     float spacing_x_m, spacing_z_m;
     std::int32_t last_x, last_y; // of the terrain's samples
     std::uint32_t views;
-    bool hysteresis;            // keep differs from reach
-    Reach reach[max_cut_views]; // for vertices that are not active
-    Reach keep[max_cut_views];  // for those that are
+    bool hysteresis;            // reach, wish and keep differ
+    Reach reach[max_cut_views]; // vertices within it must be active: this is what margins of the others count to
+    Reach wish[max_cut_views];  // farther: those that are looked at are activated already within it, or they would be
+                                // looked at again and again where they are about to be needed
+    Reach keep[max_cut_views];  // farther still: those that are active stay within it
 };
 
 // The views of the last update, and what follows from them.
