@@ -158,18 +158,57 @@ std::string name_for_gdal(const std::string& path, const std::optional<std::arra
 
 } // namespace
 
+bool named_as_elevation(const char* name) {
+    const CPLString text(name ? name : "");
+    for (const char* const word :
+         {"elev", "height", "altitude", "topo", "bathy", "terrain", "relief", "dem", "dtm", "dsm", "orog"})
+        if (text.ifind(word) != std::string::npos) return true;
+    return false;
+}
+
+namespace {
+
+// Of a file that holds arrays with names, those that GDAL takes; first what is called elevation.
+std::string named_rasters(GDALDataset& file) {
+    constexpr std::size_t most = 6;
+    std::vector<std::string> names;
+    const char* const* all = file.GetMetadata("SUBDATASETS");
+    for (int i = 1;; ++i) {
+        const char* const name = CSLFetchNameValue(all, fmt::format("SUBDATASET_{}_NAME", i).c_str());
+        if (!name) break;
+        names.push_back(one_line(name));
+    }
+    std::stable_partition(names.begin(), names.end(), [](const std::string& name) {
+        return named_as_elevation(name.substr(name.find_last_of(":/") + 1).c_str());
+    });
+    const std::size_t more = names.size() > most ? names.size() - most : 0;
+    names.resize(names.size() - more);
+    return names.empty() ? "" : fmt::format("'{}'{}", fmt::join(names, "', '"), more ? ", ..." : "");
+}
+
+// A folder that is one raster: Zarr.
+bool is_zarr(const std::string& path) {
+    std::error_code none;
+    for (const char* const name : {".zgroup", ".zarray", ".zmetadata", "zarr.json"})
+        if (std::filesystem::exists(std::filesystem::path(path) / name, none)) return true;
+    return false;
+}
+
+} // namespace
+
 GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages,
                      const std::optional<std::array<int, 2>>& size) {
     register_drivers();
     std::error_code ignored;
     const auto status = std::filesystem::status(path, ignored);
-    if (std::filesystem::is_directory(status))
+    const bool zarr = is_zarr(path);
+    if (std::filesystem::is_directory(status) && !zarr)
         throw Failure(1, fmt::format("{}: is a folder; give the file in it that holds {}", path, what));
     if (!std::filesystem::exists(status)) {
         if (!is_gdal_name(path)) throw Failure(1, fmt::format("{}: no such file; check the path", path));
-    } else if (!std::filesystem::is_regular_file(status)) {
+    } else if (!zarr && !std::filesystem::is_regular_file(status)) {
         throw Failure(1, fmt::format("{}: not a regular file; give a file that holds {}", path, what));
-    } else {
+    } else if (!zarr) {
         close(io::open_regular_file(path)); // GDAL would take what may not be read for a format it does not know
         check_length(path, path);
     }
@@ -182,10 +221,8 @@ GdalFile open_raster(const std::string& path, const char* what, GdalMessages& me
                                      path, what, hint(path), messages.said()));
     check_files(*file, path);
     if (file->GetRasterCount() == 0) {
-        const char* const first = CSLFetchNameValue(file->GetMetadata("SUBDATASETS"), "SUBDATASET_1_NAME");
-        if (first)
-            throw Failure(
-                1, fmt::format("{}: holds several rasters; name one of them, such as {}", path, one_line(first)));
+        if (const std::string names = named_rasters(*file); !names.empty())
+            throw Failure(1, fmt::format("{}: holds several rasters; give one of them instead: {}", path, names));
         throw Failure(1, fmt::format("{}: holds no raster; give a file that holds {}", path, what));
     }
     messages.forget(); // what GDAL grumbled about while it guessed the format is no fault of the data

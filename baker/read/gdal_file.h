@@ -56,6 +56,8 @@ using GdalFile = std::unique_ptr<GDALDataset, GdalClose>;
 // from the north-west) have no header: size gives their columns and rows, and else they must be square.
 [[nodiscard]] GdalFile open_raster(const std::string& path, const char* what, GdalMessages& messages,
                                    const std::optional<std::array<int, 2>>& size = {});
+// By what people and programs call heights.
+[[nodiscard]] bool named_as_elevation(const char* name);
 // The bands of a raster, with their names: 1 "slope", 2 "elevation".
 [[nodiscard]] std::string named_bands(GDALDataset& file);
 // The number of the band of that number, from 1, or else of that name. Throws Failure 1: there is none.

@@ -30,15 +30,6 @@ void check_size(GDALDataset& file, const std::string& path) {
                       fmt::format("{}: has {} x {} samples; a height field needs at least 2 x 2", path, columns, rows));
 }
 
-// By what people and programs call it.
-bool named_as_elevation(const char* name) {
-    const CPLString text(name ? name : "");
-    for (const char* const word :
-         {"elev", "height", "altitude", "topo", "bathy", "terrain", "relief", "dem", "dtm", "dsm", "orog"})
-        if (text.ifind(word) != std::string::npos) return true;
-    return false;
-}
-
 bool says_where(GDALRasterBand& band) { // and holds no numbers of its own
     return band.GetColorInterpretation() == GCI_AlphaBand;
 }
@@ -80,8 +71,12 @@ int grey_band(GDALDataset& file, const std::string& wanted, const std::string& p
     GDALRasterBand& first = *file.GetRasterBand(1);
     const bool colours = (file.GetRasterCount() >= 3 && first.GetRasterDataType() == GDT_Byte) ||
                          first.GetColorInterpretation() == GCI_RedBand;
-    int number = 1;
-    if (wanted.empty() && colours) {
+    int number = 1, wide = 0, count = 0; // beside colours for looking at: Vertical Mapper's grids
+    for (int b = 1; b <= file.GetRasterCount(); ++b)
+        if (file.GetRasterBand(b)->GetRasterDataType() != GDT_Byte) wide = b, ++count;
+    if (wanted.empty() && colours && first.GetRasterDataType() == GDT_Byte && count == 1) {
+        number = wide;
+    } else if (wanted.empty() && colours) {
         if (file.GetRasterCount() < 3 || first.GetRasterDataType() != GDT_Byte || !is_grey(file, path))
             throw Failure(1, fmt::format("{}: has {} bands of colour; if they are Terrarium or Mapbox heights, give "
                                          "--encoding terrarium or terrain-rgb, if it is an image, make it one band of "

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -475,7 +476,8 @@ TEST_CASE("a figure of time stands beside the command that gives it") {
     for (const Page& page : pages()) {
         // A row or a line of the pages that are read for their figures; elsewhere one command for what a heading holds.
         const bool by_line = page.name == "README.md" || page.name == "docs/measured.md";
-        if (!by_line && page.name != "docs/promises.md" && page.name.find("guides/") == std::string::npos &&
+        if (!by_line && page.name != "docs/promises.md" && page.name != "docs/limits.md" &&
+            page.name != "docs/troubleshooting.md" && page.name.find("guides/") == std::string::npos &&
             page.name.find("notes/") == std::string::npos)
             continue;
         std::istringstream lines(by_line ? page.prose : page.text);
@@ -529,4 +531,41 @@ TEST_CASE("every promise names a test that exists") {
         REQUIRE(quoted.size() == 1);
         CHECK(tests.find("\"" + quoted[0] + "\"") != std::string::npos);
     }
+}
+
+TEST_CASE("the capacity table is what the constants of its page make of it") {
+    const std::string page = slurp(root / "docs/limits.md");
+    const auto number = [](std::string text) {
+        std::erase(text, ',');
+        return std::stod(text);
+    };
+    const auto constant = [&](const std::string& name) {
+        const auto found = matches(page, std::regex("\\n\\| `" + name + "`[^|]*\\| ([0-9.,]+) \\|"));
+        INFO(name);
+        REQUIRE(found.size() == 1);
+        return number(found[0]);
+    };
+    const double rate = constant("rate"), disk = constant("disk"), pack = constant("pack"), hour_s = 3600, gb = 1e9;
+    const double ten_machines = rate * constant("cores") * constant("used");
+    int rows = 0;
+    for (const std::string& row : matches(page, "\n(\\| [0-9][^\n]*)")) {
+        std::vector<double> cells;
+        for (const std::string& cell : matches(row, "([0-9.,]+)")) cells.push_back(number(cell));
+        INFO(row);
+        REQUIRE(cells.size() == 7);
+        const double n = cells[0] * gb / 2; // samples of two bytes
+        const double shards_s = std::max(constant("border") * n / ten_machines, constant("traffic") * n / disk);
+        const double merge_s = n / 256 / rate + 2 * pack * n / disk;
+        const double right[] = {cells[0],
+                                std::sqrt(n),
+                                n / rate / hour_s,
+                                (shards_s + merge_s) / hour_s,
+                                constant("work") * n / gb,
+                                pack * n / gb,
+                                (constant("memory") + constant("directory") * n) / gb};
+        for (std::size_t i = 0; i < cells.size(); ++i) // two digits are shown
+            CHECK(std::abs(cells[i] - right[i]) <= 0.05 * right[i]);
+        ++rows;
+    }
+    CHECK(rows == 4);
 }
