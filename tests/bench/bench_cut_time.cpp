@@ -141,6 +141,7 @@ void jumps(benchmark::State& state, double budget_us) {
         if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
         CutSettings settings;
         settings.max_error_px = scene.error_px;
+        settings.hysteresis = 0.04; // as the profiles have it
         settings.offscreen_factor = offscreen_factor;
         CutReport now;
         (void)rebuild_cut(cut, {&views[0], 1}, settings, now);
