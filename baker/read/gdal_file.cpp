@@ -178,7 +178,7 @@ std::string named_rasters(GDALDataset& file) {
         if (!name) break;
         names.push_back(one_line(name));
     }
-    std::ranges::stable_partition(names, [](const std::string& name) {
+    std::stable_partition(names.begin(), names.end(), [](const std::string& name) {
         return named_as_elevation(name.substr(name.find_last_of(":/") + 1).c_str());
     });
     const std::size_t more = names.size() > most ? names.size() - most : 0;
