@@ -39,7 +39,7 @@ run() { # PAGE LINE
     exit 1
   fi
 }
-for page in README.md docs/guides/{baking,tuning,exporting}.md; do
+for page in README.md docs/guides/{first-picture,baking,tuning,exporting}.md; do
   while IFS= read -r -u 3 line; do
     echo "$page: $line"
     run "$page" "$line"
