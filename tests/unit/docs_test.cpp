@@ -518,6 +518,22 @@ TEST_CASE("words that the glossary rules out do not occur in the public headers"
     }
 }
 
+TEST_CASE("the examples in public headers are quoted from a test that runs them") {
+    const std::string run = slurp(root / "tests/unit/header_examples_test.cpp");
+    int examples = 0;
+    for (const std::string& file : files())
+        if (file.starts_with("runtime/") && file.find("/include/") != std::string::npos && file.ends_with(".h"))
+            for (const std::string& example :
+                 matches(slurp(root / file), "// Example[^\n]*:\n((?://     [^\n]*\n)+)")) {
+                ++examples;
+                for (const std::string& line : matches(example, "//     ([^\n]*)\n")) {
+                    INFO(file << ": " << line);
+                    CHECK(run.find("    " + line + "\n") != std::string::npos);
+                }
+            }
+    CHECK(examples >= 10);
+}
+
 TEST_CASE("words of our own house do not occur where users read") {
     const std::regex house("\\b(companions?|rivals?|sentinels?|that (?:is|are) none)\\b", std::regex::icase);
     std::map<std::string, std::string> read;

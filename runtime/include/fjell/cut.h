@@ -161,6 +161,8 @@ using LiveCut = Handle<CutState>;
 // memory: at least cut_bytes(), aligned to 64. When terrain is destroyed the cut is refused; planar and hierarchical
 // Z-order. Fails with out_of_range when a field of the budget does, with budget_too_small when not even the coarsest
 // mesh fits, with not_supported for a pack in linear order.
+// Example:
+//     fjell::Status s = fjell::create_cut(terrain, budget, {cut_memory.get(), fjell::cut_bytes(terrain, budget)}, cut);
 Status create_cut(const Terrain& terrain, const CutBudget& budget, std::span<std::byte> memory, LiveCut& cut);
 // Ends the cut. Streams that were given it are refused from then on.
 Status destroy_cut(LiveCut cut);
@@ -172,6 +174,9 @@ Status destroy_cut(LiveCut cut);
 // rebuild_cut() does. With a limit of items or time, what the views see is built beside what is drawn, which stays
 // until it stands: in as many frames as items and time make of it, with what is not seen to follow. That takes
 // slots that are free, a quarter of those in use at least; otherwise the cut is refined vertex by vertex, worst first.
+// Example:
+//     if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1, .max_time_us = 2'000}, report);
+//     if (!s.ok()) std::printf("%s: %s\n", s.field, fjell::message(s.code));
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);
 
 // Builds the cut from scratch: for the first frame, after a teleport, for an export. Not bounded in
@@ -243,6 +248,9 @@ struct CutChanges {
 // uploads them has the buffers of CutMesh, those that are not in use included. Once for all renderers of a cut: one
 // that draws later than others keeps the slots that it has not uploaded. Valid until the next update, rebuild or call.
 // O(words listed).
+// Example:
+//     const fjell::CutChanges changes = fjell::cut_take_changes(cut);
+//     fjell::for_each_run(changes.vertex_bits, changes.vertex_words, upload);
 [[nodiscard]] CutChanges cut_take_changes(LiveCut cut);
 
 // Calls visit(first, count) for every run of written slots.

@@ -32,6 +32,9 @@ struct GroundHeight {
     float error_m = 0; // the original ground is within this of height_m: 0 at the full resolution, plus half a quantum
 };
 // accurate_m: good enough; a larger one is a little cheaper. Positions that are no numbers are not inside.
+// Example:
+//     const fjell::GroundHeight below = fjell::ground_height(ground.terrain(), eye_m.x, eye_m.z);
+//     const double clearance_m = below.inside && !below.hole ? eye_m.y - below.height_m : 1e9;
 [[nodiscard]] GroundHeight ground_height(const Terrain& terrain, double x_m, double z_m, float accurate_m = 0);
 
 // What cast_ray() answers.
@@ -47,6 +50,9 @@ struct GroundHit {
 // but 0. most_m: how far to look, infinity if need be. A vertical ray works too; an origin on the ground is a hit at 0,
 // and one outside the terrain enters it through its sides. Numbers that are none meet nothing. Uses some 12 KB of
 // stack.
+// Example:
+//     const fjell::GroundHit hit = fjell::cast_ray(ground.terrain(), eye_m, view.forward, 10'000);
+//     if (hit.hit) std::printf("ground %.1f m away, to %.2f m\n", hit.distance_m, hit.error_m);
 [[nodiscard]] GroundHit cast_ray(const Terrain& terrain, Vec3 origin_m, Vec3 direction, double most_m,
                                  float accurate_m = 0);
 
@@ -63,6 +69,9 @@ struct GroundPatch {
 // There is no ground in a triangle with a corner that is a hole.
 // step_log2: 0 to 12. What does not fit, spans that are too short among it, leaves them alone: error_m is infinite
 // then.
+// Example:
+//     std::vector<float> heights_m(33 * 33);
+//     const fjell::GroundPatch patch = fjell::ground_patch(ground.terrain(), {32, 64}, 0, 33, heights_m);
 GroundPatch ground_patch(const Terrain& terrain, SampleIndex first, int step_log2, std::uint32_t side,
                          std::span<float> heights_m, std::span<bool> holes = {});
 

@@ -60,6 +60,8 @@ struct View {
 
 // A view with its direction of sight in the middle of the picture and square pixels. Makes forward and up orthonormal,
 // keeps forward. forward and up must not be parallel or zero.
+// Example:
+//     const fjell::View view = fjell::make_view(eye_m, {1, -1, 1}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e5);
 [[nodiscard]] View make_view(Vec3 eye_m, Vec3 forward, Vec3 up, double fov_y_rad, std::uint32_t width_px,
                              std::uint32_t height_px, double near_m, double far_m);
 

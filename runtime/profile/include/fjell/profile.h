@@ -49,6 +49,9 @@ struct Profile {
                                     std::vector<std::string>* renamed = nullptr);
 // A key by its name, "refine.max_error_px", and a value as TOML writes it: what a host overrides. Failure (1) for
 // another key, or a value out of its range.
+// Example:
+//     fjell::set_profile_key(profile, "refine.max_error_px", "2");
+//     fjell::io::LiveTerrain ground(path, fjell::live_options(profile));
 void set_profile_key(Profile& profile, std::string_view key, std::string_view value);
 
 // What an update of the stream is given.

@@ -126,6 +126,9 @@ private:
 [[nodiscard]] Snapshot take_snapshot(const Terrain& terrain, RecursiveMethod method, const View& view,
                                      const RefineSettings& settings, const FrameReport& report);
 // Of a LiveTerrain's last update, which was for this view. Writing the copy may be another thread's.
+// Example:
+//     const fjell::gltf::Snapshot snapshot = fjell::gltf::take_snapshot(ground, view); // between two updates
+//     fjell::gltf::write_snapshot(ground, snapshot, out);                              // on any thread
 [[nodiscard]] Snapshot take_snapshot(const io::LiveTerrain& terrain, const View& view);
 // Of any mesh, list or strips, of which the caller knows what it keeps.
 [[nodiscard]] Snapshot take_snapshot(const Terrain& terrain, const MeshView& mesh, const SnapshotInfo& info);

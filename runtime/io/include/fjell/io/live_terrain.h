@@ -2,8 +2,10 @@
 // in one object. What it is made of stays reachable, and is public as the tier below (fjell/fjell.h): an engine with
 // its own memory and its own loader uses that.
 //
-//   fjell::io::LiveTerrain terrain("alps.fjell", fjell::live_options(fjell::read_profile("desktop.toml")));
-//   ... every frame: const fjell::io::LiveFrame& frame = terrain.update({&view, 1}, now_s);
+// Example: once, and in every frame:
+//     fjell::io::LiveTerrain ground(path, fjell::live_options(profile));
+//     const fjell::io::LiveFrame& frame = ground.update({&view, 1}, now_s);
+//     for (const char* field : frame.short_of) std::printf("raise %s\n", field);
 //
 // Memory: all of it at opening, memory_bytes() and 16 KB or so for each file. update() is the frame's: no allocation,
 // lock or call into the kernel. Threads: one that updates; its own, which read; queries (fjell/query.h) of terrain() on
