@@ -1,11 +1,11 @@
 // Which pages the selected vertices of a mesh lie in: what a stream would have to have read.
 //
-// Counted twice. pages: as our packs cut a tile, in pages of one step (docs/notes/glossary.md), or in linear order of rows.
-// memory_pages: 4 KB of one array over a whole tile, 16 bytes a sample, as the thesis lays it out (4.2, 5.3.3); there
-// planar and hierarchical Z-order lie level by level, the coarsest first. Vertices that are visited and not selected
-// are not counted. Misses are those of a cache that drops what was used longest ago, as large for both: its pages are
-// looked for in the order of the mesh's triangles, and it is empty at first. Borders belong to the tile in the
-// south-east.
+// Counted twice. pages: as our packs cut a tile, in pages of one step (docs/notes/glossary.md), or in linear order of
+// rows. memory_pages: 4 KB of one array over a whole tile, 16 bytes a sample, as the thesis lays it out (4.2, 5.3.3);
+// there planar and hierarchical Z-order lie level by level, the coarsest first. Vertices that are visited and not
+// selected are not counted. Misses are those of a cache that drops what was used longest ago, as large for both: its
+// pages are looked for in the order of the mesh's triangles, and it is empty at first. Borders belong to the tile in
+// the south-east.
 #pragma once
 
 #include <cstdint>
