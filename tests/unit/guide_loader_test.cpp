@@ -92,6 +92,7 @@ TEST_CASE("the guide's loader stops at any moment, and the next one finds nothin
             loader->wake();
         }
     }
+    for (int i = 0; i < 2'000; ++i) const game::Loader at_once(scene.on.stream, scene.file);
     game::Loader last(scene.on.stream, scene.file);
     scene.settle(last);
     CHECK(scene.on.paged.terrain.pages_missing() == 0);

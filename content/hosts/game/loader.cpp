@@ -49,8 +49,8 @@ std::string PackOnDisk::open(const char* path) {
 }
 
 void Loader::run() {
-    while (!stop_) {
-        const std::uint32_t seen = wakes_; // read first: a wake() from here on ends the wait below
+    // wakes_ is read before all else: a wake() from there on, the last one too, ends the wait below.
+    for (std::uint32_t seen = wakes_; !stop_; seen = wakes_) {
         fjell::StreamRequest request;
         if (fjell::stream_next_request(stream_, request))
             serve(request);
