@@ -25,4 +25,4 @@ paste -d, <(column frame) <(column verified_px) <(column triangles) <(column upd
       -stroke white -draw 'line 360,0 360,405' -stroke none -fill white -font DejaVu-Sans -pointsize 15 \
       -gravity northwest -annotate +376+14 "$text" "$work/$name"
   done
-img2webp -loop 0 -d 80 -lossy -q 74 -m 4 "$work"/frame_*.png -o "$out"
+img2webp -loop 0 -d 80 -lossy -q 70 -m 4 "$work"/frame_*.png -o "$out"

@@ -202,8 +202,7 @@ const std::vector<RecipeKey>& recipe_keys() {
          "control"},
         {"crs", Of::reading, &Recipe::crs,
          "auto (default: a field in degrees, or in a CRS whose metres are not metres on the ground, is reprojected to "
-         "a "
-         "suitable projection), keep or none (nothing is reprojected), or a projected CRS to reproject to, such as "
+         "a suitable projection), keep or none (nothing is reprojected), or a projected CRS to reproject to, such as "
          "EPSG:32633"},
         {"encoding",
          Of::reading,
@@ -214,8 +213,7 @@ const std::vector<RecipeKey>& recipe_keys() {
          Of::reading,
          &Recipe::nodata,
          "samples without a height: leave a hole, fill from their neighbours, or refuse (default: samples that the "
-         "file "
-         "marks and NaN become holes, implausible heights are refused)",
+         "file marks and NaN become holes, implausible heights are refused)",
          {"hole", "fill", "refuse"}},
         {"spacing", Of::reading, &Recipe::spacing,
          "metres between samples, for a file without a georeference; a file in degrees is taken as a square grid, a "

@@ -155,8 +155,7 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--render-every", o.render_every, "only every N-th frame")->check(io::whole_within(1, most_frames));
     app.add_option("--mode", f.mode,
                    "what pictures show: light and colours (shaded, default), edges too (wire), or a colour for each "
-                   "tree level, "
-                   "tile, mip, loaded step of geometry (residency) or distance")
+                   "tree level, tile, mip, loaded step of geometry (residency) or distance")
         ->check(io::one_of(std::vector<std::string>(std::begin(picture_mode_names), std::end(picture_mode_names))));
     app.add_option(
            "--verify", o.verify_every,

@@ -70,10 +70,8 @@ Flight fly_lean(LeanRecursion& lean, const std::vector<View>& views, double erro
 }
 
 Flight fly_cut(const Terrain& terrain, const std::vector<View>& views, const CutSettings& settings) {
-    const std::size_t bytes = cut_bytes(terrain, cut_budget);
-    const io::AlignedMemory memory = io::allocate(bytes);
-    LiveCut cut;
-    if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    const CutInMemory in_memory(terrain, cut_budget);
+    const LiveCut cut = in_memory.cut;
     CutReport report;
     Flight f;
     (void)rebuild_cut(cut, {&views[0], 1}, settings, report);

@@ -41,10 +41,8 @@ public:
     // Within budget_us a frame; 0: as far as frames were visited before. between: after each frame.
     template <typename Between>
     void fly(double budget_us, const Between& between) {
-        const std::size_t bytes = cut_bytes(terrain_, cut_budget);
-        const io::AlignedMemory memory = io::allocate(bytes);
-        LiveCut cut;
-        if (!create_cut(terrain_, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+        const CutInMemory in_memory(terrain_, cut_budget);
+        const LiveCut cut = in_memory.cut;
         settings_.max_time_us = budget_us;
         std::uint32_t seed = 1;
         const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
@@ -135,10 +133,8 @@ void jumps(benchmark::State& state, double budget_us) {
         state.counters[of + "_worst_us"] = rank(us, 1);
     };
     const auto fly = [&](double offscreen_factor, double limit_us, const std::string& name) {
-        const std::size_t bytes = cut_bytes(t, cut_budget);
-        const io::AlignedMemory memory = io::allocate(bytes);
-        LiveCut cut;
-        if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+        const CutInMemory in_memory(t, cut_budget);
+        const LiveCut cut = in_memory.cut;
         CutSettings settings;
         settings.max_error_px = scene.error_px;
         settings.hysteresis = 0.04; // as the profiles have it
@@ -177,10 +173,8 @@ void jumps(benchmark::State& state, double budget_us) {
 void lag(benchmark::State& state, double budget_us) {
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
-    const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory memory = io::allocate(bytes);
-    LiveCut cut;
-    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    const CutInMemory in_memory(t, cut_budget);
+    const LiveCut cut = in_memory.cut;
     CutSettings settings;
     settings.max_error_px = scene.error_px;
     std::vector<double> claimed_px, output_us;
@@ -209,10 +203,8 @@ public:
     Visible(const Terrain& terrain, const View& view, double error_px)
         : columns_(static_cast<std::size_t>(data_of(terrain).tree.columns())),
           flags_(columns_ * static_cast<std::size_t>(data_of(terrain).tree.rows())) {
-        const std::size_t bytes = cut_bytes(terrain, cut_budget);
-        const io::AlignedMemory memory = io::allocate(bytes);
-        LiveCut cut;
-        if (!create_cut(terrain, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+        const CutInMemory in_memory(terrain, cut_budget);
+        const LiveCut cut = in_memory.cut;
         CutSettings settings;
         settings.max_error_px = error_px;
         CutReport report;
@@ -254,10 +246,8 @@ private:
 void teleport_recovery(benchmark::State& state, CutSettings settings) {
     const Scene& scene = mountains();
     const Terrain& t = scene.pack.terrain;
-    const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory memory = io::allocate(bytes);
-    LiveCut cut;
-    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    const CutInMemory in_memory(t, cut_budget);
+    const LiveCut cut = in_memory.cut;
     settings.max_error_px = scene.error_px;
     std::vector<double> frames_to_99;
     double after_five = 0, us = 0, items = 0;
@@ -292,10 +282,8 @@ void teleport_recovery(benchmark::State& state, CutSettings settings) {
 // coarse, and how far the first finer one is from what is true. Truth: every sample of the terrain, measured.
 void teleport_claims(benchmark::State& state, double budget_us) {
     const Terrain& t = mountains().pack.terrain;
-    const std::size_t bytes = cut_bytes(t, cut_budget);
-    const io::AlignedMemory memory = io::allocate(bytes);
-    LiveCut cut;
-    if (!create_cut(t, cut_budget, {memory.get(), bytes}, cut).ok()) std::abort();
+    const CutInMemory in_memory(t, cut_budget);
+    const LiveCut cut = in_memory.cut;
     std::uint32_t seed = 1;
     const auto random = [&] { return (seed = seed * 1664525 + 1013904223) / 4294967296.0; };
     View view = flight_views(t, 0.25, 1)[0];

@@ -77,6 +77,15 @@ inline LeanRecursion make_lean(const Terrain& terrain) {
 
 inline const CutBudget cut_budget{1u << 21, 1u << 22, 1024, 1};
 
+// A cut with its memory.
+struct CutInMemory {
+    CutInMemory(const Terrain& terrain, const CutBudget& budget) : memory(io::allocate(cut_bytes(terrain, budget))) {
+        if (!create_cut(terrain, budget, {memory.get(), cut_bytes(terrain, budget)}, cut).ok()) std::abort();
+    }
+    io::AlignedMemory memory;
+    LiveCut cut;
+};
+
 inline const Scene& mountains() {
     static const Scene scene = [] {
         const auto make = [] { return baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json"); };
