@@ -9,111 +9,19 @@
 
 namespace fjell::baker {
 
-namespace {
-
-// ---- triangles with holes, or squeezed at the rim
-
-struct TriangleScan {
-    double worst_steps = 0;
-    bool ground = false, hole = false;
-};
-
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { // b > 0
-    return a >= 0 ? a / b : -((-a + b - 1) / b);
-}
-
-// The samples of row y inside the triangle, its edges included: from, to.
-std::pair<std::int32_t, std::int32_t> row_of(const SampleIndex (&corners)[3], std::int32_t y) {
-    std::int64_t from = INT32_MIN, to = INT32_MAX;
-    for (int k = 0; k < 3; ++k) { // corners turn one way, so that inside is on the same side of all edges
-        const SampleIndex p = corners[k], q = corners[(k + 1) % 3];
-        const std::int64_t dx = q.column - p.column, dy = q.row - p.row;
-        // dx (y - p.y) - dy (x - p.x) >= 0
-        const std::int64_t c = dx * (y - p.row);
-        if (dy > 0)
-            to = std::min(to, p.column + floor_div(c, dy));
-        else if (dy < 0)
-            from = std::max(from, p.column - floor_div(c, -dy));
-        else if (c < 0)
-            return {0, -1};
-    }
-    return {static_cast<std::int32_t>(from), static_cast<std::int32_t>(to)};
-}
-
-// What lies under a triangle whose corners stand anywhere; none where it has no area: that is never drawn.
-TriangleScan scan_triangle(const QuantisedHeights& ground, SampleIndex a, SampleIndex b, SampleIndex c) {
-    TriangleScan sum;
-    std::int64_t area =
-        std::int64_t{b.column - a.column} * (c.row - a.row) - std::int64_t{b.row - a.row} * (c.column - a.column);
-    if (area == 0) return sum;
-    if (area < 0) std::swap(b, c), area = -area;
-    const SampleIndex corners[3] = {a, b, c};
-    const double ha = ground.h(a), hb = ground.h(b) - ha, hc = ground.h(c) - ha;
-    const double gx = (hb * (c.row - a.row) - hc * (b.row - a.row)) / static_cast<double>(area);
-    const double gy = (hc * (b.column - a.column) - hb * (c.column - a.column)) / static_cast<double>(area);
-    const auto [y0, y1] = std::minmax({a.row, b.row, c.row});
-    for (std::int32_t y = y0; y <= y1; ++y) {
-        const auto [x0, x1] = row_of(corners, y);
-        const double at_row = ha + gy * (y - a.row);
-        for (std::int32_t x = x0; x <= x1; ++x) {
-            if (ground.is_void({x, y})) {
-                sum.hole = true;
-                continue;
-            }
-            sum.ground = true;
-            sum.worst_steps = std::max(sum.worst_steps, std::abs(ground.h({x, y}) - (at_row + gx * (x - a.column))));
-        }
-    }
-    // Squeezed triangles divide by odd numbers: what is left of that is no error.
-    if (sum.worst_steps < 0x1p-20) sum.worst_steps = 0;
-    return sum;
-}
-
-double longest_edge_m(const UnsaturatedInput& in, SampleIndex a, SampleIndex b, SampleIndex c) {
-    const auto edge = [&](SampleIndex p, SampleIndex q) {
-        const double dx = std::abs(p.column - q.column) * in.spacing_m[0],
-                     dy = std::abs(p.row - q.row) * in.spacing_m[1];
-        const double dh = static_cast<double>(in.ground.h(p) - in.ground.h(q)) * in.scales.height_scale.quantum_m;
-        return std::sqrt(dx * dx + dy * dy + dh * dh) + 2 * in.scales.ground_pad_m + in.scales.height_pad_m;
-    };
-    return std::max({edge(a, b), edge(b, c), edge(c, a)}) * (1 + 0x1p-20);
-}
-
-} // namespace
-
-bool straddles_rim(const Tree& tree, SampleIndex v) {
-    const std::int32_t s = 1 << Tree::step_log2(v);
-    return (v.column + s >= tree.columns() && tree.cut_x != 0) || (v.row + s >= tree.rows() && tree.cut_y != 0);
-}
-
 UnsaturatedError unsaturated_error(const UnsaturatedInput& in, SampleIndex v) {
-    const Tree& tree = in.ground.tree;
-    const Diamond d = diamond(tree, v);
-    const double quantum = in.scales.height_scale.quantum_m;
-    // At the finest step, and for estimate 2, twice the surface's jump when the vertex is activated: that is what a
-    // reader works out. Beside the rim triangles are squeezed, and measured whatever the estimate.
-    const bool jump = !straddles_rim(tree, v) && (Tree::step_log2(v) == 0 || in.estimate == ErrorEstimate::midpoint);
-    double error_m =
-        jump ? 0.5 * quantum * std::abs(2.0 * in.ground.h(v) - in.ground.h(d.ends[0]) - in.ground.h(d.ends[1])) : 0;
-    const bool hole_below = in.ground.is_void(d.ends[0]) || in.ground.is_void(d.ends[1]);
-    double on_ground_m = hole_below || in.ground.is_void(v) ? 0 : error_m;
-    bool ground = false;
-    for (const SampleIndex apex : d.apexes) {
-        if (apex.column < in.region.first.column || apex.row < in.region.first.row ||
-            apex.column > in.region.last.column || apex.row > in.region.last.row)
-            continue;
-        const SampleIndex a = tree.sample(apex), b = tree.sample(d.ends[0]), c = tree.sample(d.ends[1]);
-        const TriangleScan sum = scan_triangle(in.ground, a, b, c);
-        ground = ground || sum.ground;
-        if (!jump) error_m = std::max(error_m, sum.worst_steps * quantum);
-        if (!jump && !hole_below && !in.ground.is_void(apex))
-            on_ground_m = std::max(on_ground_m, sum.worst_steps * quantum);
-        // A hole's rim is drawn to within the triangle's size.
-        if (sum.ground && sum.hole)
-            error_m = std::max({error_m, sum.worst_steps * quantum, longest_edge_m(in, a, b, c)});
-    }
-    if (!ground) return {};
-    return {in.scales.errors.code_up(error_m), in.scales.errors.code_up(on_ground_m)};
+    const Scales& scales = in.scales;
+    return diamond_error(in.ground,
+                         {scales.errors,
+                          scales.height_scale.quantum_m,
+                          {in.spacing_m[0], in.spacing_m[1]},
+                          scales.ground_pad_m,
+                          scales.height_pad_m,
+                          in.estimate == ErrorEstimate::midpoint},
+                         v, [&](SampleIndex apex) {
+                             return apex.column >= in.region.first.column && apex.row >= in.region.first.row &&
+                                    apex.column <= in.region.last.column && apex.row <= in.region.last.row;
+                         });
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "baker/heights/region.h"
 #include "baker/heights/scales.h"
 #include "fjell/pack.h"
+#include "shared/diamond_error.h"
 #include "shared/page.h"
 
 namespace fjell::baker {
@@ -26,15 +27,8 @@ struct UnsaturatedInput {
 // rim has at least its longest edge. Returns the largest UnsaturatedError::on_ground.
 std::uint8_t unsaturated_errors(const UnsaturatedInput& input, Patch<std::uint8_t>& out);
 
-// Codes of errors. on_ground: without what a hole's rim asks for, of triangles that may be drawn: none of their corners
-// is a hole.
-struct UnsaturatedError {
-    std::uint8_t code = 0, on_ground = 0;
-};
 // One vertex, of any step, the slow way, which handles holes and the rim; unsaturated_errors and the finest step use it
 // there. Triangles outside the region do not count.
 [[nodiscard]] UnsaturatedError unsaturated_error(const UnsaturatedInput& input, SampleIndex v);
-// Does its diamond reach beyond the last column or row?
-[[nodiscard]] bool straddles_rim(const Tree& tree, SampleIndex v);
 
 } // namespace fjell::baker

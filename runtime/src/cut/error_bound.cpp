@@ -187,6 +187,15 @@ void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_
     set_level(work.schedule, slot, static_cast<std::uint32_t>(level));
 }
 
+void renew_bound_of_edited(const Pages& pages, Work& work, const Views& views, std::uint32_t slot) {
+    if (is_due(work.schedule, slot)) { // it has its place by what it was
+        (void)renew_bound(pages, work, views, slot);
+        return;
+    }
+    work.schedule.bounds[slot].apart_m = 0; // nothing that was known of it will do
+    note_bound(pages, work, views, slot);
+}
+
 namespace {
 
 // Samples to each side of the eye that are looked at one by one; of all others it is enough that they are not nearer.
@@ -204,7 +213,7 @@ double nearest_shown_m(const Grid& grid, const View& v) {
     // The eye stands between a sample and the next, so that the first that is not looked at is this far away; all stand
     // below the highest.
     double nearest_m =
-        std::max(columns_around * std::min(spacing_x_m, spacing_z_m), v.eye_m.y - static_cast<double>(t.header.max_m));
+        std::max(columns_around * std::min(spacing_x_m, spacing_z_m), v.eye_m.y - static_cast<double>(t.range.high_m));
     for (std::int32_t y = std::max(row - columns_around, 0);
          y <= std::min(row + columns_around, t.tree.rows() - 1) && nearest_m > v.near_m; ++y)
         for (std::int32_t x = std::max(column - columns_around, 0);
@@ -220,10 +229,10 @@ double nearest_shown_m(const Grid& grid, const View& v) {
 } // namespace
 
 double any_mesh_px(const CutState& s) {
-    const PackHeader& h = s.pages.grid.terrain->header;
+    const GroundRange& h = s.pages.grid.terrain->range;
     // Errors bound what a mesh without morphing hides. Heights do too, where all that is drawn stands between them.
-    const auto error_m = static_cast<double>(h.max_error_m),
-               heights_m = static_cast<double>(h.max_m) - static_cast<double>(h.min_m);
+    const auto error_m = static_cast<double>(h.error_m),
+               heights_m = static_cast<double>(h.high_m) - static_cast<double>(h.low_m);
     const bool morphs = s.morphing.now.morph != Morph::none || s.frame.report.morphing != 0;
     const double most_m = s.mesh.some_hidden ? error_m + (morphs ? heights_m : 0)
                           : morphs           ? heights_m

@@ -23,6 +23,9 @@ namespace fjell {
 // A visit of the page has ended: what could it hide, and so how soon must it be visited when it is due?
 void note_bound(const Pages& pages, Work& work, const Views& views, std::uint32_t slot);
 
+// The same where the ground of the page has been edited.
+void renew_bound_of_edited(const Pages& pages, Work& work, const Views& views, std::uint32_t slot);
+
 // What no mesh of the terrain exceeds, whatever it was made for and however it morphs: the largest error, as near as a
 // sample that a view shows may be to its eye. Coarse, but finite, and nothing has to be known of the cut. O(1) a view.
 [[nodiscard]] double any_mesh_px(const CutState& s);

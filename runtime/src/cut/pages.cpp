@@ -11,9 +11,6 @@
 
 namespace fjell {
 
-namespace {
-
-// The sphere of the tile's root holds all of the tile.
 void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded) {
     TileList& tile = mesh.tiles[info.tile];
     tile.bounded = loaded;
@@ -24,6 +21,8 @@ void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded
     tile.centre_m = {grid.terrain->x_m(at.column), v.height_m, grid.terrain->z_m(at.row)};
     tile.radius_m = v.radius_m;
 }
+
+namespace {
 
 // Of a page that was just loaded nothing is active: only lanes with a parent in another page can be ready. In any page
 // but page 0 those are the centres, whose parents belong to the coarser step, and the sides along its border.

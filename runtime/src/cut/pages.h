@@ -90,6 +90,7 @@ struct Pages {
     std::uint32_t* page_groups; // first group of each page, or no_index: no state
     LoadedPage* loaded;         // one a page slot of the terrain
     std::uint64_t seen_changes;
+    std::uint64_t seen_ground; // of TerrainData::ground_changes
     PageState* state;
     std::uint32_t count, group_count; // the pool's size
     std::uint32_t* free;              // a stack of given-back states; those from fresh on were never taken
@@ -229,6 +230,8 @@ void rescan_pages(Pages& pages);
 [[nodiscard]] bool attach_page(Pages& pages, Work& work, Mesh& mesh, Visibility& visibility, std::uint32_t page);
 // The page may have become idle: another one may have its state, from the next frame on.
 void note_idle(Pages& pages, std::uint32_t slot);
+// The sphere of the tile's root holds all of the tile. loaded: its page 0 is.
+void bound_tile(const Grid& grid, Mesh& mesh, const PageState& info, bool loaded);
 // Takes the state of the page that has been idle longest. False: none is. Not while the bulk pass is under way, or
 // groups have been taken from their queues.
 bool reclaim_page(Pages& pages, Work& work, Mesh& mesh);

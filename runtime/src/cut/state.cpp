@@ -181,7 +181,7 @@ void make_corners(const Grid& grid, Mesh& mesh) {
         const std::uint32_t slot = t.corner_at(x, y);
         const SampleIndex at = t.tree.sample({x * t.tree.side(), y * t.tree.side()});
         const std::uint32_t stored = t.corners[slot];
-        const float height_m = t.height_scale.height_m(static_cast<std::int32_t>(stored & ~corner_void_bit));
+        const float height_m = t.height_scale.height_m(corner_steps(stored));
         mesh.vertices[slot] = {at.column, at.row, height_m};
         mesh.morph[slot] = {height_m, 0, 0, activated_long_ago_s};
         mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
@@ -282,6 +282,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (std::uint32_t i = 0; i < s.pages.count; ++i) s.pages.state[i].page = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.pages.loaded[i].page = no_index;
     rescan_pages(s.pages);
+    s.pages.seen_ground = terrain.ground_changes;
     reset(s);
     begin_at_roots(s.pages, s.work, s.mesh);
     HandleAccess::begin(s, cut);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cut/edits.h"
 #include "cut/error_bound.h"
 #include "cut/refine.h"
 #include "cut/state.h"
@@ -189,6 +190,7 @@ void build_from_nothing(CutState& s, std::span<const View> views) {
     begin_governing(s.governor, s.frame.settings.max_error_px);
     bool complete = true;
     finish_bulk(s);
+    follow_ground(s);
     if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
     bool cleared = !may_lack_pages(s.pages);
     for (;;) {
@@ -264,6 +266,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     const auto changes = [&] { return r.evaluations + r.activations + r.deactivations; };
     [[maybe_unused]] const std::uint32_t beside = changes() - r.work; // what was built takes less
     sync_pages(s);
+    follow_ground(s);
     watch_pages(s);
     take_turns(s.work.queues);
     end_morphing_in(s.work, s.morphing);

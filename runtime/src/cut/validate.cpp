@@ -320,7 +320,8 @@ Violation check_group(const CutState& s, std::uint32_t number) {
     const PageSchedule& page = s.work.schedule.pages[number / max_page_groups];
     if (page.awake == no_index) return {}; // validate_schedule() says so
     if (b.queue != unqueued || ticks == unscheduled || evicting ||
-        s.pages.seen_changes != s.pages.grid.terrain->changes)
+        s.pages.seen_changes != s.pages.grid.terrain->changes ||
+        s.pages.seen_ground != s.pages.grid.terrain->ground_changes)
         return {};
     const double left_m = ticks <= soon ? 0
                                         : page.charged_m + (ticks - soon) * tick_m(s.work.schedule, page) -

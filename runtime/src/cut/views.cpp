@@ -36,7 +36,7 @@ namespace {
 double grade_error_m(const Grid& grid, std::uint32_t grade) {
     const std::uint32_t code = ((grade + 1) << grade_codes_log2) - 1;
     return std::min(static_cast<double>(grid.terrain->errors.metres[code]),
-                    static_cast<double>(grid.terrain->header.max_error_m));
+                    static_cast<double>(grid.terrain->range.error_m));
 }
 
 // By how much a view's margin of a vertex (evaluate.h) may exceed another's, for the vertex' error.

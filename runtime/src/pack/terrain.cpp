@@ -11,6 +11,7 @@
 #include <zstd.h>
 
 #include "block_layout.h"
+#include "edit/apply.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
@@ -163,6 +164,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     if (table[page].slot != no_index) return {};
     if (m.free_count == 0) return {StatusCode::out_of_slots, "TerrainBudget::page_slots"};
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
+    const bool edited = terrain.edits != nullptr && edit::restore_heights(*terrain.edits, tile, page, m.arrays);
     if (m.arrays.errors_derived) {
         const SampleIndex position = terrain.pages.page_position(page);
         if (!coarser_pages_loaded(terrain.pages, table, position))
@@ -179,6 +181,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
     --terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
+    if (edited) edit::restore_bounds(*terrain.edits, tile, page);
     FJELL_WALK(terrain.changes, validate_terrain(terrain));
     return {};
 }
@@ -273,6 +276,7 @@ Status create_terrain(const Pack& pack, std::span<const std::byte> corners, cons
     t.page_capacity = t.pages.page_capacity();
     t.slot_count = slots_of(h, budget, t.pages);
     t.pages_missing = t.page_count();
+    t.range = {h.min_m, h.max_m, h.max_error_m, 0, static_cast<std::int32_t>(h.height_steps)};
 
     auto& m = *new (at + l.memory) TerrainMemory{};
     m.page_table = reinterpret_cast<PageEntry*>(at + l.page_table);
@@ -372,14 +376,14 @@ TerrainData::Vertex TerrainData::vertex(SampleIndex v) const {
     Vertex out, in_no_tile;
     in_no_tile.loaded = in_no_tile.hole = true;
     in_no_tile.in_tile = false;
-    in_no_tile.height_m = header.min_m;
+    in_no_tile.height_m = range.low_m;
     if (tree.is_corner(v)) {
         const std::uint32_t corner = corner_at(v.column / side, v.row / side);
         if (corner == no_index) return in_no_tile;
         out.loaded = true;
         const std::uint32_t stored = corners[corner];
         out.hole = (stored & corner_void_bit) != 0;
-        out.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
+        out.steps = corner_steps(stored);
         out.height_m = height_scale.height_m(out.steps);
         return out;
     }

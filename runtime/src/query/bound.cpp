@@ -66,10 +66,9 @@ public:
     Bound(const TerrainData& terrain, const Vertices& vertices, const View& view, bool corner_safe, double at_least_px)
         : t_(terrain), vertices_(vertices), view_(view), frustum_(make_frustum(view)), lambda_(focal_length_px(view)),
           corner_safe_(corner_safe), trusted_(terrain.header.estimate == ErrorEstimate::max), px_(at_least_px) {
-        const PackHeader& h = terrain.header;
-        const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));
-        rounding_m_ = 0x1p-23 * (largest + static_cast<double>(h.max_m) - static_cast<double>(h.min_m));
-        half_quantum_m_ = static_cast<double>(h.quantum_m) / 2;
+        const double low = terrain.range.low_m, high = terrain.range.high_m;
+        rounding_m_ = 0x1p-23 * (std::max(std::abs(low), std::abs(high)) + high - low);
+        half_quantum_m_ = static_cast<double>(terrain.header.quantum_m) / 2;
         factor_ = corner_factor(view);
         const double tx = std::max(std::abs(view.left), std::abs(view.right)),
                      ty = std::max(std::abs(view.bottom), std::abs(view.top));
@@ -128,7 +127,7 @@ private:
         if (finest) return {};
         if (t_.vertex(middle).loaded) return hidden_by(middle, 1);
         if (!t_.tree.is_corner(apex.at)) return hidden_by(apex.at, 1 / (1 + static_cast<double>(t_.header.nesting)));
-        return {static_cast<double>(t_.header.max_error_m), unlimited, {}};
+        return {static_cast<double>(t_.range.error_m), unlimited, {}};
     }
 
     void leaf(const Corner& a, const Corner& b, const Corner& c, bool finest) {

@@ -36,7 +36,7 @@ struct Corner {
 // Errors go as codes of the pack's scale, so that nothing rounds and nothing is looked up on the way.
 inline constexpr std::int32_t any_error = -1; // not known: the largest of the terrain
 [[nodiscard]] inline double error_m(const TerrainData& t, std::int32_t code) {
-    return static_cast<double>(code == any_error ? t.header.max_error_m : t.errors.metres[code]);
+    return static_cast<double>(code == any_error ? load_relaxed(t.range.error_m) : t.errors.metres[code]);
 }
 // The most that a child's error can be, by nesting.
 [[nodiscard]] inline std::int32_t below(const TerrainData& t, std::int32_t code) {

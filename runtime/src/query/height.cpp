@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "fjell/query.h"
+#include "query/steady.h"
 
 namespace fjell {
 
@@ -16,12 +17,7 @@ double onto(double value, double last) {
     return value > 0 ? std::min(value, last) : 0;
 }
 
-} // namespace
-
-GroundHeight ground_height(const Terrain& handle, double x_m, double z_m, float accurate_m) {
-    const TerrainData* const data = find(handle);
-    if (data == nullptr) return {};
-    const TerrainData& terrain = *data;
+GroundHeight height_now(const TerrainData& terrain, double x_m, double z_m, float accurate_m) {
     const double column = x_m / terrain.header.spacing_m[0], row = z_m / terrain.header.spacing_m[1];
     const Point p{onto(column, terrain.tree.columns() - 1), onto(row, terrain.tree.rows() - 1)};
     const SampleIndex tile = tile_of(terrain, p);
@@ -35,6 +31,14 @@ GroundHeight ground_height(const Terrain& handle, double x_m, double z_m, float 
     out.normal = normal_of(terrain, found.plane);
     out.error_m = reported_m(terrain, found.error_m);
     return out;
+}
+
+} // namespace
+
+GroundHeight ground_height(const Terrain& handle, double x_m, double z_m, float accurate_m) {
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {};
+    return steady(*data, [&] { return height_now(*data, x_m, z_m, accurate_m); });
 }
 
 } // namespace fjell

@@ -82,9 +82,8 @@ MeasuredError measure_error(const Terrain& handle, const MeshView& mesh, const V
     if (data == nullptr) return {};
     const TerrainData& terrain = *data;
     // base + steps * quantum: one rounding of the product, one of the sum; twice.
-    const PackHeader& h = terrain.header;
-    const double largest = std::max(std::abs(static_cast<double>(h.min_m)), std::abs(static_cast<double>(h.max_m)));
-    const double rounding_m = 0x1p-23 * (largest + h.max_m - h.min_m);
+    const double low = terrain.range.low_m, high = terrain.range.high_m;
+    const double rounding_m = 0x1p-23 * (std::max(std::abs(low), std::abs(high)) + high - low);
     Accumulator accumulate{terrain, view, frustum, rounding_m, {}};
     if (!is_of(mesh, terrain)) return {};
     for (const TileRange& range : mesh.tiles) {

@@ -7,6 +7,7 @@
 
 #include "fjell/query.h"
 #include "query/ground.h"
+#include "query/steady.h"
 
 namespace fjell {
 
@@ -128,17 +129,8 @@ private:
     bool finest_ = true;
 };
 
-} // namespace
-
-GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2, std::uint32_t side,
-                         std::span<float> heights_m, std::span<bool> holes) {
-    const std::size_t count = std::size_t{side} * side;
-    if (side < 2 || side > max_patch_side || step_log2 < 0 || step_log2 > max_tile_log2 || heights_m.size() < count ||
-        (!holes.empty() && holes.size() < count))
-        return {INFINITY, false};
-    const TerrainData* const data = find(handle);
-    if (data == nullptr) return {INFINITY, false};
-    const TerrainData& terrain = *data;
+GroundPatch patch_now(const TerrainData& terrain, SampleIndex first, int step_log2, std::uint32_t side,
+                      std::span<float> heights_m, std::span<bool> holes) {
     const Tree& tree = terrain.tree;
     const auto place = [&](std::int32_t from, std::uint32_t i) { return from + (std::int64_t{i} << step_log2); };
     const auto onto = [](std::int64_t at, std::int32_t last) {
@@ -174,6 +166,19 @@ GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2
         }
     }
     return reader.result();
+}
+
+} // namespace
+
+GroundPatch ground_patch(const Terrain& handle, SampleIndex first, int step_log2, std::uint32_t side,
+                         std::span<float> heights_m, std::span<bool> holes) {
+    const std::size_t count = std::size_t{side} * side;
+    if (side < 2 || side > max_patch_side || step_log2 < 0 || step_log2 > max_tile_log2 || heights_m.size() < count ||
+        (!holes.empty() && holes.size() < count))
+        return {INFINITY, false};
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {INFINITY, false};
+    return steady(*data, [&] { return patch_now(*data, first, step_log2, side, heights_m, holes); });
 }
 
 } // namespace fjell

@@ -10,6 +10,7 @@
 // has passed between two triangles: by rounding, or where pages are missing and triangles do not meet. That is a hit
 // too. Holes forget the side.
 #include "fjell/query.h"
+#include "query/steady.h"
 
 #include <algorithm>
 #include <cmath>
@@ -280,12 +281,7 @@ bool finite(Vec3 v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-} // namespace
-
-GroundHit cast_ray(const Terrain& handle, Vec3 origin_m, Vec3 direction, double most_m, float accurate_m) {
-    const TerrainData* const data = find(handle);
-    if (data == nullptr) return {};
-    const TerrainData& terrain = *data;
+GroundHit hit_now(const TerrainData& terrain, Vec3 origin_m, Vec3 direction, double most_m, float accurate_m) {
     const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
     if (!finite(origin_m) || !finite(direction) || !(largest > 0) || !(most_m >= 0)) return {};
     // Scaled first: squares of very long or short ones would not be numbers.
@@ -305,7 +301,8 @@ GroundHit cast_ray(const Terrain& handle, Vec3 origin_m, Vec3 direction, double 
     clip(far.x, far.dx, 0, terrain.tree.columns() - 1, part);
     clip(far.y, far.dy, 0, terrain.tree.rows() - 1, part);
     // A step more than there is, against rounding.
-    clip(far.h, far.dh, -1, static_cast<double>(h.height_steps) + 1, part);
+    clip(far.h, far.dh, static_cast<double>(load_relaxed(terrain.range.low_steps)) - 1,
+         static_cast<double>(load_relaxed(terrain.range.high_steps)) + 1, part);
     if (!(part.from <= part.to) || !std::isfinite(part.to)) return {};
     // From where it comes in: the way there may have been long, and its rounding is made once.
     const Vec3 entry = origin_m + along * part.from;
@@ -320,6 +317,14 @@ GroundHit cast_ray(const Terrain& handle, Vec3 origin_m, Vec3 direction, double 
     hit.normal = normal_of(terrain, walk.hit_plane);
     hit.error_m = reported_m(terrain, walk.hit_error_m);
     return hit;
+}
+
+} // namespace
+
+GroundHit cast_ray(const Terrain& handle, Vec3 origin_m, Vec3 direction, double most_m, float accurate_m) {
+    const TerrainData* const data = find(handle);
+    if (data == nullptr) return {};
+    return steady(*data, [&] { return hit_now(*data, origin_m, direction, most_m, accurate_m); });
 }
 
 } // namespace fjell

@@ -57,9 +57,9 @@ public:
             sample.loaded = true;
             sample.hole = first_page_ == no_pages; // without a tile there is no ground, whatever its neighbours have
             if (sample.hole) return sample;
-            const std::uint32_t stored = t_.corners[corner];
+            const std::uint32_t stored = load_word_relaxed(t_.corners + corner);
             sample.hole = (stored & corner_void_bit) != 0;
-            sample.steps = static_cast<std::int32_t>(stored & ~corner_void_bit);
+            sample.steps = corner_steps(stored);
             return sample;
         }
         const PagePlace at = place_of(t_.pages, static_cast<std::uint32_t>(v.column - origin_.column),

@@ -436,8 +436,8 @@ private:
         if (slots[index] != no_index) return make_corner(pack_xy(x, y), slots[index]);
         const std::uint32_t stored = terrain.corners[terrain.corner_at(
             tile_place.column + static_cast<std::int32_t>(east), tile_place.row + static_cast<std::int32_t>(south))];
-        return make_corner(pack_xy(x, y), insert(index, static_cast<std::int32_t>(stored & ~corner_void_bit),
-                                                 (stored & corner_void_bit) != 0, pack_xy(x, y)));
+        return make_corner(pack_xy(x, y),
+                           insert(index, corner_steps(stored), (stored & corner_void_bit) != 0, pack_xy(x, y)));
     }
 
     FJELL_NOINLINE std::uint32_t insert_record(std::uint32_t index, std::uint32_t xy) {

@@ -135,6 +135,15 @@ Status destroy_recursive(RecursiveMethod method) {
 
 void sync_pages(RecursiveState& s) {
     const TerrainData& terrain = *s.terrain;
+    if (s.seen_ground != terrain.ground_changes) { // vertices stand elsewhere: all are written anew
+        s.seen_ground = terrain.ground_changes;
+        s.free_count = s.budget.vertices;
+        for (std::uint32_t i = 0; i < s.budget.vertices; ++i) {
+            s.free_slots[i] = s.budget.vertices - 1 - i;
+            if (s.owners[i] != no_index) s.slots[std::exchange(s.owners[i], no_index)] = no_index;
+        }
+        for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) (void)move_page(s, slot);
+    }
     if (s.seen_changes == terrain.changes) return;
     s.seen_changes = terrain.changes;
     for (std::uint32_t slot = 0; slot < terrain.slot_count; ++slot) {

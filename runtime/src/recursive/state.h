@@ -28,6 +28,7 @@ struct RecursiveState {
     std::uint32_t* slot_pages;  // what each page slot held at the last update
     float *x_m2, *z_m2;         // squared distances from the eye to the columns and rows of the tile in work
     std::uint64_t seen_changes; // TerrainData::changes then
+    std::uint64_t seen_ground;  // and ground_changes
     MeshVertex* vertices;       // budget.vertices
     std::uint32_t* owners;      // state of each slot's vertex, or no_index
     std::uint32_t* free_slots;

@@ -23,6 +23,27 @@ struct alignas(8) PageEntry { // read at once by queries of other threads
     std::int32_t base;        // height scale steps its heights are counted from
 };
 
+// Ground that edits (fjell/edit.h) have changed: samples from first to last, both included. heights false: only the
+// errors and spheres around it.
+struct GroundChange {
+    SampleIndex first, last;
+    bool heights;
+};
+inline constexpr std::uint32_t ground_change_log = 256; // changes that TerrainData::changed_ground remembers
+
+// What all ground lies between, and the largest error of a vertex: the pack's own, and more after edits.
+struct GroundRange {
+    float low_m = 0, high_m = 0, error_m = 0;
+    std::int32_t low_steps = 0, high_steps = 0;
+};
+
+// A tile corner's steps as it is stored: they are below 0 where edits have dug below the pack's lowest ground.
+[[nodiscard]] constexpr std::int32_t corner_steps(std::uint32_t stored) {
+    return static_cast<std::int32_t>(stored << 1) >> 1;
+}
+
+struct EditsData; // edit/state.h
+
 FJELL_API_BEGIN // companions are libraries of their own, and read vertices
 
     struct TerrainMemory; // what loading needs (pack/memory.h)
@@ -58,6 +79,14 @@ struct TerrainData {
     View sought_view[max_cut_views];
     std::uint32_t sought_views = 0;
     TerrainMemory* memory = nullptr;
+    GroundRange range;
+    EditsData* edits = nullptr;       // of this terrain; they are asked when a page comes
+    std::uint64_t ground_changes = 0; // so far; the n-th is changed_ground[n % ground_change_log]
+    const GroundChange* changed_ground = nullptr;
+    // Odd while heights change under queries of other threads; what is read meanwhile may mix ground of before and
+    // after, which differ by editing_m at most (query/steady.h).
+    std::uint32_t ground_epoch = 0;
+    float editing_m = 0;
 
     [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }
     [[nodiscard]] bool is_sparse() const { return tile_numbers != nullptr; }

@@ -1,0 +1,148 @@
+// Moving ground: craters, roads and cuts at run time, with the bound of every frame kept.
+//
+// A *stamp* says what happens to the samples of an area. Any thread hands stamps in (push_stamp). The frame's thread
+// applies them, before it updates streams and cuts (update_edits). From then on all that speaks of the terrain speaks
+// of the new ground: cuts, the recursive method, queries, snapshots. A stamp changes heights in the terrain's own
+// pages; what it has changed is kept in the edits' block too, so a page that is evicted comes back with its edits.
+//
+// The bound. In the step that changes heights, spheres are made exact, errors of fine vertices are measured, and errors
+// of coarse ones grow by as much as the change can add. So errors nest and bound the edited ground after every step
+// (invariants 2 to 4). Later steps measure the coarse errors again; when EditReport::loose is 0 the terrain is the one
+// that a bake of the edited heights with the same scales gives (docs/notes/edits.md says where it is not).
+//
+// Memory: one block of the host's, whose size EditBudget says; nothing is allocated afterwards. A stamp that does not
+// fit the budget, the height scale or the pack's codes is refused as a whole, and changes nothing.
+// Threads: push_stamp and stamp_state on any; everything else on the frame's. Never waits, never calls into the kernel.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "fjell/export.h"
+#include "fjell/handle.h"
+#include "fjell/sample_index.h"
+#include "fjell/status.h"
+#include "fjell/terrain.h"
+#include "fjell/view.h"
+
+FJELL_API_BEGIN
+namespace fjell {
+
+struct EditsData; // opaque, lives in the host's memory
+class Edits : public Handle<EditsData> {};
+
+enum class StampShape : std::uint32_t {
+    raise,   // amount_m is added; negative: taken away
+    level,   // to the plane through height_m at the centre, with slope_x and slope_z
+    crater,  // a bowl amount_m deep, with a rim of a fifth of that which fades over falloff_m
+    path,    // to the line through `points`: a road or a ramp; radius_m is half its width, falloff_m its shoulder
+    noise,   // smooth noise of +-amount_m, wavelength_m from hill to hill, is added
+    smooth,  // to the mean of a sample and its eight neighbours
+    heights, // to `heights`, a raster of its own
+    restore  // to the pack's heights
+};
+
+struct StampPoint {
+    double x_m = 0, z_m = 0; // scene axes
+    float height_m = 0;
+};
+
+// What happens to which samples. The shape applies wholly within radius_m of the centre (of the line, for a path), and
+// fades out over falloff_m beyond; `heights` and `mask` apply to their rectangle. Samples that are holes stay holes.
+struct Stamp {
+    StampShape shape = StampShape::raise;
+    double x_m = 0, z_m = 0; // the centre, scene axes
+    float radius_m = 0, falloff_m = 0;
+    float amount_m = 0;
+    float height_m = 0, slope_x = 0, slope_z = 0; // of `level`: metres up a metre east, and a metre south
+    float wavelength_m = 0;
+    std::uint32_t seed = 0;
+    // Pointed to, not copied: they must stay until stamp_state() says that the stamp is done or refused.
+    const StampPoint* points = nullptr; // of a path, in order; 2 to max_path_points
+    std::uint32_t point_count = 0;
+    SampleIndex first;                    // of the rectangle
+    std::int32_t columns = 0, rows = 0;   // of the rectangle; 0: none
+    const float* heights_m = nullptr;     // `heights`: row by row; NaN leaves a sample as it is
+    const std::uint8_t* mask = nullptr;   // any shape: 255 applies it wholly, 0 not at all; null: wholly
+};
+inline constexpr std::uint32_t max_path_points = 256;
+
+// What the block has room for. Each is named by what is refused when it is spent.
+struct EditBudget {
+    std::uint32_t blocks = 1024; // blocks of 32 x 32 samples that differ from the pack, 4.2 KB each
+    std::uint32_t stamps = 256;  // handed in and not yet applied
+    std::uint32_t areas = 256;   // whose coarse errors wait to be measured again; beyond that areas are merged
+};
+
+using StampId = std::uint64_t; // 0: none
+
+enum class StampState : std::uint32_t {
+    unknown, // never handed in, or so long ago that it is forgotten
+    waiting, // in the queue, or held until the pages that it changes are loaded
+    applied,
+    refused // StampResult::status says why
+};
+struct StampResult {
+    StampState state = StampState::unknown;
+    Status status;
+};
+
+// 0 for a header that check_ranges() refuses.
+[[nodiscard]] std::size_t edits_bytes(const PackHeader& header, const EditBudget& budget = {});
+// One a terrain, after create_terrain and before its cuts begin to update. memory: at least edits_bytes(), aligned to
+// 64. Fails with not_supported for a sparse terrain, whose missing tiles have no ground to edit.
+Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<std::byte> memory, Edits& edits);
+// The ground stays as it is edited, as long as its pages stay loaded.
+Status destroy_edits(const Edits& edits);
+
+// Any thread, O(1). Checks the stamp's numbers: out_of_range with the field's name, nothing changed. out_of_slots: the
+// queue is full (EditBudget::stamps).
+// Example:
+//     fjell::Stamp crater;
+//     crater.shape = fjell::StampShape::crater;
+//     crater.x_m = hit.position_m.x, crater.z_m = hit.position_m.z;
+//     crater.radius_m = 12, crater.falloff_m = 6, crater.amount_m = 5;
+//     fjell::StampId id = 0;
+//     const fjell::Status pushed = fjell::push_stamp(edits, crater, id);
+Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id);
+// Any thread, O(1).
+[[nodiscard]] StampResult stamp_state(const Edits& edits, StampId id);
+
+inline constexpr std::uint32_t unlimited_edit_work = 0xffff'ffff;
+struct EditSettings {
+    std::uint32_t max_work = unlimited_edit_work; // work items: a piece of a stamp, or a coarse vertex measured again
+    std::uint32_t max_time_us = 0;                // 0: no limit; overrun by one item at most
+};
+
+enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2, edit_budget_blocks = 4 };
+
+struct EditReport {
+    std::uint32_t applied = 0, refused = 0; // stamps, in this call
+    std::uint32_t waiting = 0;              // stamps that are not applied yet
+    std::uint32_t held = 0;                 // of those the ones that wait for pages
+    std::uint32_t samples = 0;              // whose height was changed
+    std::uint32_t loose = 0;                // areas whose coarse errors are not measured again yet
+    std::uint32_t unmeasured = 0;           // areas that cannot be before more pages are loaded
+    std::uint32_t work = 0;                 // items spent
+    std::uint32_t blocks = 0;               // of EditBudget::blocks in use
+    std::uint32_t exhausted = 0;            // EditBudgetBits that ended the call or refused a stamp
+    double apply_us = 0, measure_us = 0;
+};
+// The frame's thread, before update_stream and update_cut: applies stamps, the one nearest to a view first but never
+// before an earlier one that overlaps it; then measures errors again, as far as the settings allow.
+Status update_edits(const Edits& edits, std::span<const View> views, const EditSettings& settings, EditReport& report);
+
+// A rectangle of samples whose heights have changed; both ends belong to it.
+struct GroundRect {
+    SampleIndex first, last;
+};
+// What has changed since the consumer's last call, for physics, path finding, or a host's own copy: up to rects.size()
+// rectangles, in order. cursor: the consumer's own, 0 at first. Returns how many. lost: more has changed than is
+// remembered (256 rectangles), and rects[0] is the whole terrain. A query made afterwards sees the new ground. The
+// frame's thread, O(rectangles).
+[[nodiscard]] std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std::span<GroundRect> rects,
+                                                bool& lost);
+
+} // namespace fjell
+FJELL_API_END

@@ -1,0 +1,145 @@
+#include "cut/edits.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "cut/error_bound.h"
+#include "cut/evaluate.h"
+#include "cut/state.h"
+#include "edit/ground.h"
+
+namespace fjell {
+
+namespace {
+
+using edit::Plane;
+using edit::Rect;
+
+// The page's numbers, as when it was entered.
+void refresh_page(CutState& s, std::uint32_t page) {
+    Pages& pages = s.pages;
+    const TerrainData& t = *pages.grid.terrain;
+    const std::uint32_t terrain_slot = t.page_table[page].slot;
+    if (terrain_slot == no_index || pages.loaded[terrain_slot].page != page) return;
+    pages.loaded[terrain_slot].extent = extent_of(pages.grid, page, terrain_slot);
+    const std::uint32_t first = pages.page_groups[page], slot = first / max_page_groups;
+    if (first == no_index) return;
+    pages.state[slot].base = t.page_table[page].base;
+    watch_visited_page(pages, s.work, s.visibility, slot);
+    renew_bound_of_edited(pages, s.work, s.views, slot);
+    if (page % pages.grid.pages_per_tile == 0) bound_tile(pages.grid, s.mesh, pages.state[slot], true);
+}
+
+std::uint32_t slot_of(const Pages& pages, SampleIndex v) {
+    const std::int32_t l = pages.grid.terrain->tree.tile_log2;
+    if (pages.grid.terrain->tree.is_corner(v)) return pages.grid.terrain->corner_at(v.column >> l, v.row >> l);
+    const std::uint32_t vertex = find_vertex(pages, site_at(v));
+    return vertex != no_index && is_active(pages, vertex) ? pages.vertex_slot[vertex] : no_index;
+}
+
+void refresh_corner(CutState& s, SampleIndex v) {
+    const std::uint32_t slot = slot_of(s.pages, v);
+    const float height_m = s.pages.grid.terrain->height_m(v);
+    if (s.mesh.vertices[slot].height_m == height_m) return;
+    s.mesh.vertices[slot].height_m = height_m;
+    s.mesh.morph[slot].morph_from_m = height_m;
+    s.mesh.dirty_vertices.mark(slot);
+}
+
+// A vertex that is drawn: its own numbers.
+void refresh_vertex(CutState& s, std::uint32_t vertex, SampleIndex v) {
+    const TerrainData::Vertex now = s.pages.grid.terrain->vertex(v);
+    const std::uint32_t slot = s.pages.vertex_slot[vertex];
+    MeshVertex& drawn = s.mesh.vertices[slot];
+    MorphVertex& morph = s.mesh.morph[slot];
+    if (drawn.height_m == now.height_m && morph.error_m == now.error_m && morph.radius_m == now.radius_m) return;
+    if (morph.morph_from_m == drawn.height_m) morph.morph_from_m = now.height_m; // where nothing morphs, or at the rim
+    drawn.height_m = now.height_m;
+    morph.error_m = now.error_m;
+    morph.radius_m = now.radius_m;
+    s.mesh.dirty_vertices.mark(slot);
+}
+
+// And where it starts: on the edge that it splits.
+void refresh_start(CutState& s, std::uint32_t vertex, SampleIndex v) {
+    const Pages& pages = s.pages;
+    const std::uint32_t slot = pages.vertex_slot[vertex];
+    const Diamond d = diamond(pages.grid.terrain->tree, v);
+    const std::uint32_t ends[2] = {slot_of(pages, d.ends[0]), slot_of(pages, d.ends[1])};
+    if (ends[0] == no_index || ends[1] == no_index) return;
+    const float from_m = flat_height(pages.grid, s.mesh, slot, v, Tree::step_log2(v), Tree::kind(v) == VertexKind::centre,
+                                     ends[0], ends[1]);
+    if (s.mesh.morph[slot].morph_from_m == from_m) return;
+    s.mesh.morph[slot].morph_from_m = from_m;
+    s.mesh.dirty_vertices.mark(slot);
+}
+
+// visit(vertex, place) for all vertices of pages that have states around the places, of all steps.
+template <typename Visit>
+void for_each_vertex(const Pages& pages, const Rect& places, const Visit& visit) {
+    const Grid& grid = pages.grid;
+    for (int z = 0; z < grid.terrain->tree.tile_log2; ++z)
+        for (const VertexKind kind : edit::sides_then_centres) {
+            const Plane plane{z, kind};
+            const std::int32_t log2 = grid.steps[z].log2;
+            const Rect squares = plane.squares(places.grown(3 << z))
+                                     .within({0, 0, (grid.tiles_x << log2) - (kind == VertexKind::side_y ? 0 : 1),
+                                              (grid.tiles_y << log2) - (kind == VertexKind::side_x ? 0 : 1)});
+            for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+                for (std::int32_t i = squares.x0; i <= squares.x1; ++i)
+                    if (const std::uint32_t vertex = find_vertex(pages, {z, kind, i, j}); vertex != no_index)
+                        visit(vertex, plane.at(i, j));
+        }
+}
+
+void follow(CutState& s, const Rect& places) {
+    Pages& pages = s.pages;
+    const TerrainData& t = *pages.grid.terrain;
+    for (int z = 0; z < t.tree.tile_log2; ++z) {
+        std::uint32_t last = no_index;
+        for (const VertexKind kind : edit::sides_then_centres) {
+            const Plane plane{z, kind};
+            edit::for_each_run(t, plane, plane.squares(places.grown(16 << z)), [&](const edit::Run& run) {
+                if (run.page == last) return;
+                last = run.page;
+                refresh_page(s, run.page);
+            });
+        }
+    }
+    const std::int32_t side = t.tree.side();
+    for (std::int32_t y = (std::max(places.y0, 0) + side - 1) / side * side; y <= places.y1; y += side)
+        for (std::int32_t x = (std::max(places.x0, 0) + side - 1) / side * side; x <= places.x1; x += side)
+            refresh_corner(s, {x, y});
+    std::uint32_t last = no_index;
+    for_each_vertex(pages, places, [&](std::uint32_t vertex, SampleIndex v) {
+        if (is_active(pages, vertex)) refresh_vertex(s, vertex, v);
+        const std::uint32_t group = vertex / group_lanes;
+        if (group == last) return;
+        last = group;
+        const GroupState& g = pages.groups[group];
+        if (g.queue == unqueued && (g.ready() | g.active) != 0) make_due(s.work.schedule, group);
+    });
+    if (s.morphing.now.morph == Morph::none) return;
+    for_each_vertex(pages, places, [&](std::uint32_t vertex, SampleIndex v) {
+        if (is_active(pages, vertex) && !morphs_out(s.mesh, pages.vertex_slot[vertex])) refresh_start(s, vertex, v);
+    });
+}
+
+} // namespace
+
+void follow_ground(CutState& s) {
+    const TerrainData& t = *s.pages.grid.terrain;
+    if (s.pages.seen_ground == t.ground_changes) return;
+    const Rect all = edit::grid_of(t.tree);
+    if (t.changed_ground == nullptr || t.ground_changes - s.pages.seen_ground > ground_change_log) {
+        follow(s, all);
+    } else {
+        for (std::uint64_t n = s.pages.seen_ground; n < t.ground_changes; ++n) {
+            const GroundChange& c = t.changed_ground[n % ground_change_log];
+            follow(s, {c.first.column, c.first.row, c.last.column, c.last.row});
+        }
+    }
+    s.pages.seen_ground = t.ground_changes;
+}
+
+} // namespace fjell

@@ -1,0 +1,293 @@
+// Stamps become ground here (fjell/edit.h).
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <new>
+
+#include "block_layout.h"
+#include "edit/apply.h"
+#include "edit/measure.h"
+#include "edit/stamp.h"
+
+namespace fjell {
+
+using namespace edit;
+
+namespace {
+
+std::uint64_t queue_cells(const EditBudget& budget) {
+    return std::bit_ceil(std::max<std::uint64_t>(budget.stamps, 2));
+}
+std::uint32_t table_size(const EditBudget& budget) {
+    return std::bit_ceil(2 * std::max(budget.blocks, 1u));
+}
+
+struct Layout {
+    std::size_t queue, results, waiting, blocks, table, areas, end;
+};
+Layout layout_of(const EditBudget& budget) {
+    BlockLayout block(sizeof(EditsData));
+    Layout l{};
+    l.queue = block.place(queue_cells(budget), sizeof(QueueCell));
+    l.results = block.place(2 * queue_cells(budget), sizeof(std::atomic<std::uint64_t>));
+    l.waiting = block.place(budget.stamps, sizeof(Waiting));
+    l.blocks = block.place(budget.blocks, sizeof(Block));
+    l.table = block.place(table_size(budget), sizeof(std::uint32_t));
+    l.areas = block.place(budget.areas, sizeof(Area));
+    l.end = block.end();
+    return l;
+}
+
+Status check_budget(const EditBudget& budget) {
+    constexpr std::uint32_t most = 1u << 24;
+    if (budget.blocks == 0 || budget.blocks > most) return {StatusCode::out_of_range, "EditBudget::blocks"};
+    if (budget.stamps == 0 || budget.stamps > most) return {StatusCode::out_of_range, "EditBudget::stamps"};
+    if (budget.areas < 2 || budget.areas > most) return {StatusCode::out_of_range, "EditBudget::areas"};
+    return {};
+}
+
+constexpr Status no_edits{StatusCode::invalid_handle, "edits, or their terrain"};
+
+EditsData* find_edits(const Edits& edits) {
+    EditsData* const e = find(edits);
+    return e != nullptr && find(e->handle) != nullptr ? e : nullptr;
+}
+
+// Fields that are to blame for a refusal, by number: results hold no pointer.
+constexpr const char* refusals[] = {
+    "", "EditBudget::blocks", "Stamp (heights span more than 65,535 steps of the height scale within a page)",
+    "Stamp (steeper, or higher, than the pack's codes can bound)", "Stamp (a height that is no number)"};
+
+void set_result(EditsData& e, StampId id, StampState state, StatusCode code = StatusCode::ok, std::uint32_t field = 0) {
+    e.results[id % (2 * e.queue_size)].store(id << 16 | static_cast<std::uint64_t>(state) << 12 |
+                                                 std::uint64_t{field} << 8 | static_cast<std::uint64_t>(code),
+                                             std::memory_order_release);
+}
+
+} // namespace
+
+std::size_t edits_bytes(const PackHeader& header, const EditBudget& budget) {
+    if (!check_ranges(header).ok() || !check_budget(budget).ok()) return 0;
+    return layout_of(budget).end;
+}
+
+Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<std::byte> memory, Edits& edits) {
+    TerrainData* const t = find(terrain);
+    if (t == nullptr) return {StatusCode::invalid_handle, "terrain"};
+    if (t->is_sparse()) return {StatusCode::not_supported, "terrain (sparse)"};
+    if (t->edits != nullptr) return {StatusCode::not_supported, "terrain (it has edits)"};
+    if (Status s = check_budget(budget); !s.ok()) return s;
+    const Layout l = layout_of(budget);
+    if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
+    std::byte* const at = memory.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
+        return {StatusCode::out_of_range, "memory alignment"};
+    std::memset(at, 0, l.end); // every page of memory is touched now
+    EditsData& e = *new (at) EditsData{};
+    e.handle = terrain;
+    e.terrain = t;
+    e.budget = budget;
+    e.radius = radius_terms(*t);
+    e.queue_size = queue_cells(budget);
+    e.queue = reinterpret_cast<QueueCell*>(at + l.queue);
+    for (std::uint64_t i = 0; i < e.queue_size; ++i) new (&e.queue[i]) QueueCell{{i}, {}, 0};
+    e.results = reinterpret_cast<std::atomic<std::uint64_t>*>(at + l.results);
+    for (std::uint64_t i = 0; i < 2 * e.queue_size; ++i) new (&e.results[i]) std::atomic<std::uint64_t>(0);
+    e.waiting = reinterpret_cast<Waiting*>(at + l.waiting);
+    e.blocks = reinterpret_cast<Block*>(at + l.blocks);
+    e.block_table = reinterpret_cast<std::uint32_t*>(at + l.table);
+    e.block_table_size = table_size(budget);
+    std::fill_n(e.block_table, e.block_table_size, no_index);
+    e.areas = reinterpret_cast<Area*>(at + l.areas);
+    e.seen_page_changes = t->changes;
+    HandleAccess::begin(e, edits);
+    t->edits = &e;
+    t->changed_ground = e.changes;
+    return {};
+}
+
+Status destroy_edits(const Edits& edits) {
+    EditsData* const e = find(edits);
+    if (e == nullptr) return no_edits;
+    if (TerrainData* const t = find(e->handle)) {
+        t->edits = nullptr;
+        t->changed_ground = nullptr;
+    }
+    (void)HandleAccess::end(edits);
+    return {};
+}
+
+Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id) {
+    EditsData* const e = find_edits(edits);
+    if (e == nullptr) return no_edits;
+    if (Status s = check_stamp(stamp); !s.ok()) return s;
+    for (std::uint64_t at = e->tail.load(std::memory_order_relaxed);;) {
+        QueueCell& cell = e->queue[at & (e->queue_size - 1)];
+        const auto ahead = static_cast<std::int64_t>(cell.turn.load(std::memory_order_acquire) - at);
+        if (ahead < 0) return {StatusCode::out_of_slots, "EditBudget::stamps"};
+        if (ahead > 0) {
+            at = e->tail.load(std::memory_order_relaxed);
+            continue;
+        }
+        if (!e->tail.compare_exchange_weak(at, at + 1, std::memory_order_relaxed)) continue;
+        cell.stamp = stamp;
+        cell.id = id = at + 1;
+        set_result(*e, id, StampState::waiting);
+        cell.turn.store(at + 1, std::memory_order_release);
+        return {};
+    }
+}
+
+StampResult stamp_state(const Edits& edits, StampId id) {
+    const EditsData* const e = find_edits(edits);
+    if (e == nullptr || id == 0) return {};
+    const std::uint64_t stored = e->results[id % (2 * e->queue_size)].load(std::memory_order_acquire);
+    if (stored >> 16 != id) return {};
+    return {static_cast<StampState>(stored >> 12 & 15),
+            {static_cast<StatusCode>(stored & 0xff),
+             refusals[std::min<std::uint64_t>(stored >> 8 & 15, std::size(refusals) - 1)]}};
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double microseconds(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double, std::micro>(to - from).count();
+}
+
+class Budgeted {
+public:
+    Budgeted(const EditSettings& settings, EditReport& report) : settings_(settings), report_(report) {}
+    // Before an item.
+    [[nodiscard]] bool may_go_on() {
+        if (report_.work >= settings_.max_work) {
+            report_.exhausted |= edit_budget_work;
+            return false;
+        }
+        if (settings_.max_time_us != 0 &&
+            microseconds(started_, Clock::now()) >= static_cast<double>(settings_.max_time_us)) {
+            report_.exhausted |= edit_budget_time;
+            return false;
+        }
+        ++report_.work;
+        return true;
+    }
+
+private:
+    const EditSettings& settings_;
+    EditReport& report_;
+    Clock::time_point started_ = Clock::now();
+};
+
+void take_stamps(EditsData& e) {
+    while (e.waiting_count < e.budget.stamps) {
+        QueueCell& cell = e.queue[e.queue_head & (e.queue_size - 1)];
+        if (cell.turn.load(std::memory_order_acquire) != e.queue_head + 1) return;
+        Waiting& w = e.waiting[e.waiting_count++];
+        w = {};
+        w.stamp = cell.stamp, w.id = cell.id;
+        w.checking = true;
+        w.places = places_of(e.terrain->tree, samples_of(*e.terrain, w.stamp));
+        cell.turn.store(e.queue_head + e.queue_size, std::memory_order_release);
+        ++e.queue_head;
+    }
+}
+
+double distance_m(const TerrainData& t, const Rect& places, const View& view) {
+    const double x0 = places.x0 * t.header.spacing_m[0], x1 = places.x1 * t.header.spacing_m[0],
+                 z0 = places.y0 * t.header.spacing_m[1], z1 = places.y1 * t.header.spacing_m[1];
+    const double dx = std::max({x0 - view.eye_m.x, view.eye_m.x - x1, 0.0}),
+                 dz = std::max({z0 - view.eye_m.z, view.eye_m.z - z1, 0.0});
+    return dx * dx + dz * dz;
+}
+
+// Which stamp comes next: the nearest to a view whose pages are there and that no earlier one overlaps. no_index: none.
+constexpr std::uint32_t looked_ahead = 64;
+std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
+    std::uint32_t best = no_index;
+    double nearest = 1e300;
+    const std::uint32_t count = std::min(e.waiting_count, looked_ahead);
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (e.waiting[i].begun) { // it comes to its end first
+            e.waiting[i].held = !all_loaded(*e.terrain, e.waiting[i].places.grown(1));
+            return e.waiting[i].held ? no_index : i;
+        }
+    for (std::uint32_t i = 0; i < count; ++i) {
+        Waiting& w = e.waiting[i];
+        bool behind = false;
+        for (std::uint32_t k = 0; k < i && !behind; ++k) behind = e.waiting[k].places.grown(1).meets(w.places);
+        if (behind) continue;
+        w.held = !all_loaded(*e.terrain, w.places.grown(1));
+        if (w.held) continue;
+        double away = 1e200;
+        for (const View& view : views) away = std::min(away, distance_m(*e.terrain, w.places, view));
+        if (away < nearest) nearest = away, best = i;
+    }
+    return best;
+}
+
+} // namespace
+
+Status update_edits(const Edits& edits, std::span<const View> views, const EditSettings& settings, EditReport& report) {
+    EditsData* const found = find_edits(edits);
+    if (found == nullptr) return no_edits;
+    EditsData& e = *found;
+    for (const View& view : views)
+        if (Status s = validate(view); !s.ok()) return s;
+    report = {};
+    Budgeted budget(settings, report);
+    const auto started = Clock::now();
+    take_stamps(e);
+    while (e.waiting_count != 0) {
+        const std::uint32_t i = next_stamp(e, views);
+        if (i == no_index || !budget.may_go_on()) break;
+        Waiting& w = e.waiting[i];
+        w.begun = true;
+        Refusal refusal = Refusal::none;
+        if (!apply_piece(e, w, refusal, report.samples)) continue;
+        const bool refused = refusal != Refusal::none;
+        set_result(e, w.id, refused ? StampState::refused : StampState::applied,
+                   !refused                     ? StatusCode::ok
+                   : refusal == Refusal::blocks ? StatusCode::out_of_slots
+                                                : StatusCode::out_of_range,
+                   static_cast<std::uint32_t>(refusal));
+        ++(refused ? report.refused : report.applied);
+        if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+        std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
+        --e.waiting_count;
+        take_stamps(e);
+    }
+    const auto applied = Clock::now();
+    retry_unmeasured(e);
+    while (measure_next(e, [&] { return budget.may_go_on(); })) {
+    }
+    report.waiting = e.waiting_count;
+    for (std::uint32_t i = 0; i < e.waiting_count; ++i) report.held += e.waiting[i].held;
+    for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);
+    report.blocks = e.block_count;
+    report.apply_us = microseconds(started, applied);
+    report.measure_us = microseconds(applied, Clock::now());
+    return {};
+}
+
+std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std::span<GroundRect> rects, bool& lost) {
+    lost = false;
+    const EditsData* const e = find_edits(edits);
+    if (e == nullptr || rects.empty()) return 0;
+    const TerrainData& t = *e->terrain;
+    if (cursor > t.ground_changes || t.ground_changes - cursor > ground_change_log) {
+        lost = true;
+        cursor = t.ground_changes;
+        rects[0] = {{0, 0}, {t.tree.columns() - 1, t.tree.rows() - 1}};
+        return 1;
+    }
+    std::uint32_t count = 0;
+    for (; cursor < t.ground_changes && count < rects.size(); ++cursor) {
+        const GroundChange& change = e->changes[cursor % ground_change_log];
+        if (change.heights) rects[count++] = {t.tree.sample(change.first), t.tree.sample(change.last)};
+    }
+    return count;
+}
+
+} // namespace fjell

@@ -1,0 +1,180 @@
+// Vertices of a terrain by their places in the tree, for code that changes them: the frame's thread only.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "pack/memory.h"
+#include "pack/publish.h"
+#include "shared/terrain_data.h"
+
+namespace fjell::edit {
+
+// Places [x0, x1] by [y0, y1].
+struct Rect {
+    std::int32_t x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+    [[nodiscard]] bool empty() const { return x1 < x0 || y1 < y0; }
+    [[nodiscard]] std::int32_t columns() const { return x1 - x0 + 1; }
+    [[nodiscard]] std::int32_t rows() const { return y1 - y0 + 1; }
+    [[nodiscard]] bool contains(SampleIndex v) const {
+        return v.column >= x0 && v.column <= x1 && v.row >= y0 && v.row <= y1;
+    }
+    [[nodiscard]] bool meets(const Rect& r) const { return x0 <= r.x1 && r.x0 <= x1 && y0 <= r.y1 && r.y0 <= y1; }
+    [[nodiscard]] Rect grown(std::int32_t by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; }
+    [[nodiscard]] Rect within(const Rect& r) const {
+        return {std::max(x0, r.x0), std::max(y0, r.y0), std::min(x1, r.x1), std::min(y1, r.y1)};
+    }
+    [[nodiscard]] Rect with(const Rect& r) const {
+        if (empty()) return r;
+        if (r.empty()) return *this;
+        return {std::min(x0, r.x0), std::min(y0, r.y0), std::max(x1, r.x1), std::max(y1, r.y1)};
+    }
+};
+// All places of vertices, those beyond the terrain's rim among them.
+[[nodiscard]] inline Rect grid_of(const Tree& tree) {
+    return {0, 0, tree.grid_columns() - 1, tree.grid_rows() - 1};
+}
+// Where vertices stand at one of these samples: those beyond the rim stand at the last ones.
+[[nodiscard]] inline Rect places_of(const Tree& tree, Rect samples) {
+    if (samples.x1 >= tree.columns() - 1) samples.x1 = tree.grid_columns() - 1;
+    if (samples.y1 >= tree.rows() - 1) samples.y1 = tree.grid_rows() - 1;
+    return samples;
+}
+
+// One plane of one step: squares i by j, counted over the terrain.
+struct Plane {
+    int z;
+    VertexKind kind;
+    [[nodiscard]] SampleIndex at(std::int32_t i, std::int32_t j) const {
+        return {((2 * i) << z) + (kind == VertexKind::side_y ? 0 : 1 << z),
+                ((2 * j) << z) + (kind == VertexKind::side_x ? 0 : 1 << z)};
+    }
+    // Squares of those that lie in a rectangle of places.
+    [[nodiscard]] Rect squares(const Rect& r) const {
+        const auto first = [&](std::int32_t at, bool odd) { // the least i with 2 i s (+ s) >= at
+            const std::int32_t from = odd ? at - (1 << z) : at;
+            return (from + (2 << z) - 1) >> (z + 1);
+        };
+        const auto last = [&](std::int32_t at, bool odd) { return (odd ? at - (1 << z) : at) >> (z + 1); };
+        const bool odd_x = kind != VertexKind::side_y, odd_y = kind != VertexKind::side_x;
+        return {first(r.x0, odd_x), first(r.y0, odd_y), last(r.x1, odd_x), last(r.y1, odd_y)};
+    }
+};
+inline constexpr VertexKind sides_then_centres[3] = {VertexKind::side_x, VertexKind::side_y, VertexKind::centre};
+
+// Where vertices of one row lie: `count` records from `index` on in a page of the table; in planar order only is it
+// more than one.
+struct Run {
+    std::uint32_t page, index;
+    std::int32_t i, j, count;
+};
+
+// Calls f(Run) for all of `squares` of a plane, once for each page that holds a vertex: borders are in several.
+template <typename F>
+void for_each_run(const TerrainData& t, const Plane& plane, Rect squares, const F& f) {
+    const int l = t.tree.tile_log2, log2 = l - 1 - plane.z; // of the squares a side of a tile
+    const std::int32_t n = 1 << log2, last_i = (t.tree.tiles_x << log2) - (plane.kind == VertexKind::side_y ? 0 : 1),
+                       last_j = (t.tree.tiles_y << log2) - (plane.kind == VertexKind::side_x ? 0 : 1);
+    squares = squares.within({0, 0, last_i, last_j});
+    if (squares.empty()) return;
+    // Closed along the axis on whose lines the vertices lie.
+    const std::int32_t more_i = plane.kind == VertexKind::side_y ? 1 : 0,
+                       more_j = plane.kind == VertexKind::side_x ? 1 : 0;
+    const auto first_of = [](std::int32_t at, std::int32_t size, std::int32_t more) {
+        return (at - more) / size - ((at - more) < 0);
+    };
+    for (std::int32_t ty = std::max(first_of(squares.y0, n, more_j), 0);
+         ty <= std::min(squares.y1 >> log2, t.tree.tiles_y - 1); ++ty)
+        for (std::int32_t tx = std::max(first_of(squares.x0, n, more_i), 0);
+             tx <= std::min(squares.x1 >> log2, t.tree.tiles_x - 1); ++tx) {
+            const Rect in_tile{std::max(squares.x0 - (tx << log2), 0), std::max(squares.y0 - (ty << log2), 0),
+                               std::min(squares.x1 - (tx << log2), n - 1 + more_i),
+                               std::min(squares.y1 - (ty << log2), n - 1 + more_j)};
+            if (in_tile.empty()) continue;
+            const std::uint32_t tile_page = t.tile_at(tx, ty) * t.pages_per_tile;
+            if (t.pages.order == PageOrder::linear) {
+                for (std::int32_t j = in_tile.y0; j <= in_tile.y1; ++j)
+                    for (std::int32_t i = in_tile.x0; i <= in_tile.x1; ++i) {
+                        const SampleIndex v = plane.at(i, j);
+                        const PagePlace at = t.pages.place_as<PageOrder::linear>(static_cast<std::uint32_t>(v.column),
+                                                                                 static_cast<std::uint32_t>(v.row));
+                        f(Run{tile_page + at.page, at.index, (tx << log2) + i, (ty << log2) + j, 1});
+                    }
+                continue;
+            }
+            const StepLayout step = t.pages.step_layout(plane.z);
+            const auto side = static_cast<std::int32_t>(step.page_side), pages = 1 << step.pages_log2;
+            for (std::int32_t py = std::max(first_of(in_tile.y0, side, more_j), 0);
+                 py <= std::min(in_tile.y1 / side, pages - 1); ++py)
+                for (std::int32_t px = std::max(first_of(in_tile.x0, side, more_i), 0);
+                     px <= std::min(in_tile.x1 / side, pages - 1); ++px) {
+                    const Rect in_page{std::max(in_tile.x0 - px * side, 0), std::max(in_tile.y0 - py * side, 0),
+                                       std::min(in_tile.x1 - px * side, side - 1 + more_i),
+                                       std::min(in_tile.y1 - py * side, side - 1 + more_j)};
+                    if (in_page.empty()) continue;
+                    const std::uint32_t page =
+                        tile_page + (step.pages_log2 == 0 && step.page_side != page_squares
+                                         ? 0
+                                         : t.pages.page_at(plane.z, static_cast<std::uint32_t>(px),
+                                                           static_cast<std::uint32_t>(py)));
+                    const std::int32_t i0 = (tx << log2) + px * side, j0 = (ty << log2) + py * side;
+                    for (std::int32_t j = in_page.y0; j <= in_page.y1; ++j) {
+                        const auto index = [&](std::int32_t i) {
+                            const auto pi = static_cast<std::uint32_t>(i), pj = static_cast<std::uint32_t>(j);
+                            return step.offset +
+                                   (t.pages.order == PageOrder::planar
+                                        ? page_index<PageOrder::planar>(step.page_side, plane.kind, pi, pj)
+                                        : page_index<PageOrder::hierarchical_z>(step.page_side, plane.kind, pi, pj));
+                        };
+                        if (t.pages.order == PageOrder::planar) {
+                            f(Run{page, index(in_page.x0), i0 + in_page.x0, j0 + j, in_page.columns()});
+                        } else {
+                            for (std::int32_t i = in_page.x0; i <= in_page.x1; ++i)
+                                f(Run{page, index(i), i0 + i, j0 + j, 1});
+                        }
+                    }
+                }
+        }
+}
+
+// One vertex that is no corner of a tile; null: its page is not loaded.
+struct Found {
+    const VertexRecord* record = nullptr;
+    std::int32_t base = 0;
+    [[nodiscard]] std::int32_t steps() const { return base + record->height; }
+};
+[[nodiscard]] inline Found find_record(const TerrainData& t, SampleIndex v) {
+    const std::int32_t l = t.tree.tile_log2, tx = std::min(v.column >> l, t.tree.tiles_x - 1),
+                       ty = std::min(v.row >> l, t.tree.tiles_y - 1);
+    const PagePlace at =
+        t.pages.place(static_cast<std::uint32_t>(v.column - (tx << l)), static_cast<std::uint32_t>(v.row - (ty << l)));
+    const PageEntry entry = t.page_table[std::size_t{t.tile_at(tx, ty)} * t.pages_per_tile + at.page];
+    if (entry.slot == no_index) return {};
+    return {t.records + std::size_t{entry.slot} * t.page_capacity + at.index, entry.base};
+}
+
+// Height scale steps at a place.
+struct Height {
+    std::int32_t steps = 0;
+    bool loaded = false, hole = false;
+};
+[[nodiscard]] inline Height height_at(const TerrainData& t, SampleIndex v) {
+    if (t.tree.is_corner(v)) {
+        const std::uint32_t stored = t.corners[t.corner_at(v.column >> t.tree.tile_log2, v.row >> t.tree.tile_log2)];
+        return {corner_steps(stored), true, (stored & corner_void_bit) != 0};
+    }
+    const Found found = find_record(t, v);
+    if (found.record == nullptr) return {};
+    return {found.steps(), true, is_void(*found.record)};
+}
+
+[[nodiscard]] inline bool exists(const Tree& tree, SampleIndex v) {
+    return tree.contains(v);
+}
+// Levels of the tree below a vertex.
+[[nodiscard]] inline std::uint32_t levels_below(SampleIndex v) {
+    return 2u * static_cast<std::uint32_t>(Tree::step_log2(v)) + (Tree::kind(v) == VertexKind::centre ? 1u : 0u);
+}
+
+} // namespace fjell::edit

@@ -1,0 +1,250 @@
+// Edited ground (fjell/edit.h): after every step the bound and the nesting hold, and at rest the terrain is the one that
+// a bake of the edited heights gives.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "fjell/edit.h"
+#include "fjell/measure.h"
+#include "fjell/query.h"
+#include "shared/diamond_error.h"
+#include "support/cut_scene.h"
+#include "support/rounds.h"
+
+using namespace fjell;
+using namespace fjell::test;
+
+namespace {
+
+struct Editor {
+    Editor(const Terrain& terrain, EditBudget budget = {})
+        : memory(io::allocate(edits_bytes(terrain.header(), budget))) {
+        REQUIRE(create_edits(terrain, budget, {memory.get(), edits_bytes(terrain.header(), budget)}, edits).ok());
+    }
+    ~Editor() { (void)destroy_edits(edits); }
+    Editor(const Editor&) = delete;
+    Editor& operator=(const Editor&) = delete;
+    StampId push(const Stamp& stamp) {
+        StampId id = 0;
+        const Status s = push_stamp(edits, stamp, id);
+        INFO(s.field);
+        REQUIRE(s.ok());
+        return id;
+    }
+    EditReport update(std::uint32_t most = unlimited_edit_work) {
+        EditReport report;
+        EditSettings settings;
+        settings.max_work = most;
+        REQUIRE(update_edits(edits, {}, settings, report).ok());
+        return report;
+    }
+    io::AlignedMemory memory;
+    Edits edits;
+};
+
+Stamp random_stamp(Random& random, const Terrain& terrain) {
+    const double wx = terrain.extent_x_m(), wz = terrain.extent_z_m(), cell = terrain.spacing_x_m();
+    const double relief = std::max<double>(terrain.header().max_m - terrain.header().min_m, terrain.header().quantum_m * 20);
+    Stamp s;
+    s.shape = static_cast<StampShape>(pick(random, 0, 7));
+    if (s.shape == StampShape::heights || s.shape == StampShape::path) s.shape = StampShape::raise;
+    s.x_m = uniform(random, -0.1, 1.1) * wx, s.z_m = uniform(random, -0.1, 1.1) * wz;
+    s.radius_m = static_cast<float>(cell * std::pow(10.0, uniform(random, -0.3, 1.3)));
+    s.falloff_m = static_cast<float>(pick(random, 0, 1) * static_cast<double>(s.radius_m) * uniform(random, 0.2, 2));
+    s.amount_m = static_cast<float>(relief * uniform(random, -0.4, 0.4));
+    s.height_m = static_cast<float>(uniform(random, terrain.header().min_m, terrain.header().max_m));
+    s.wavelength_m = static_cast<float>(cell * uniform(random, 1, 20));
+    s.seed = static_cast<std::uint32_t>(pick(random, 0, 1000));
+    return s;
+}
+
+std::vector<SampleIndex> all_vertices(const TerrainData& t) {
+    std::vector<SampleIndex> all;
+    for (std::int32_t y = 0; y < t.tree.grid_rows(); ++y)
+        for (std::int32_t x = 0; x < t.tree.grid_columns(); ++x)
+            if (!t.tree.is_corner({x, y})) all.push_back({x, y});
+    return all;
+}
+
+// Heights, errors and spheres of all vertices: nested, and errors no less than the ground under their triangles asks.
+std::string check_bounds(const TerrainData& t) {
+    struct Ground {
+        const TerrainData& t;
+        const Tree& tree = t.tree;
+        [[nodiscard]] std::int32_t h(SampleIndex v) const { return t.vertex(v).steps; }
+        [[nodiscard]] bool is_void(SampleIndex v) const { return t.has_voids() && t.vertex(v).hole; }
+    } ground{t};
+    const DiamondTerms terms{t.errors, t.header.quantum_m, {t.header.spacing_m[0], t.header.spacing_m[1]}, 0, 0, false};
+    const auto at = [](SampleIndex v) { return std::to_string(v.column) + ", " + std::to_string(v.row); };
+    for (const SampleIndex v : all_vertices(t)) {
+        const TerrainData::Vertex own = t.vertex(v);
+        const std::uint32_t asked =
+            diamond_error(ground, terms, v, [&](SampleIndex a) { return t.tree.contains(a); }).code;
+        if (own.error_code < asked)
+            return "an error is too small at " + at(v) + ": " + std::to_string(own.error_code) + " of " + std::to_string(asked);
+        const SampleIndex p = t.tree.sample(v);
+        const Children below = children(v);
+        for (int k = 0; k < below.count; ++k) {
+            if (!t.tree.contains(below.at[k])) continue;
+            const TerrainData::Vertex child = t.vertex(below.at[k]);
+            if (own.error_code < std::min(t.errors.above(child.error_code), 255u)) return "errors do not nest at " + at(v);
+            const SampleIndex q = t.tree.sample(below.at[k]);
+            const double dx = t.x_m(p.column) - t.x_m(q.column), dz = t.z_m(p.row) - t.z_m(q.row),
+                         dy = static_cast<double>(own.height_m) - static_cast<double>(child.height_m);
+            if (std::sqrt(dx * dx + dy * dy + dz * dz) + static_cast<double>(child.radius_m) > static_cast<double>(own.radius_m))
+                return "spheres do not nest at " + at(v);
+        }
+    }
+    return {};
+}
+
+// As if the ground had always been like this: its heights baked, with the same scales because the least and the most,
+// and the steepest step, are those of a corner that no stamp touches.
+baker::Dem heights_of(const TerrainData& t) {
+    baker::Dem dem;
+    dem.columns = t.tree.columns(), dem.rows = t.tree.rows();
+    dem.spacing_m[0] = t.header.spacing_m[0], dem.spacing_m[1] = t.header.spacing_m[1];
+    for (std::int32_t y = 0; y < dem.rows; ++y)
+        for (std::int32_t x = 0; x < dem.columns; ++x) dem.heights_m.push_back(t.height_m({x, y}));
+    return dem;
+}
+
+std::string difference_of(const TerrainData& a, const TerrainData& b) {
+    std::size_t heights = 0, errors = 0, radii = 0;
+    SampleIndex first{-1, -1};
+    for (const SampleIndex v : all_vertices(a)) {
+        const TerrainData::Vertex p = a.vertex(v), q = b.vertex(v);
+        const bool same = p.height_m == q.height_m && p.error_code == q.error_code && p.radius_m == q.radius_m;
+        if (!same && first.column < 0) first = v;
+        heights += p.height_m != q.height_m;
+        errors += p.error_code != q.error_code;
+        radii += p.radius_m != q.radius_m;
+    }
+    if (first.column < 0) return {};
+    const TerrainData::Vertex p = a.vertex(first), q = b.vertex(first);
+    return std::to_string(heights) + " heights, " + std::to_string(errors) + " errors and " + std::to_string(radii) +
+           " radii differ, first at " + std::to_string(first.column) + ", " + std::to_string(first.row) + ": code " +
+           std::to_string(p.error_code) + " for " + std::to_string(q.error_code) + ", radius " + std::to_string(p.radius_m) +
+           " for " + std::to_string(q.radius_m) + ", height " + std::to_string(p.height_m) + " for " + std::to_string(q.height_m);
+}
+
+// A terrain whose scales no stamp inside changes: the lowest and the highest sample lie side by side in a corner.
+io::LoadedPack framed_terrain(Random& random, int tile_log2, std::int32_t columns, std::int32_t rows, PageOrder order) {
+    baker::Dem dem = random_dem(random, columns, rows, pick(random, 0, 1) ? Shape::fractal : Shape::noise);
+    const auto [low, high] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
+    const double range = std::max(static_cast<double>(*high) - static_cast<double>(*low), 1.0), quantum = range / 2000;
+    const double least = static_cast<double>(*low) - 3 * range, most = static_cast<double>(*high) + 3 * range;
+    for (float& h : dem.heights_m) h = static_cast<float>(std::round((static_cast<double>(h) - least) / quantum));
+    const auto top = static_cast<float>(std::round((most - least) / quantum));
+    for (const auto& [x, y] : {std::pair{0, 0}, {1, 1}}) dem.heights_m[dem.index(x, y)] = 0, (void)y;
+    dem.heights_m[dem.index(1, 0)] = dem.heights_m[dem.index(0, 1)] = top;
+    dem.native_quantum_m = 1;
+    baker::BakeOptions options = small_bake(tile_log2);
+    options.order = order;
+    return bake_and_load(std::move(dem), options);
+}
+
+bool touches_frame(const Terrain& terrain, const Stamp& s) {
+    const double out = static_cast<double>(s.radius_m) + static_cast<double>(s.falloff_m) + 4 * terrain.spacing_x_m() + 4 * terrain.spacing_z_m();
+    return s.x_m - out < 0 && s.z_m - out < 0;
+}
+
+} // namespace
+
+TEST_CASE("edited ground is bounded after every step, and at rest it is what a bake gives", "[edit]") {
+    Random random(20261127);
+    for (int round = 0; round < rounds(6, 60); ++round) {
+        const int log2 = pick(random, 2, 7);
+        const std::int32_t side = 1 << log2;
+        const std::int32_t columns = pick(random, 1, std::max(1, 200 / side)) * side + 1,
+                           rows = pick(random, 1, std::max(1, 200 / side)) * side + 1;
+        const auto order = static_cast<PageOrder>(pick(random, 0, 2));
+        CAPTURE(round, log2, columns, rows, static_cast<int>(order));
+        const auto pack = framed_terrain(random, log2, columns, rows, order);
+        const TerrainData& t = data_of(pack.terrain);
+        Editor editor(pack.terrain);
+        int applied = 0;
+        for (int n = 0; n < 6; ++n) {
+            const Stamp stamp = random_stamp(random, pack.terrain);
+            if (touches_frame(pack.terrain, stamp)) continue;
+            const StampId id = editor.push(stamp);
+            CHECK(stamp_state(editor.edits, id).state == StampState::waiting);
+            const bool in_steps = pick(random, 0, 1) != 0;
+            EditReport report = editor.update(in_steps ? 1 : 40);
+            for (int step = 0; stamp_state(editor.edits, id).state == StampState::waiting; ++step) {
+                REQUIRE(step < 1000);
+                report = editor.update(1);
+            }
+            const StampResult result = stamp_state(editor.edits, id);
+            CAPTURE(n, static_cast<int>(stamp.shape), result.status.field);
+            applied += result.state == StampState::applied;
+            REQUIRE(check_bounds(t) == "");
+            if (pick(random, 0, 2) == 0) {
+                report = editor.update();
+                REQUIRE(report.loose + report.unmeasured == 0);
+                REQUIRE(check_bounds(t) == "");
+            }
+        }
+        const EditReport report = editor.update();
+        CHECK(report.loose + report.unmeasured + report.waiting == 0);
+        const auto baked = bake_and_load([&] {
+            baker::Dem dem = heights_of(t);
+            dem.native_quantum_m = 1;
+            return dem;
+        }(), [&] {
+            baker::BakeOptions options = small_bake(log2);
+            options.order = order;
+            return options;
+        }());
+        REQUIRE(data_of(baked.terrain).header.quantum_m == t.header.quantum_m);
+        REQUIRE(data_of(baked.terrain).header.base_m == t.header.base_m);
+        CHECK(difference_of(t, data_of(baked.terrain)) == "");
+        CHECK(applied > 0);
+    }
+}
+
+TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the target", "[edit]") {
+    Random random(20261128);
+    for (int round = 0; round < rounds(6, 60); ++round) {
+        const auto pack = random_terrain(random, 150, 6);
+        CAPTURE(round);
+        const TerrainData& t = data_of(pack.terrain);
+        Editor editor(pack.terrain);
+        Cut cut(pack.terrain, ample_cut(pack.terrain));
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random);
+        std::vector<View> views{random_view(random, pack.terrain)};
+        int changed = 0;
+        for (int frame = 0; frame < 40; ++frame) {
+            CAPTURE(frame);
+            if (pick(random, 0, 2) == 0) editor.push(random_stamp(random, pack.terrain));
+            const EditReport edited = editor.update(pick(random, 0, 1) ? unlimited_edit_work : static_cast<std::uint32_t>(pick(random, 0, 60)));
+            changed += edited.samples != 0;
+            if (pick(random, 0, 9) == 0) views[0] = random_view(random, pack.terrain);
+            views[0] = moved(random, views[0], random_step_m(random, pack.terrain));
+            settings.max_work = pick(random, 0, 1) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, 200));
+            settings.morph = static_cast<Morph>(pick(random, 0, 2));
+            settings.offscreen_factor = pick(random, 0, 2) == 0 ? uniform(random, 1, 8) : 1;
+            settings.now_s += 1.0 / 60;
+            const CutReport report = cut.update(views, settings);
+            REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
+            const CutMesh live = cut_mesh(cut.cut);
+            // What is claimed is no less than what is drawn hides, by every sample.
+            MeshView mesh = cut.mesh();
+            const std::vector<MeshVertex> drawn = drawn_vertices(pack.terrain, live);
+            mesh.vertices = drawn;
+            const MeasuredError measured = measure_error(pack.terrain, mesh, views[0], nullptr);
+            REQUIRE(measured.max_px <= report.error_bound_px * (1 + 1e-6) + 1e-9);
+        }
+        (void)editor.update();
+        settings.max_work = unlimited_work;
+        settings.morph = Morph::none;
+        settings.offscreen_factor = 1;
+        settings.now_s += 100;
+        (void)settle(cut, views, settings, 50);
+        CHECK(difference(active_set(cut), target_set(pack.terrain, pack.terrain, views, settings.max_error_px)) == "");
+        CHECK(recursive_triangles(pack.terrain, views[0], settings.max_error_px) == triangles_of(cut.mesh()));
+        REQUIRE(check_bounds(t) == "");
+        CHECK(changed > 0);
+    }
+}
