@@ -1,5 +1,5 @@
-// Edited ground (fjell/edit.h): after every step the bound and the nesting hold, and at rest the terrain is the one that
-// a bake of the edited heights gives.
+// Edited ground (fjell/edit.h): after every step the bound and the nesting hold, and at rest the terrain is the one
+// that a bake of the edited heights gives.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -44,14 +44,15 @@ struct Editor {
 
 Stamp random_stamp(Random& random, const Terrain& terrain) {
     const double wx = terrain.extent_x_m(), wz = terrain.extent_z_m(), cell = terrain.spacing_x_m();
-    const double relief = std::max<double>(terrain.header().max_m - terrain.header().min_m, terrain.header().quantum_m * 20);
+    const double relief =
+        std::max<double>(terrain.header().max_m - terrain.header().min_m, terrain.header().quantum_m * 20);
     Stamp s;
     s.shape = static_cast<StampShape>(pick(random, 0, 7));
     if (s.shape == StampShape::heights || s.shape == StampShape::path) s.shape = StampShape::raise;
     s.x_m = uniform(random, -0.1, 1.1) * wx, s.z_m = uniform(random, -0.1, 1.1) * wz;
     s.radius_m = static_cast<float>(cell * std::pow(10.0, uniform(random, -0.3, 1.3)));
     s.falloff_m = static_cast<float>(pick(random, 0, 1) * static_cast<double>(s.radius_m) * uniform(random, 0.2, 2));
-    s.amount_m = static_cast<float>(relief * uniform(random, -0.4, 0.4));
+    s.amount_m = static_cast<float>(relief * uniform(random, -0.06, 0.06));
     s.height_m = static_cast<float>(uniform(random, terrain.header().min_m, terrain.header().max_m));
     s.wavelength_m = static_cast<float>(cell * uniform(random, 1, 20));
     s.seed = static_cast<std::uint32_t>(pick(random, 0, 1000));
@@ -81,17 +82,20 @@ std::string check_bounds(const TerrainData& t) {
         const std::uint32_t asked =
             diamond_error(ground, terms, v, [&](SampleIndex a) { return t.tree.contains(a); }).code;
         if (own.error_code < asked)
-            return "an error is too small at " + at(v) + ": " + std::to_string(own.error_code) + " of " + std::to_string(asked);
+            return "an error is too small at " + at(v) + ": " + std::to_string(own.error_code) + " of " +
+                   std::to_string(asked);
         const SampleIndex p = t.tree.sample(v);
         const Children below = children(v);
         for (int k = 0; k < below.count; ++k) {
             if (!t.tree.contains(below.at[k])) continue;
             const TerrainData::Vertex child = t.vertex(below.at[k]);
-            if (own.error_code < std::min(t.errors.above(child.error_code), 255u)) return "errors do not nest at " + at(v);
+            if (own.error_code < std::min(t.errors.above(child.error_code), 255u))
+                return "errors do not nest at " + at(v);
             const SampleIndex q = t.tree.sample(below.at[k]);
             const double dx = t.x_m(p.column) - t.x_m(q.column), dz = t.z_m(p.row) - t.z_m(q.row),
                          dy = static_cast<double>(own.height_m) - static_cast<double>(child.height_m);
-            if (std::sqrt(dx * dx + dy * dy + dz * dz) + static_cast<double>(child.radius_m) > static_cast<double>(own.radius_m))
+            if (std::sqrt(dx * dx + dy * dy + dz * dz) + static_cast<double>(child.radius_m) >
+                static_cast<double>(own.radius_m))
                 return "spheres do not nest at " + at(v);
         }
     }
@@ -124,8 +128,9 @@ std::string difference_of(const TerrainData& a, const TerrainData& b) {
     const TerrainData::Vertex p = a.vertex(first), q = b.vertex(first);
     return std::to_string(heights) + " heights, " + std::to_string(errors) + " errors and " + std::to_string(radii) +
            " radii differ, first at " + std::to_string(first.column) + ", " + std::to_string(first.row) + ": code " +
-           std::to_string(p.error_code) + " for " + std::to_string(q.error_code) + ", radius " + std::to_string(p.radius_m) +
-           " for " + std::to_string(q.radius_m) + ", height " + std::to_string(p.height_m) + " for " + std::to_string(q.height_m);
+           std::to_string(p.error_code) + " for " + std::to_string(q.error_code) + ", radius " +
+           std::to_string(p.radius_m) + " for " + std::to_string(q.radius_m) + ", height " +
+           std::to_string(p.height_m) + " for " + std::to_string(q.height_m);
 }
 
 // A terrain whose scales no stamp inside changes: the lowest and the highest sample lie side by side in a corner.
@@ -145,7 +150,8 @@ io::LoadedPack framed_terrain(Random& random, int tile_log2, std::int32_t column
 }
 
 bool touches_frame(const Terrain& terrain, const Stamp& s) {
-    const double out = static_cast<double>(s.radius_m) + static_cast<double>(s.falloff_m) + 4 * terrain.spacing_x_m() + 4 * terrain.spacing_z_m();
+    const double out = static_cast<double>(s.radius_m) + static_cast<double>(s.falloff_m) + 4 * terrain.spacing_x_m() +
+                       4 * terrain.spacing_z_m();
     return s.x_m - out < 0 && s.z_m - out < 0;
 }
 
@@ -187,15 +193,17 @@ TEST_CASE("edited ground is bounded after every step, and at rest it is what a b
         }
         const EditReport report = editor.update();
         CHECK(report.loose + report.unmeasured + report.waiting == 0);
-        const auto baked = bake_and_load([&] {
-            baker::Dem dem = heights_of(t);
-            dem.native_quantum_m = 1;
-            return dem;
-        }(), [&] {
-            baker::BakeOptions options = small_bake(log2);
-            options.order = order;
-            return options;
-        }());
+        const auto baked = bake_and_load(
+            [&] {
+                baker::Dem dem = heights_of(t);
+                dem.native_quantum_m = 1;
+                return dem;
+            }(),
+            [&] {
+                baker::BakeOptions options = small_bake(log2);
+                options.order = order;
+                return options;
+            }());
         REQUIRE(data_of(baked.terrain).header.quantum_m == t.header.quantum_m);
         REQUIRE(data_of(baked.terrain).header.base_m == t.header.base_m);
         CHECK(difference_of(t, data_of(baked.terrain)) == "");
@@ -205,6 +213,7 @@ TEST_CASE("edited ground is bounded after every step, and at rest it is what a b
 
 TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the target", "[edit]") {
     Random random(20261128);
+    int changed = 0;
     for (int round = 0; round < rounds(6, 60); ++round) {
         const auto pack = random_terrain(random, 150, 6);
         CAPTURE(round);
@@ -214,11 +223,11 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
         CutSettings settings;
         settings.max_error_px = random_threshold(random);
         std::vector<View> views{random_view(random, pack.terrain)};
-        int changed = 0;
         for (int frame = 0; frame < 40; ++frame) {
             CAPTURE(frame);
             if (pick(random, 0, 2) == 0) editor.push(random_stamp(random, pack.terrain));
-            const EditReport edited = editor.update(pick(random, 0, 1) ? unlimited_edit_work : static_cast<std::uint32_t>(pick(random, 0, 60)));
+            const EditReport edited = editor.update(
+                pick(random, 0, 1) ? unlimited_edit_work : static_cast<std::uint32_t>(pick(random, 0, 60)));
             changed += edited.samples != 0;
             if (pick(random, 0, 9) == 0) views[0] = random_view(random, pack.terrain);
             views[0] = moved(random, views[0], random_step_m(random, pack.terrain));
@@ -227,13 +236,21 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
             settings.offscreen_factor = pick(random, 0, 2) == 0 ? uniform(random, 1, 8) : 1;
             settings.now_s += 1.0 / 60;
             const CutReport report = cut.update(views, settings);
-            REQUIRE(check_frame(cut, pack.terrain, report, settings) == "");
+            // While a jump is built beside it, what is drawn is the mesh of before.
+            const bool followed = cut.state().pages.seen_ground == t.ground_changes;
+            REQUIRE((followed || cut.state().bulk.phase != BulkPhase::idle));
+            REQUIRE((followed ? check_frame(cut, pack.terrain, report, settings) : check_cut(cut)) == "");
             const CutMesh live = cut_mesh(cut.cut);
             // What is claimed is no less than what is drawn hides, by every sample.
             MeshView mesh = cut.mesh();
             const std::vector<MeshVertex> drawn = drawn_vertices(pack.terrain, live);
             mesh.vertices = drawn;
-            const MeasuredError measured = measure_error(pack.terrain, mesh, views[0], nullptr);
+            const Frustum frustum = make_frustum(views[0]);
+            const MeasuredError measured =
+                measure_error(pack.terrain, mesh, views[0], settings.offscreen_factor > 1 ? &frustum : nullptr);
+            CAPTURE(settings.offscreen_factor, settings.max_error_px, static_cast<int>(settings.morph),
+                    static_cast<int>(cut.state().bulk.phase), report.waiting, report.morphing, report.threshold_px,
+                    measured.sample_m.column, measured.sample_m.row, measured.max_m, edited.samples, edited.loose);
             REQUIRE(measured.max_px <= report.error_bound_px * (1 + 1e-6) + 1e-9);
         }
         (void)editor.update();
@@ -245,6 +262,6 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
         CHECK(difference(active_set(cut), target_set(pack.terrain, pack.terrain, views, settings.max_error_px)) == "");
         CHECK(recursive_triangles(pack.terrain, views[0], settings.max_error_px) == triangles_of(cut.mesh()));
         REQUIRE(check_bounds(t) == "");
-        CHECK(changed > 0);
     }
+    CHECK(changed > rounds(30, 300));
 }

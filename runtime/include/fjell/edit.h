@@ -61,10 +61,10 @@ struct Stamp {
     // Pointed to, not copied: they must stay until stamp_state() says that the stamp is done or refused.
     const StampPoint* points = nullptr; // of a path, in order; 2 to max_path_points
     std::uint32_t point_count = 0;
-    SampleIndex first;                    // of the rectangle
-    std::int32_t columns = 0, rows = 0;   // of the rectangle; 0: none
-    const float* heights_m = nullptr;     // `heights`: row by row; NaN leaves a sample as it is
-    const std::uint8_t* mask = nullptr;   // any shape: 255 applies it wholly, 0 not at all; null: wholly
+    SampleIndex first;                  // of the rectangle
+    std::int32_t columns = 0, rows = 0; // of the rectangle; 0: none
+    const float* heights_m = nullptr;   // `heights`: row by row; NaN leaves a sample as it is
+    const std::uint8_t* mask = nullptr; // any shape: 255 applies it wholly, 0 not at all; null: wholly
 };
 inline constexpr std::uint32_t max_path_points = 256;
 

@@ -21,6 +21,7 @@ void refresh_page(CutState& s, std::uint32_t page) {
     const TerrainData& t = *pages.grid.terrain;
     const std::uint32_t terrain_slot = t.page_table[page].slot;
     if (terrain_slot == no_index || pages.loaded[terrain_slot].page != page) return;
+    pages.loaded[terrain_slot].loads = t.slot_loads[terrain_slot]; // its heights may count from another base
     pages.loaded[terrain_slot].extent = extent_of(pages.grid, page, terrain_slot);
     const std::uint32_t first = pages.page_groups[page], slot = first / max_page_groups;
     if (first == no_index) return;
@@ -67,22 +68,23 @@ void refresh_start(CutState& s, std::uint32_t vertex, SampleIndex v) {
     const Diamond d = diamond(pages.grid.terrain->tree, v);
     const std::uint32_t ends[2] = {slot_of(pages, d.ends[0]), slot_of(pages, d.ends[1])};
     if (ends[0] == no_index || ends[1] == no_index) return;
-    const float from_m = flat_height(pages.grid, s.mesh, slot, v, Tree::step_log2(v), Tree::kind(v) == VertexKind::centre,
-                                     ends[0], ends[1]);
+    const float from_m = flat_height(pages.grid, s.mesh, slot, v, Tree::step_log2(v),
+                                     Tree::kind(v) == VertexKind::centre, ends[0], ends[1]);
     if (s.mesh.morph[slot].morph_from_m == from_m) return;
     s.mesh.morph[slot].morph_from_m = from_m;
     s.mesh.dirty_vertices.mark(slot);
 }
 
-// visit(vertex, place) for all vertices of pages that have states around the places, of all steps.
+// visit(vertex, place) for all vertices of pages that have states around the places, of all steps; or at them, of one.
 template <typename Visit>
-void for_each_vertex(const Pages& pages, const Rect& places, const Visit& visit) {
+void for_each_vertex(const Pages& pages, const Rect& places, int step_log2, const Visit& visit) {
     const Grid& grid = pages.grid;
-    for (int z = 0; z < grid.terrain->tree.tile_log2; ++z)
+    for (int z = step_log2 < 0 ? 0 : step_log2; z <= (step_log2 < 0 ? grid.terrain->tree.tile_log2 - 1 : step_log2);
+         ++z)
         for (const VertexKind kind : edit::sides_then_centres) {
             const Plane plane{z, kind};
             const std::int32_t log2 = grid.steps[z].log2;
-            const Rect squares = plane.squares(places.grown(3 << z))
+            const Rect squares = plane.squares(step_log2 < 0 ? places.grown(3 << z) : places)
                                      .within({0, 0, (grid.tiles_x << log2) - (kind == VertexKind::side_y ? 0 : 1),
                                               (grid.tiles_y << log2) - (kind == VertexKind::side_x ? 0 : 1)});
             for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
@@ -92,18 +94,19 @@ void for_each_vertex(const Pages& pages, const Rect& places, const Visit& visit)
         }
 }
 
-void follow(CutState& s, const Rect& places) {
+void follow(CutState& s, const Rect& places, int step_log2) {
     Pages& pages = s.pages;
     const TerrainData& t = *pages.grid.terrain;
-    for (int z = 0; z < t.tree.tile_log2; ++z) {
+    for (int z = step_log2 < 0 ? 0 : step_log2; z <= (step_log2 < 0 ? t.tree.tile_log2 - 1 : step_log2); ++z) {
         std::uint32_t last = no_index;
         for (const VertexKind kind : edit::sides_then_centres) {
             const Plane plane{z, kind};
-            edit::for_each_run(t, plane, plane.squares(places.grown(16 << z)), [&](const edit::Run& run) {
-                if (run.page == last) return;
-                last = run.page;
-                refresh_page(s, run.page);
-            });
+            edit::for_each_run(t, plane, plane.squares(places.grown(step_log2 < 0 ? 3 << z : 0)),
+                               [&](const edit::Run& run) {
+                                   if (run.page == last) return;
+                                   last = run.page;
+                                   refresh_page(s, run.page);
+                               });
         }
     }
     const std::int32_t side = t.tree.side();
@@ -111,7 +114,7 @@ void follow(CutState& s, const Rect& places) {
         for (std::int32_t x = (std::max(places.x0, 0) + side - 1) / side * side; x <= places.x1; x += side)
             refresh_corner(s, {x, y});
     std::uint32_t last = no_index;
-    for_each_vertex(pages, places, [&](std::uint32_t vertex, SampleIndex v) {
+    for_each_vertex(pages, places, step_log2, [&](std::uint32_t vertex, SampleIndex v) {
         if (is_active(pages, vertex)) refresh_vertex(s, vertex, v);
         const std::uint32_t group = vertex / group_lanes;
         if (group == last) return;
@@ -120,7 +123,7 @@ void follow(CutState& s, const Rect& places) {
         if (g.queue == unqueued && (g.ready() | g.active) != 0) make_due(s.work.schedule, group);
     });
     if (s.morphing.now.morph == Morph::none) return;
-    for_each_vertex(pages, places, [&](std::uint32_t vertex, SampleIndex v) {
+    for_each_vertex(pages, places, step_log2, [&](std::uint32_t vertex, SampleIndex v) {
         if (is_active(pages, vertex) && !morphs_out(s.mesh, pages.vertex_slot[vertex])) refresh_start(s, vertex, v);
     });
 }
@@ -132,11 +135,11 @@ void follow_ground(CutState& s) {
     if (s.pages.seen_ground == t.ground_changes) return;
     const Rect all = edit::grid_of(t.tree);
     if (t.changed_ground == nullptr || t.ground_changes - s.pages.seen_ground > ground_change_log) {
-        follow(s, all);
+        follow(s, all, all_steps);
     } else {
         for (std::uint64_t n = s.pages.seen_ground; n < t.ground_changes; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];
-            follow(s, {c.first.column, c.first.row, c.last.column, c.last.row});
+            follow(s, {c.first.column, c.first.row, c.last.column, c.last.row}, c.step_log2);
         }
     }
     s.pages.seen_ground = t.ground_changes;

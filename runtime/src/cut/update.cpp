@@ -190,8 +190,8 @@ void build_from_nothing(CutState& s, std::span<const View> views) {
     begin_governing(s.governor, s.frame.settings.max_error_px);
     bool complete = true;
     finish_bulk(s);
-    follow_ground(s);
     if (s.pages.grid.terrain->changes != s.pages.seen_changes) reset(s);
+    follow_ground(s);
     bool cleared = !may_lack_pages(s.pages);
     for (;;) {
         set_views(s, views, s.governor.effective_px);

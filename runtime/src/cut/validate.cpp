@@ -423,7 +423,9 @@ Violation check_pages(const CutState& s, Tally& vertex_slots) {
         const std::uint32_t first = s.pages.page_groups[page], slot = s.pages.grid.terrain->page_table[page].slot;
         if (first != no_index && (first >= s.pages.group_count || s.pages.state[first / max_page_groups].page != page))
             return {"a page's groups are another page's"};
-        if (s.pages.seen_changes != s.pages.grid.terrain->changes) continue;
+        if (s.pages.seen_changes != s.pages.grid.terrain->changes ||
+            s.pages.seen_ground != s.pages.grid.terrain->ground_changes)
+            continue;
         if ((slot != no_index) != is_loaded(s, page) ||
             (slot != no_index && s.pages.loaded[slot].loads != s.pages.grid.terrain->slot_loads[slot]))
             return {"a page is loaded, and the cut has not entered it"};

@@ -107,7 +107,7 @@ void gather(const TerrainData& t, const Rect& rect, Window& w) {
 // --- what a stamp makes of a piece
 
 struct Change {
-    Rect places;                                  // where something changes
+    Rect places;                    // where something changes
     std::int32_t low = 0, high = 0; // of the new heights, and of the old ones
     std::int32_t old_low = 0, old_high = 0;
     std::int32_t least_delta = 0, most_delta = 0; // of new over old, 0 among them
@@ -404,10 +404,6 @@ void raise_errors(EditsData& e, const Change& change) {
         }
 }
 
-void push_change(TerrainData& t, EditsData& e, const Rect& places, bool heights) {
-    e.changes[t.ground_changes++ % ground_change_log] = {{places.x0, places.y0}, {places.x1, places.y1}, heights};
-}
-
 void push_area(EditsData& e, const Rect& places, bool radii) {
     // One that has not begun and is near takes it in.
     for (std::uint32_t i = 0; i < e.area_count; ++i) {
@@ -475,7 +471,7 @@ void apply(EditsData& e, const Change& change) {
     raise_errors(e, change);
     fence_release();
     store_release(t.ground_epoch, t.ground_epoch + 1);
-    push_change(t, e, places, true);
+    push_change(e, places, true, all_steps);
     push_area(e, places, false);
 }
 
@@ -615,7 +611,7 @@ Measuring measure_item(EditsData& e) {
         return Measuring::item;
     }
     // Done: cuts look at what is around it again.
-    push_change(t, e, a.places, false);
+    push_change(e, a.places, false, all_steps);
     const bool missed = a.missed;
     Area done = a;
     std::copy(e.areas + number + 1, e.areas + e.area_count, e.areas + number);
@@ -765,7 +761,7 @@ void restore_bounds(EditsData& e, std::uint32_t tile, std::uint32_t page) {
                     }
                 }
         }
-    push_change(t, e, places, false);
+    push_change(e, places, false, all_steps);
     push_area(e, places, true);
 }
 

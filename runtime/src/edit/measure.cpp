@@ -304,12 +304,28 @@ private:
 
 } // namespace
 
+void push_change(EditsData& e, const Rect& places, bool heights, std::int8_t step_log2) {
+    TerrainData& t = *e.terrain;
+    e.changes[t.ground_changes++ % ground_change_log] = {
+        {places.x0, places.y0}, {places.x1, places.y1}, heights, step_log2};
+}
+
 bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed) {
     const TerrainData& t = *e.terrain;
     bool fits = true;
     Rect finer; // centres of the step before that stand or reach elsewhere
     for (int z = 0; z < t.tree.tile_log2; ++z) {
         RadiusStep step(e, heights, z);
+        const auto note = [&](VertexKind kind, const Rect& squares) {
+            if (squares.empty()) return squares;
+            const Plane plane{z, kind};
+            const SampleIndex first = plane.at(squares.x0, squares.y0), last = plane.at(squares.x1, squares.y1);
+            const Rect places{first.column, first.row, last.column, last.row};
+            const Rect near = changed.grown((kind == VertexKind::centre ? 3 : 2) << z);
+            if (!near.contains(first) || !near.contains(last))
+                push_change(e, places, false, static_cast<std::int8_t>(z));
+            return squares;
+        };
         Rect sides[2]; // along x, along y
         for (const int k : {0, 1}) {
             const bool along_x = k == 0;
@@ -319,14 +335,14 @@ bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed) {
             if (!finer.empty())
                 todo = todo.with({finer.x0 >> 1, finer.y0 >> 1, (finer.x1 + (along_x ? 0 : 1)) >> 1,
                                   (finer.y1 + (along_x ? 1 : 0)) >> 1});
-            sides[k] = step.plane(plane.kind, todo, fits).with(own);
+            sides[k] = note(plane.kind, step.plane(plane.kind, todo, fits)).with(own);
             if (own.empty() && sides[k].empty()) sides[k] = {};
         }
         const Rect own = Plane{z, VertexKind::centre}.squares(changed);
         Rect todo = own;
         if (!sides[0].empty()) todo = todo.with({sides[0].x0, sides[0].y0 - 1, sides[0].x1, sides[0].y1});
         if (!sides[1].empty()) todo = todo.with({sides[1].x0 - 1, sides[1].y0, sides[1].x1, sides[1].y1});
-        finer = step.plane(VertexKind::centre, todo, fits);
+        finer = note(VertexKind::centre, step.plane(VertexKind::centre, todo, fits));
         if (!own.empty()) finer = finer.with(own);
     }
     return fits;

@@ -33,7 +33,11 @@ struct OwnError {
 [[nodiscard]] std::uint32_t asked_by_children(const TerrainData& t, SampleIndex v);
 
 // Works out the radii of all vertices whose spheres may depend on the heights in `changed`, of all steps, and stores
-// them. False: one has no code. O(places changed, and some hundreds a step).
+// them. Those that change and are not around the places, because blocks share a code, are noted as changes. False: one
+// has no code. O(places changed, and some hundreds a step).
 [[nodiscard]] bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed);
+
+// For those who follow (TerrainData::changed_ground).
+void push_change(EditsData& e, const Rect& places, bool heights, std::int8_t step_log2);
 
 } // namespace fjell::edit

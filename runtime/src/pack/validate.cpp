@@ -18,7 +18,8 @@ Violation check_table(const TerrainData& t) {
         if (entry.slot >= t.slot_count) return {"a page lies in a slot that there is not"};
         if (t.slot_page[entry.slot] != page) return {"a page's slot holds another page"};
         if (t.slot_loads[entry.slot] == 0) return {"a page lies in a slot that nothing was loaded into"};
-        if (entry.base < 0 || entry.base > max_height_steps - 65535) return {"a page's base is off the height scale"};
+        if (entry.base < -2 * max_height_steps || entry.base > max_height_steps)
+            return {"a page's base is off the height scale"};
     }
     return missing == t.pages_missing ? Violation{} : Violation{"missing pages are counted wrongly"};
 }

@@ -1,5 +1,5 @@
-// A vertex' own error, one vertex at a time: the slow way, which handles holes and the terrain's rim. The baker takes it
-// there; edits take it for vertices that have either under them.
+// A vertex' own error, one vertex at a time: the slow way, which handles holes and the terrain's rim. The baker takes
+// it there; edits take it for vertices that have either under them.
 #pragma once
 
 #include <algorithm>
@@ -106,8 +106,8 @@ template <typename Ground>
 
 } // namespace diamonds
 
-// Of any step. ground: `tree`, h(place) in height scale steps and is_void(place). has(apex): whether the triangle at that
-// parent counts.
+// Of any step. ground: `tree`, h(place) in height scale steps and is_void(place). has(apex): whether the triangle at
+// that parent counts.
 template <typename Ground, typename Has>
 [[nodiscard]] UnsaturatedError diamond_error(const Ground& ground, const DiamondTerms& in, SampleIndex v,
                                              const Has& has) {
@@ -131,7 +131,8 @@ template <typename Ground, typename Has>
             on_ground_m = std::max(on_ground_m, sum.worst_steps * in.quantum_m);
         // A hole's rim is drawn to within the triangle's size.
         if (sum.ground && sum.hole)
-            error_m = std::max({error_m, sum.worst_steps * in.quantum_m, diamonds::longest_edge_m(ground, in, a, b, c)});
+            error_m =
+                std::max({error_m, sum.worst_steps * in.quantum_m, diamonds::longest_edge_m(ground, in, a, b, c)});
     }
     if (!any) return {};
     return {in.errors.code_up(error_m), in.errors.code_up(on_ground_m)};
