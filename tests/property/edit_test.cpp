@@ -8,7 +8,7 @@
 #include "fjell/measure.h"
 #include "fjell/query.h"
 #include "shared/diamond_error.h"
-#include "support/cut_scene.h"
+#include "support/paging_host.h"
 #include "support/rounds.h"
 
 using namespace fjell;
@@ -264,4 +264,126 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
         REQUIRE(check_bounds(t) == "");
     }
     CHECK(changed > rounds(30, 300));
+}
+
+TEST_CASE("pages that leave come back with their edits", "[edit]") {
+    Random random(20261129);
+    int changed = 0, left = 0;
+    for (int round = 0; round < rounds(6, 60); ++round) {
+        CAPTURE(round);
+        const auto pack = paged_terrain(random, pick(random, 0, 1) != 0);
+        PagedTerrain paged(pack.pack, {}), still(pack.pack, {});
+        const TerrainData& t = data_of(paged.terrain);
+        Editor editor(paged.terrain), other(still.terrain); // the same stamps where nothing leaves
+        Cut cut(paged.terrain, ample_cut(paged.terrain)), cut_of_still(still.terrain, ample_cut(still.terrain));
+        Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
+        Host loader{random, pack.pack, still.terrain, cut_of_still, false, {}, {}};
+        host.load_all();
+        loader.load_all();
+        const auto keep_all = [&] {
+            while (host.keep()) {
+            }
+            host.just_unloaded.clear();
+            host.load_all();
+        };
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random);
+        std::vector<View> views{random_view(random, pack.terrain)};
+        for (int frame = 0; frame < 30; ++frame) {
+            CAPTURE(frame);
+            if (pick(random, 0, 3) == 0) {
+                const Stamp stamp = random_stamp(random, pack.terrain);
+                const StampId id = editor.push(stamp);
+                changed += editor.update().samples != 0;
+                if (stamp_state(editor.edits, id).state == StampState::waiting) { // held until its pages come
+                    keep_all();
+                    (void)editor.update();
+                }
+                const StampState state = stamp_state(editor.edits, id).state;
+                REQUIRE(state != StampState::waiting);
+                const StampId same = other.push(stamp);
+                (void)other.update();
+                REQUIRE(stamp_state(other.edits, same).state == state);
+            }
+            host.act();
+            left += t.pages_missing != 0;
+            (void)editor.update(static_cast<std::uint32_t>(pick(random, 0, 50)));
+            views[0] = moved(random, views[0], random_step_m(random, pack.terrain));
+            (void)cut.update(views, settings);
+            REQUIRE(check_cut(cut) == "");
+        }
+        keep_all();
+        REQUIRE(t.pages_missing == 0);
+        REQUIRE(check_bounds(t) == "");
+        (void)editor.update();
+        (void)other.update();
+        CHECK(editor.update().loose == 0);
+        CHECK(difference_of(t, data_of(still.terrain)) == "");
+    }
+    CHECK(changed > rounds(10, 100));
+    CHECK(left > rounds(10, 100));
+}
+
+TEST_CASE("a stamp that cannot be is refused by its field's name, and changes nothing", "[edit]") {
+    Random random(20261130);
+    const auto pack = rich_terrain(random, 129, 5);
+    const TerrainData& t = data_of(pack.terrain);
+    Editor editor(pack.terrain, {4, 2, 2});
+    const auto before = heights_of(t).heights_m;
+    const float quantum = pack.terrain.header().quantum_m, cell = pack.terrain.spacing_x_m();
+    Stamp good;
+    good.x_m = static_cast<double>(pack.terrain.extent_x_m()) / 2,
+    good.z_m = static_cast<double>(pack.terrain.extent_z_m()) / 2;
+    good.radius_m = 3 * cell, good.amount_m = quantum * 50;
+    StampId id = 0;
+    const auto refused = [&](const auto& change) {
+        Stamp stamp = good;
+        change(stamp);
+        const Status s = push_stamp(editor.edits, stamp, id);
+        CHECK(s.code == StatusCode::out_of_range);
+        return std::string(s.field);
+    };
+    CHECK(refused([](Stamp& s) { s.x_m = NAN; }) == "Stamp::x_m");
+    CHECK(refused([](Stamp& s) { s.radius_m = -1; }) == "Stamp::radius_m");
+    CHECK(refused([](Stamp& s) { s.amount_m = INFINITY; }) == "Stamp::amount_m");
+    CHECK(refused([](Stamp& s) { s.shape = static_cast<StampShape>(99); }) == "Stamp::shape");
+    CHECK(refused([](Stamp& s) { s.shape = StampShape::heights; }) == "Stamp::heights_m");
+    CHECK(refused([](Stamp& s) { s.shape = StampShape::path; }) == "Stamp::points");
+    CHECK(refused([](Stamp& s) { s.shape = StampShape::noise; }) == "Stamp::wavelength_m");
+    // The queue.
+    StampId ids[2];
+    for (StampId& one : ids) CHECK(push_stamp(editor.edits, good, one).ok());
+    CHECK(push_stamp(editor.edits, good, id).code == StatusCode::out_of_slots);
+    (void)editor.update();
+    for (const StampId one : ids) CHECK(stamp_state(editor.edits, one).state == StampState::applied);
+    CHECK(heights_of(t).heights_m != before);
+    const auto applied = [&](const auto& change) {
+        Stamp stamp = good;
+        change(stamp);
+        REQUIRE(push_stamp(editor.edits, stamp, id).ok());
+        (void)editor.update();
+        return stamp_state(editor.edits, id);
+    };
+    // All the way back.
+    CHECK(applied([](Stamp& s) { s.shape = StampShape::restore, s.radius_m = 1e6f; }).state == StampState::applied);
+    CHECK(heights_of(t).heights_m == before);
+    // More blocks than there are, a cliff that no code bounds, heights that 16 bits do not hold: nothing changes.
+    StampResult result = applied([](Stamp& s) { s.radius_m = 1e6f; });
+    CHECK(result.state == StampState::refused);
+    CHECK(std::string(result.status.field) == "EditBudget::blocks");
+    result = applied([&](Stamp& s) { s.amount_m = quantum * 70'000; });
+    CHECK(result.state == StampState::refused);
+    CHECK(std::string(result.status.field).rfind("Stamp (", 0) == 0);
+    result = applied([&](Stamp& s) { s.amount_m = cell * 500; });
+    CHECK(result.state == StampState::refused);
+    CHECK(heights_of(t).heights_m == before);
+    // Handles.
+    CHECK(push_stamp({}, good, id).code == StatusCode::invalid_handle);
+    CHECK(stamp_state(editor.edits, 12345).state == StampState::unknown);
+    EditReport report;
+    CHECK(update_edits({}, {}, {}, report).code == StatusCode::invalid_handle);
+    Edits second;
+    const std::size_t bytes = edits_bytes(pack.terrain.header(), {});
+    const auto memory = io::allocate(bytes);
+    CHECK(create_edits(pack.terrain, {}, {memory.get(), bytes}, second).code == StatusCode::not_supported);
 }

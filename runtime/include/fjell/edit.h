@@ -105,6 +105,7 @@ Status destroy_edits(const Edits& edits);
 //     crater.radius_m = 12, crater.falloff_m = 6, crater.amount_m = 5;
 //     fjell::StampId id = 0;
 //     const fjell::Status pushed = fjell::push_stamp(edits, crater, id);
+//     if (!pushed.ok()) std::printf("%s: %s\n", pushed.field, fjell::message(pushed.code));
 Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id);
 // Any thread, O(1).
 [[nodiscard]] StampResult stamp_state(const Edits& edits, StampId id);
@@ -139,7 +140,7 @@ struct GroundRect {
 };
 // What has changed since the consumer's last call, for physics, path finding, or a host's own copy: up to rects.size()
 // rectangles, in order. cursor: the consumer's own, 0 at first. Returns how many. lost: more has changed than is
-// remembered (256 rectangles), and rects[0] is the whole terrain. A query made afterwards sees the new ground. The
+// remembered (the last 1,024 changes), and rects[0] is the whole terrain. A query made afterwards sees the new ground. The
 // frame's thread, O(rectangles).
 [[nodiscard]] std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std::span<GroundRect> rects,
                                                 bool& lost);

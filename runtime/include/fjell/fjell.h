@@ -7,6 +7,7 @@
 #include "fjell/asserts.h"
 #include "fjell/compact.h"
 #include "fjell/cut.h"
+#include "fjell/edit.h"
 #include "fjell/export.h"
 #include "fjell/handle.h"
 #include "fjell/jobs.h"
