@@ -258,19 +258,20 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
     // footprint's long axis is taken for shorter than it is.
     if (maps.z < 1.5) {
         float x = length(dx), y = length(dy), least = min(x, y);
-        float kept = mix(0.75, 0.35, near);
+        float kept = mix(0.9, 0.55, near);
         dx *= max(least, kept * x) / max(x, 1e-9);
         dy *= max(least, kept * y) / max(y, 1e-9);
-    }
-    // A software driver is given one mip a read: noise hides where the next one begins.
-    if (layers_at.w > 0.0) {
-        float mip = exp2(fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5);
-        dx *= mip;
-        dy *= mip;
     }
     vec2 patches = textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw;
     float spots = textureGrad(noise_map, at.xz / 64.0, dx.xz / 64.0, dy.xz / 64.0).z;
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
+    // A software driver is given one mip a read: noise hides where the next one begins. The ground's own, not the
+    // picture's, or the ground would change from frame to frame.
+    if (layers_at.w > 0.0) {
+        float mip = exp2(noises.y - 0.5);
+        dx *= mip;
+        dy *= mip;
+    }
     ivec3 material;
     vec3 share;
 #ifdef SPLAT
@@ -301,7 +302,8 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
         material = material.yzx;
         share = vec3(share.yz, 0.0);
     } while (share.x > least_share);
-    float top = max(max(now.reach, before.reach), first.reach) - 0.15;
+    // From afar, where no stone is seen, they mix by their shares.
+    float top = max(max(now.reach, before.reach), first.reach) - mix(0.6, 0.15, near);
     vec3 weight = max(vec3(now.reach, before.reach, first.reach) - top, 0.0);
     weight /= weight.x + weight.y + weight.z;
     vec3 colour = weight.x * now.colour + weight.y * before.colour + weight.z * first.colour;
