@@ -272,7 +272,8 @@ void Renderer::State::set_ambient(const SkyLight& ground, double sun_y, FrameBlo
     };
     // Slopes that face a low sun are lit more than level ground is.
     const double facing = std::clamp(0.7 * sun_y + 0.2, 0.0, 0.8);
-    const Rgb lit = (ground.ambient[0] + ground.ambient[1] * 0.5f + ground.sun * static_cast<float>(facing / pi)) * ground_albedo;
+    const Rgb lit =
+        (ground.ambient[0] + ground.ambient[1] * 0.5f + ground.sun * static_cast<float>(facing / pi)) * ground_albedo;
     const Rgb bounce{1.08f * lit.r, lit.g, 0.86f * lit.b};
     put(block.ambient[0], eased(ground.ambient[0]) + bounce * 0.5f);
     put(block.ambient[1], eased(ground.ambient[1]) - bounce * 0.4f);
@@ -316,7 +317,11 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
     put(block.film, exposure_of(light, ground, sun.y) * (filmic ? 2.0 : 1.0), filmic ? 1 : 0, light.dither ? 1 : 0,
         std::fmod(now.time_s, 4096.0));
     const bool wet = light.water && eye_m > light.water_level_m;
-    put(block.water, light.water_level_m - eye_m, wet ? 1 : 0, 0, 0);
+    // Heights are stored to half a quantum, and both of them reach the shader as floats.
+    const double same_m = 0.5 * static_cast<double>(header.quantum_m) +
+                          0x1p-21 * std::max(std::abs(eye_m), std::abs(light.water_level_m));
+    constexpr double shore_m = 0.15; // so deep that the surface is all there
+    put(block.water, light.water_level_m - eye_m, wet ? 1 : 0, same_m, shore_m);
     put(block.water_tint, 0.30 * shrunk, 0.075 * shrunk, 0.05 * shrunk, 0);
     // A metre below the lowest ground, or the sea.
     const double around_m = std::min((wet ? light.water_level_m : low_m) - eye_m, -1.0);

@@ -46,9 +46,9 @@ struct Maps {
     MapArrays kind[map_kinds];   // by MapKind
     std::vector<RimColours> rim; // one a tile; empty without colours
     std::uint64_t rim_changes = 0;
-    bool all_there = true;     // whole packs, drawn as they are: shaders need not look at tiles
-    float anisotropy = 1;      // samples along the steep direction, as the driver grants them
-    std::uint64_t bytes = 0;   // on the GPU
+    bool all_there = true;   // whole packs, drawn as they are: shaders need not look at tiles
+    float anisotropy = 1;    // samples along the steep direction, as the driver grants them
+    std::uint64_t bytes = 0; // on the GPU
 };
 
 struct MapOptions {

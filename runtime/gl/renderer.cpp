@@ -100,8 +100,9 @@ void Renderer::State::prepare_surround() {
     surround.follow(terrain, maps);
     Program& program = surround.program[light_bits & light_air];
     if (program.get() == 0)
-        program = make_program({"surround", light_defines(light_bits & light_air) + common_shader(),
-                                surround_vertex_shader(), "", std::string(light_shader()) + surround_fragment_shader()});
+        program =
+            make_program({"surround", light_defines(light_bits & light_air) + common_shader(), surround_vertex_shader(),
+                          "", std::string(light_shader()) + surround_fragment_shader()});
 }
 
 void Renderer::State::make_buffers() {

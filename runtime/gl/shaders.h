@@ -42,14 +42,15 @@ struct FrameBlock {
     float air[2][4];               // extinction at the eye [1/m], Rayleigh's and Mie's; 1 / height [1/m]
     float sun_level[4]; // the sun's azimuth as a unit vector, x and z; the sky table's slice and share of the next
     float film[4];      // exposure; 1: filmic; 1: dithered; time [s]
-    float water[4], water_tint[4]; // level, 1 where it is seen; extinction in water [1/m]
-    float backdrop[4];             // ground around the terrain: rgb; height
-    float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
-    float noise_at[4];             // of the eye, from where the noise repeats [m]
-    float surround[4];             // of the ground around the terrain that is seen, 1/m by which it falls by e
-    float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
-    float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
-    float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
+    float water[4]; // level [m]; 1 where it is seen; what is no further from the level is on it [m]; shore's depth [m]
+    float water_tint[4];   // extinction in water [1/m]
+    float backdrop[4];     // ground around the terrain: rgb; height
+    float noise_scale[4];  // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
+    float noise_at[4];     // of the eye, from where the noise repeats [m]
+    float surround[4];     // of the ground around the terrain that is seen, 1/m by which it falls by e
+    float layers_at[4];    // of the eye, from where materials repeat [m]; 1: one mip a read
+    float layers[4];       // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
+    float shadow_plane[4]; // column and row of the horizon map's planes on both sides of the sun's azimuth
     float splat[4];  // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
     float shadow[4]; // share of the second; sine of half the penumbra; texels a side of mip 0; mips
     float relief[4]; // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds

@@ -193,7 +193,7 @@ vec3 body_of_water(float rise) {
     return vec3(0.012, 0.045, 0.06) * (sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0)));
 }
 
-// A lake that the splat map knows: how deep it is nobody knows, so no ground shows through.
+// A lake that the splat map knows: how deep it is nobody knows, so ground shows through at its shore alone.
 vec3 on_lake(vec3 direction, float rise) {
     float calm;
     vec3 normal = wave_normal(surface.position, calm);
@@ -247,6 +247,7 @@ vec2 horizon_here() {
 
 // The ground's colour as the eye's film gets it. base: diffuse, of which no more light leaves than comes.
 vec3 shaded(vec3 base, vec3 normal) {
+    float steep = length(normal.xz);
     float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared), metres = squared * inverse;
     vec3 direction = surface.position * inverse;
 #ifdef LAYERS
@@ -275,15 +276,21 @@ vec3 shaded(vec3 base, vec3 normal) {
 #endif
     vec3 colour = base * (sun_at(rise) * sunlit + mix(bounce.rgb, sky_light(normal), sky_seen));
 #ifdef LAKES
-    // A shore is sharper than the map's texels are.
-    colour = mix(colour, on_lake(direction, rise), smoothstep(0.4, 0.6, lake));
+    // A shore is sharper than the map's texels are, and wet.
+    float lake_soft = max(0.02, fwidth(lake));
+    colour *= 1.0 - 0.4 * smoothstep(0.36, 0.48, lake);
+    colour = mix(colour, on_lake(direction, rise), smoothstep(0.5 - lake_soft, 0.5 + lake_soft, lake) * mix(0.75, 1.0, smoothstep(0.5, 0.62, lake)));
 #endif
 #ifdef WATER
-    if (water.y > 0.0 && rise < water.x) {
-        float to_surface = water.x / direction.y;
-        colour = under_water(colour, direction, metres - to_surface, water.x - rise, water.x);
-        metres = to_surface;
-        rise = water.x;
+    float depth = water.x - rise;
+    if (water.y > 0.0 && depth > -0.5) {
+        colour *= mix(0.6, 1.0, clamp(-2.0 * depth, 0.0, 1.0)); // a wet shore
+        float unknown = smoothstep(2.0 * water.z, water.z, abs(depth)) * smoothstep(0.02, 0.006, steep);
+        float to_surface = water.x / direction.y, cover = max(clamp(depth / (water.w + 1.5 * fwidth(rise)), 0.0, 1.0), unknown);
+        vec3 wet = under_water(colour, direction, max(metres - to_surface, 0.0) + 100.0 * unknown, max(depth, 0.0), water.x);
+        colour = mix(colour, wet, cover);
+        metres = mix(metres, to_surface, cover);
+        rise = mix(rise, water.x, cover);
     }
 #endif
     if (haze.x > 0.0) colour = mix(haze_source(direction), colour, through_air(metres, rise));

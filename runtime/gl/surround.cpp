@@ -102,12 +102,14 @@ void Surround::find_points(const Terrain& terrain, const Maps& maps) {
         }
         p.low_m = static_cast<float>(low_m);
         p.top_m = moved ? p.low_m : static_cast<float>(ground.height_m);
-        const SampleIndex place{std::min(static_cast<std::int32_t>(p.column) / side, static_cast<std::int32_t>(header.tiles_x) - 1),
-                                std::min(static_cast<std::int32_t>(p.row) / side, static_cast<std::int32_t>(header.tiles_y) - 1)};
+        const SampleIndex place{
+            std::min(static_cast<std::int32_t>(p.column) / side, static_cast<std::int32_t>(header.tiles_x) - 1),
+            std::min(static_cast<std::int32_t>(p.row) / side, static_cast<std::int32_t>(header.tiles_y) - 1)};
         const std::uint32_t tile = terrain.tile_at(place);
         p.colour = {0.2f, 0.19f, 0.15f};
         if (tile < maps.rim.size() && maps.rim[tile].side_log2 != 0)
-            p.colour = colour_of(maps.rim[tile], (p.column - place.column * side) / side, (p.row - place.row * side) / side);
+            p.colour =
+                colour_of(maps.rim[tile], (p.column - place.column * side) / side, (p.row - place.row * side) / side);
         points_.push_back(p);
     };
     // Clockwise from the north-west. The last step of a side may be shorter.
@@ -161,7 +163,8 @@ void Surround::fill_rings(const Terrain& terrain) {
             v.row = static_cast<std::int32_t>(std::lround(p.row + (row - p.row) * share));
             v.height_m = mix(v.height_m, level_m, levelled);
             for (std::size_t c = 0; c < 3; ++c) v.colour[c] = mix(v.colour[c], mean[c], levelled);
-            v.ground = k + 1 == rings ? 0.0f : static_cast<float>(std::exp(-out_diagonals[k] / surround_fade_diagonals));
+            v.ground =
+                k + 1 == rings ? 0.0f : static_cast<float>(std::exp(-out_diagonals[k] / surround_fade_diagonals));
         }
         rings_.insert(rings_.end(), placed.begin(), placed.end());
     }
@@ -173,12 +176,14 @@ void Surround::fill_rings(const Terrain& terrain) {
                 return Vec3{v.column * dx, static_cast<double>(v.height_m), v.row * dz};
             };
             const std::size_t inner = k <= 2 ? 1 : k - 1, outer = std::min(std::max<std::size_t>(k + 1, 2), rings - 1);
-            const Vec3 along = at(std::max<std::size_t>(k, 2), i + 1) - at(std::max<std::size_t>(k, 2), i + n - 1), out = at(outer, i) - at(inner, i);
+            const Vec3 along = at(std::max<std::size_t>(k, 2), i + 1) - at(std::max<std::size_t>(k, 2), i + n - 1),
+                       out = at(outer, i) - at(inner, i);
             Vec3 normal = cross(out, along);
             if (normal.y < 0) normal = normal * -1.0;
             const double length = std::sqrt(dot(normal, normal));
             if (length > 0)
-                rings_[k * n + i].slope = {static_cast<float>(normal.x / length), static_cast<float>(normal.z / length)};
+                rings_[k * n + i].slope = {static_cast<float>(normal.x / length),
+                                           static_cast<float>(normal.z / length)};
         }
 }
 
@@ -206,7 +211,8 @@ void Surround::follow(const Terrain& terrain, const Maps& maps) {
     // While pages come, not for each of them.
     const std::uint32_t loaded = terrain.pages_loaded();
     const bool heights = !complete_ && 2 * loaded >= 3 * std::max(seen_pages_, 1u);
-    const bool colours = 2 * maps.rim_changes >= 3 * std::max(seen_colours_, std::uint64_t{1}) || (maps.rim_changes == maps.rim.size() && seen_colours_ != maps.rim_changes);
+    const bool colours = 2 * maps.rim_changes >= 3 * std::max(seen_colours_, std::uint64_t{1}) ||
+                         (maps.rim_changes == maps.rim.size() && seen_colours_ != maps.rim_changes);
     if (!points_.empty() && !heights && !colours) return;
     seen_pages_ = loaded;
     seen_colours_ = maps.rim_changes;
@@ -251,9 +257,13 @@ out float v_ground;
 void main() {
     vec2 cells = vec2(a_sample - tile.zw);
     v_position = vec3(cells.x * grid.x - eye.x, (a_height.x - eye.z) - eye.w, cells.y * grid.y - eye.y);
+    v_ground = a_height.y;
+    if (water.y > 0.0) { // it falls into the sea, which goes on instead
+        v_position.y = mix(min(water.x - 20.0, v_position.y), v_position.y, smoothstep(0.75, 0.98, v_ground));
+        v_ground = 1.0;
+    }
     v_colour = a_colour;
     v_slope = a_slope;
-    v_ground = a_height.y;
     gl_Position = view_projection * vec4(v_position, 1.0);
 }
 )";
@@ -267,7 +277,7 @@ in vec2 v_slope;
 in float v_ground;
 layout(location = 0) out vec4 out_colour;
 void main() {
-    if (water.y > 0.0 && v_position.y < water.x) discard; // the sea was drawn
+    if (water.y > 0.0 && v_position.y < water.x + 0.5 + 2.0 * water.z) discard; // the sea was drawn
     float metres = length(v_position);
     vec3 direction = v_position / metres, normal = vec3(v_slope.x, sqrt(max(1.0 - dot(v_slope, v_slope), 0.0)), v_slope.y);
     vec3 colour = v_colour * (sun_at(v_position.y) * (0.31831 * max(dot(normal, sun.xyz), 0.0)) + sky_light(normal));
