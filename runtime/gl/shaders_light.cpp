@@ -75,7 +75,7 @@ vec3 on_water(vec3 below, vec3 direction, vec3 normal, float calm, float rise) {
     vec3 mirrored = reflect(direction, normal);
     vec3 reflected = sky_radiance(vec3(mirrored.x, abs(mirrored.y), mirrored.z));
     vec3 half_way = normalize(sun.xyz - direction);
-    float power = mix(60.0, 400.0, calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
+    float power = 140.0 * exp2(2.7 * calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
     float glint = (power + 8.0) * 0.0398 * pow(max(dot(half_way, normal), 0.0), power);
     return mix(below, reflected, fresnel) +
            sun_at(rise) * (glint * max(sun.y, 0.0) * (0.02 + 0.98 * off2 * off2 * off));
@@ -173,7 +173,8 @@ void add_detail(inout vec3 base, inout vec3 normal, float snow, out float glitte
     base += vec3(0.6, 0.62, 0.66) * (clamp(snow + 6.0 * snow * (1.0 - snow) * shade.y, 0.0, 1.0) - snow);
     bump = mix(bump, vec3(0.7 * bump.x + 0.6 * drift.x, bump.y, 0.7 * bump.z - 0.16 * drift.x), snow);
     normal = normalize(normal - mix(0.5, 1.4, rough) * (bump - normal * dot(bump, normal)));
-    glitter = snow * smoothstep(0.22, 0.36, grain);
+    // A threshold is not filtered by mips: grains are seen where a texel of the finest scale covers pixels.
+    glitter = snow * smoothstep(0.22, 0.36, grain) * clamp(2.0 - 2.0 * 289.0 * 256.0 * max(length(dx), length(dy)), 0.0, 1.0);
 }
 #endif
 
@@ -184,7 +185,7 @@ vec3 wave_normal(vec3 at, out float calm) {
     vec2 first = texture(noise_map, place * noise_scale.y + film.w * vec2(0.021, 0.013)).xy;
     vec2 second = texture(noise_map, place.yx * (noise_scale.y * 0.25) - film.w * vec2(0.006, 0.004)).xy;
     vec2 slope = first + second - 1.0;
-    calm = clamp(1.0 - 8.0 * noise_scale.y * length(fwidth(at.xz)), 0.0, 1.0); // waves finer than a pixel: a wider glint
+    calm = clamp(0.5 - 0.25 * log2(max(8.0 * noise_scale.y * length(fwidth(at.xz)), 1e-6)), 0.0, 1.0);
     return normalize(vec3(-0.22 * slope.x, 1.0, -0.22 * slope.y));
 }
 
