@@ -89,7 +89,8 @@ TEST_CASE("the horizon is the brightest of a clear day's picture, and nothing da
             const double degree = high / (45.0 * 1.0); // rows, near the middle
             const auto horizon = static_cast<std::uint32_t>(high / 2 - 6 * degree);
             double brightest = 0, darkest = 10;
-            for (std::uint32_t y = horizon - 2; y <= horizon + 2; ++y) brightest = std::max(brightest, row_mean(image, y));
+            for (std::uint32_t y = horizon - 2; y <= horizon + 2; ++y)
+                brightest = std::max(brightest, row_mean(image, y));
             for (auto y = horizon; y < horizon + static_cast<std::uint32_t>(8 * degree); ++y)
                 darkest = std::min(darkest, row_mean(image, y));
             CAPTURE(heading, brightest, darkest);
