@@ -150,7 +150,8 @@ TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size
     streamed.show();
     const gl::DrawOptions ground{.sky = false}; // around it colours come from whatever mip there is
     for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), map_from_above(streamed.scene, 6000)}) {
-        const Picture drawn = streamed.scene.draw(mesh.view(), view, ground), whole = streamed.reference(mesh, view, ground);
+        const Picture drawn = streamed.scene.draw(mesh.view(), view, ground),
+                      whole = streamed.reference(mesh, view, ground);
         // uv times another power of two rounds alike, but a level counted from another mip 0 does not: a step of the
         // weight between two mips, 1/256 of their contrast, and another for rounding the result.
         CHECK(largest_step(drawn.colour, whole.colour) <= 2);
