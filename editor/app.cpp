@@ -64,8 +64,8 @@ bool is_one_of(const Command& command) {
     return (std::holds_alternative<C>(command) || ...);
 }
 bool only_panels(const Command& command) {
-    return is_one_of<MoveCamera, ShowPanel, ShowGroup, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe, MarkPlace,
-                     ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
+    return is_one_of<MoveCamera, ShowPanel, ShowGroup, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe,
+                     MarkPlace, ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
                      BrowseFolder, BrowseFor, DraftBake, GiveBakeFile, BrowseAllKinds, SetHeat, ForgetRun>(command);
 }
 

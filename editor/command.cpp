@@ -511,8 +511,8 @@ Command compare_pictures(Words& w) {
     if (word == "half") return ComparePictures{CompareWith::half, 0};
     if (word == "profile") return ComparePictures{CompareWith::profile, 0};
     return ComparePictures{CompareWith::threshold,
-                           Words::number_in(word, "the threshold, unless off, profile or half,", ranges::least_threshold_px,
-                                            ranges::most_threshold_px)};
+                           Words::number_in(word, "the threshold, unless off, profile or half,",
+                                            ranges::least_threshold_px, ranges::most_threshold_px)};
 }
 
 std::vector<Verb> study_verbs() {

@@ -27,7 +27,7 @@ struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: t
     std::string path;
     bool discard = false; // without asking about what is not saved
 };
-struct OpenSample {}; // baked at its first use
+struct OpenSample {};      // baked at its first use
 struct ChooseMaterials {   // of near ground, for the terrain that is open: remembered for it
     std::string materials; // a file, or built-in (editor/materials.h); empty: none
     std::string rules;     // a file, or one of built_in_rules; empty: none
@@ -304,7 +304,7 @@ inline constexpr const char* compare_with_names[] = {"off", "threshold", "half",
 struct ComparePictures {
     CompareWith with = CompareWith::nothing;
     double error_px = 0; // of a threshold; the rest is the profile's
-}; // half: the threshold that draws half the triangles
+};                       // half: the threshold that draws half the triangles
 enum class CompareView : std::uint8_t { split, difference };
 inline constexpr const char* compare_view_names[] = {"split", "difference"};
 struct SetCompareView {
@@ -336,16 +336,18 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command = std::variant<
-    OpenFile, OpenSample, ChooseMaterials, SetKey, Undo, Redo, ResetProfile, SetLight, OpenProfile, SaveProfile, CompareProfile, StopComparing,
-    BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed,
-    SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
-    RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace,
-    ClearMarks, SetPictureMode, SetOverlay, ShowPanel, ShowGroup, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel,
-    SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor,
-    BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow,
-    DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint,
-    PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+using Command =
+    std::variant<OpenFile, OpenSample, ChooseMaterials, SetKey, Undo, Redo, ResetProfile, SetLight, OpenProfile,
+                 SaveProfile, CompareProfile, StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved,
+                 RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement,
+                 OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint,
+                 MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks,
+                 SetPictureMode, SetOverlay, ShowPanel, ShowGroup, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel,
+                 PlacePanel, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile,
+                 OpenBaked, BrowseFor, BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob,
+                 TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace,
+                 ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark,
+                 ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {

@@ -154,7 +154,7 @@ private:
     std::uint64_t terrains_ = 0;
     std::string pack_;
     Layers layers_, next_layers_;
-    Profile built_;                                       // what the session's memory was allocated for
+    Profile built_; // what the session's memory was allocated for
     std::unique_ptr<session::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;

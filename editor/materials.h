@@ -37,8 +37,8 @@ public:
     };
     // Of the terrain that is shown; layers null: none. Reads a small mip of the pack's splat maps where the place is in
     // another tile than before.
-    void follow(const session::Session& session, const session::GroundLayers* layers,
-                const gl::LayerSettings& settings, double x_m, double z_m);
+    void follow(const session::Session& session, const session::GroundLayers* layers, const gl::LayerSettings& settings,
+                double x_m, double z_m);
     [[nodiscard]] std::span<const Share> all() const { return shares_; }
     void forget() { *this = {}; }
 

@@ -76,33 +76,32 @@ struct GroupName {
     const char* label;  // as its panel has it
     bool opens = false; // unfolded at first
 };
-inline constexpr GroupName group_names[] = {
-    {Panel::tune, "tune.refinement", "Refinement", true},
-    {Panel::tune, "tune.budgets", "Budgets", true},
-    {Panel::tune, "tune.streaming", "Streaming"},
-    {Panel::tune, "tune.screen", "Screen"},
-    {Panel::tune, "tune.advanced", "Advanced: recursive method"},
-    {Panel::view, "view.picture", "Picture mode", true},
-    {Panel::view, "view.overlays", "Overlays", true},
-    {Panel::view, "view.compare", "Compare in the picture"},
-    {Panel::view, "view.camera", "Camera"},
-    {Panel::view, "view.map", "Overview", true},
-    {Panel::view, "view.position", "Position"},
-    {Panel::view, "view.interface", "Interface"},
-    {Panel::cost, "cost.budgets", "Budgets and memory", true},
-    {Panel::cost, "cost.time", "Time"},
-    {Panel::cost, "cost.streaming", "Streaming"},
-    {Panel::cost, "cost.levels", "Levels"},
-    {Panel::auto_tune, "auto-tune.threshold", "Auto-tune", true},
-    {Panel::auto_tune, "auto-tune.benchmark", "Benchmark", true},
-    {Panel::pictures, "pictures.path", "Camera path", true},
-    {Panel::pictures, "pictures.bookmarks", "Bookmarks", true},
-    {Panel::pictures, "pictures.render", "Render"},
-    {Panel::light, "light.presets", "Presets", true},
-    {Panel::light, "light.sun", "Sun", true},
-    {Panel::light, "light.air", "Air and exposure"},
-    {Panel::light, "light.ground", "Shadows and water"},
-    {Panel::light, "light.materials", "Materials", true}};
+inline constexpr GroupName group_names[] = {{Panel::tune, "tune.refinement", "Refinement", true},
+                                            {Panel::tune, "tune.budgets", "Budgets", true},
+                                            {Panel::tune, "tune.streaming", "Streaming"},
+                                            {Panel::tune, "tune.screen", "Screen"},
+                                            {Panel::tune, "tune.advanced", "Advanced: recursive method"},
+                                            {Panel::view, "view.picture", "Picture mode", true},
+                                            {Panel::view, "view.overlays", "Overlays", true},
+                                            {Panel::view, "view.compare", "Compare in the picture"},
+                                            {Panel::view, "view.camera", "Camera"},
+                                            {Panel::view, "view.map", "Overview", true},
+                                            {Panel::view, "view.position", "Position"},
+                                            {Panel::view, "view.interface", "Interface"},
+                                            {Panel::cost, "cost.budgets", "Budgets and memory", true},
+                                            {Panel::cost, "cost.time", "Time"},
+                                            {Panel::cost, "cost.streaming", "Streaming"},
+                                            {Panel::cost, "cost.levels", "Levels"},
+                                            {Panel::auto_tune, "auto-tune.threshold", "Auto-tune", true},
+                                            {Panel::auto_tune, "auto-tune.benchmark", "Benchmark", true},
+                                            {Panel::pictures, "pictures.path", "Camera path", true},
+                                            {Panel::pictures, "pictures.bookmarks", "Bookmarks", true},
+                                            {Panel::pictures, "pictures.render", "Render"},
+                                            {Panel::light, "light.presets", "Presets", true},
+                                            {Panel::light, "light.sun", "Sun", true},
+                                            {Panel::light, "light.air", "Air and exposure"},
+                                            {Panel::light, "light.ground", "Shadows and water"},
+                                            {Panel::light, "light.materials", "Materials", true}};
 inline constexpr std::size_t groups = std::size(group_names);
 static_assert(groups == static_cast<std::size_t>(Group::light_materials) + 1, "a group was added: name it");
 inline constexpr std::array<bool, groups> first_groups = [] {
@@ -114,10 +113,10 @@ inline constexpr std::array<bool, groups> first_groups = [] {
 inline constexpr struct {
     const char* name;
     Group group;
-} former_panels[] = {{"camera", Group::view_camera},   {"show", Group::view_picture},
-                     {"time", Group::cost_time},       {"budgets", Group::cost_budgets},
-                     {"streaming", Group::cost_streaming}, {"levels", Group::cost_levels},
-                     {"benchmark", Group::auto_tune_benchmark}};
+} former_panels[] = {
+    {"camera", Group::view_camera},           {"show", Group::view_picture},        {"time", Group::cost_time},
+    {"budgets", Group::cost_budgets},         {"streaming", Group::cost_streaming}, {"levels", Group::cost_levels},
+    {"benchmark", Group::auto_tune_benchmark}};
 
 enum class Column : std::uint8_t { left, right }; // one alone is the left one
 inline constexpr const char* column_names[] = {"left", "right"};

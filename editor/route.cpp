@@ -291,8 +291,8 @@ namespace {
 double way_m(const std::vector<ControlPoint>& points) {
     double all_m = 0;
     for (std::size_t i = 1; i < points.size(); ++i)
-        all_m += length(Vec3{points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1],
-                             points[i][2] - points[i - 1][2]});
+        all_m += length(
+            Vec3{points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1], points[i][2] - points[i - 1][2]});
     return all_m;
 }
 

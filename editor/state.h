@@ -43,7 +43,7 @@ struct Scene {
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
     bool horizons = false, splat = false; // the pack has these maps
     bool materials = false;               // are loaded
-    std::uint32_t mips = 0; // of the maps that are shown by their mips; 0: it has none
+    std::uint32_t mips = 0;               // of the maps that are shown by their mips; 0: it has none
     std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0;
     bool streamed = false;
 

@@ -37,15 +37,15 @@ public:
             queue_of(w).push({InputEvent::Kind::key, key, action == GLFW_PRESS, false, mods, 0, pointer_in(w)});
         });
         glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned character) {
-            queue_of(w).push({InputEvent::Kind::character, static_cast<int>(character), false, false, 0, 0, pointer_in(w)});
+            queue_of(w).push(
+                {InputEvent::Kind::character, static_cast<int>(character), false, false, 0, 0, pointer_in(w)});
         });
         glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int) {
             queue_of(w).push({InputEvent::Kind::button, button, action == GLFW_PRESS, false, 0, 0, pointer_in(w)},
                              glfwGetTime());
         });
         glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double notches) {
-            queue_of(w).push(
-                {InputEvent::Kind::wheel, 0, false, false, 0, static_cast<float>(notches), pointer_in(w)});
+            queue_of(w).push({InputEvent::Kind::wheel, 0, false, false, 0, static_cast<float>(notches), pointer_in(w)});
         });
         glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double x, double y) {
             static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->pointer_ = {static_cast<float>(x),

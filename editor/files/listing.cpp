@@ -26,9 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* everything[] = {".fjell", ".fjell-materials", ".toml", ".json", ".txt", ".path", ".tif", ".tiff", ".hgt",
-                                      ".asc",   ".dem",  ".vrt",  ".nc",  ".png",  ".img", ".bil",  ".flt",
-                                      ".adf",   ".bmp",  ".dt0",  ".dt1", ".dt2",  ".jp2"};
+constexpr const char* everything[] = {".fjell", ".fjell-materials",
+                                      ".toml",  ".json",
+                                      ".txt",   ".path",
+                                      ".tif",   ".tiff",
+                                      ".hgt",   ".asc",
+                                      ".dem",   ".vrt",
+                                      ".nc",    ".png",
+                                      ".img",   ".bil",
+                                      ".flt",   ".adf",
+                                      ".bmp",   ".dt0",
+                                      ".dt1",   ".dt2",
+                                      ".jp2"};
 constexpr const char* profile_files[] = {".toml"};
 constexpr const char* path_files[] = {".json", ".txt", ".path"};
 constexpr const char* height_files[] = {".tif", ".tiff", ".hgt", ".asc", ".dem", ".vrt", ".nc",  ".png", ".img",

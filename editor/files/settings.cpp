@@ -126,7 +126,8 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
     keys.key("groups_open", [&](const json& names) {
         a.open = {};
         for (const json& name : names)
-            for (std::size_t i = 0; i < groups; ++i) a.open[i] = a.open[i] || name.get<std::string>() == group_names[i].name;
+            for (std::size_t i = 0; i < groups; ++i)
+                a.open[i] = a.open[i] || name.get<std::string>() == group_names[i].name;
     });
     for (std::size_t i = 0; i < columns; ++i)
         keys.key(column_names[i], [&](const json& column) {

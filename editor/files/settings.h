@@ -95,7 +95,7 @@ struct PackMaterials {
 struct Settings {
     std::vector<std::string> recent;      // packs, the latest first
     std::vector<PackMaterials> materials; // that were chosen, the latest first
-    std::string folder;              // that a dialog looked at last
+    std::string folder;                   // that a dialog looked at last
     Look look;
     friend bool operator==(const Settings&, const Settings&) = default;
 };

@@ -200,7 +200,8 @@ void handle(const ComparePictures& c, HandlerContext context) {
     if (c.with == CompareWith::profile && state.document.compared() == nullptr)
         throw Failure(2, "there is no profile to compare with; choose one with File > Compare profiles first");
     state.compared.with = c.with;
-    state.compared.error_px = c.with == CompareWith::half ? 1.7 * state.document.profile().refine.max_error_px : c.error_px;
+    state.compared.error_px =
+        c.with == CompareWith::half ? 1.7 * state.document.profile().refine.max_error_px : c.error_px;
     state.compared.there = false;
     state.compared.differing = -1;
 }

@@ -69,7 +69,8 @@ private:
 } // namespace
 
 void need_glyph(unsigned character) {
-    if (character <= latin[1] || (character >= latin[2] && character <= latin[3]) || character > IM_UNICODE_CODEPOINT_MAX)
+    if (character <= latin[1] || (character >= latin[2] && character <= latin[3]) ||
+        character > IM_UNICODE_CODEPOINT_MAX)
         return;
     Glyphs& glyphs = context().glyphs;
     const auto c = static_cast<ImWchar>(character);

@@ -11,8 +11,8 @@
 namespace fjell::editor::ui {
 
 struct Glyphs {
-    std::vector<ImWchar> asked; // beside Latin's; sorted
-    bool more = false;          // since the atlas was made
+    std::vector<ImWchar> asked;               // beside Latin's; sorted
+    bool more = false;                        // since the atlas was made
     std::vector<std::vector<ImWchar>> ranges; // that the atlas points into
 };
 

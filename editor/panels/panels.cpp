@@ -176,8 +176,7 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
     keyboard::Pane pane(state);
     // Each where it was scrolled to.
-    ImGui::BeginChild(title_of(shown), {width, 0}, false,
-                      key_flags(state) | ImGuiWindowFlags_NavFlattened);
+    ImGui::BeginChild(title_of(shown), {width, 0}, false, key_flags(state) | ImGuiWindowFlags_NavFlattened);
     pane.began();
     if (const int way = pane.turns(); way != 0)
         commands.push(ShowPanel{neighbour(section, shown, way, state.interface.arrangement)});
@@ -436,9 +435,9 @@ const char* exhausted_budget(std::uint32_t exhausted) {
     constexpr struct {
         std::uint32_t bit;
         const char* name;
-    } budgets[] = {{session::exhausted_vertices, "vertices"},     {session::exhausted_triangles, "triangles"},
-                   {session::exhausted_indices, "indices"},       {session::exhausted_page_slots, "page slots"},
-                   {session::exhausted_items, "work items"},      {session::exhausted_time, "time"}};
+    } budgets[] = {{session::exhausted_vertices, "vertices"}, {session::exhausted_triangles, "triangles"},
+                   {session::exhausted_indices, "indices"},   {session::exhausted_page_slots, "page slots"},
+                   {session::exhausted_items, "work items"},  {session::exhausted_time, "time"}};
     for (const auto& budget : budgets)
         if ((exhausted & budget.bit) != 0) return budget.name;
     return "";

@@ -141,7 +141,7 @@ struct PanelState {
     CsvForm benchmark;
     RenderForm render;
     char bookmark_name[61] = "";
-    char search[61] = "";      // of the settings
+    char search[61] = "";       // of the settings
     bool search_begins = false; // its field gets the keyboard
     TypingField typing;
     double compared_px = 4;    // the threshold that was compared last

@@ -205,9 +205,10 @@ namespace {
 void draw_choice(const State& state, PanelState& own, Commands& commands) {
     const ComparedPicture& c = state.compared;
     constexpr const char *labels[] = {"off", "threshold", "half the triangles", "profile"},
-                         *abouts[] = {"The profile alone.", "This profile at another threshold, in the same picture.",
-                                      "This profile at the threshold that draws half the triangles, in the same picture.",
-                                      "The profile chosen with File > Compare profiles, in the same picture."};
+                         *abouts[] = {
+                             "The profile alone.", "This profile at another threshold, in the same picture.",
+                             "This profile at the threshold that draws half the triangles, in the same picture.",
+                             "The profile chosen with File > Compare profiles, in the same picture."};
     for (int i = 0; i < 4; ++i) {
         const auto with = static_cast<CompareWith>(i);
         second_column(i);
@@ -254,8 +255,9 @@ Side side_of(const char* name, double asked_px, double kept_px, std::uint32_t ex
     char kept[32] = "unbounded";
     if (kept_px < 1e6) std::snprintf(kept, sizeof kept, "%.3g px", kept_px);
     const char* const budget = exhausted_budget(exhausted);
-    std::snprintf(side.text, sizeof side.text, "%.60s\n%.3g px asked, %s kept%s%s%s\n%s triangles", name, asked_px, kept,
-                  *budget != '\0' ? ",\n" : "", budget, *budget != '\0' ? " exhausted" : "", count_text(triangles).text);
+    std::snprintf(side.text, sizeof side.text, "%.60s\n%.3g px asked, %s kept%s%s%s\n%s triangles", name, asked_px,
+                  kept, *budget != '\0' ? ",\n" : "", budget, *budget != '\0' ? " exhausted" : "",
+                  count_text(triangles).text);
     if (kept_px > 1.001 * asked_px) side.colour = ui::warning_colour;
     return side;
 }
@@ -266,7 +268,8 @@ void tell_difference(const State& state, const ui::Rect& view, ImDrawList& list)
     if (c.differing < 0) return;
     const float em = ImGui::GetFontSize();
     char text[64];
-    std::snprintf(text, sizeof text, "%.*f%% of the pixels differ visibly", c.differing < 0.1 ? 2 : 1, 100 * c.differing);
+    std::snprintf(text, sizeof text, "%.*f%% of the pixels differ visibly", c.differing < 0.1 ? 2 : 1,
+                  100 * c.differing);
     constexpr struct {
         ImU32 colour;
         const char* text;

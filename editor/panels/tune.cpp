@@ -257,13 +257,12 @@ constexpr LightCondition light_conditions[] = {
     {" latitude_deg longitude_deg year month day hour_utc ",
      [](const State&, const gl::LightSettings& light) { return light.sun == gl::SunBy::direction; },
      "only with the sun by time"},
-    {" ev100 ",
-     [](const State&, const gl::LightSettings& light) { return light.exposure == gl::Exposure::automatic; },
+    {" ev100 ", [](const State&, const gl::LightSettings& light) { return light.exposure == gl::Exposure::automatic; },
      "only with a fixed exposure"},
-    {" shadows ", [](const State& state, const gl::LightSettings&) { return state.scene.open() && !state.scene.horizons; },
+    {" shadows ",
+     [](const State& state, const gl::LightSettings&) { return state.scene.open() && !state.scene.horizons; },
      "this pack was baked without horizons"},
-    {" water_level_m ", [](const State&, const gl::LightSettings& light) { return !light.water; },
-     "only with water"},
+    {" water_level_m ", [](const State&, const gl::LightSettings& light) { return !light.water; }, "only with water"},
 };
 
 const char* why_light_idle(const ProfileKey& key, const State& state) {
@@ -316,7 +315,8 @@ Group group_of(const ProfileKey& key) {
     for (const auto& t : tables)
         if (std::strcmp(key.table, t.table) == 0) return t.group;
     // Light, in the order in which a profile has it.
-    static const ProfileKey *const air = find_profile_key("light.air"), *const ground = find_profile_key("light.detail");
+    static const ProfileKey *const air = find_profile_key("light.air"), *const ground =
+                                                                            find_profile_key("light.detail");
     return &key < air ? Group::light_sun : &key < ground ? Group::light_air : Group::light_ground;
 }
 
@@ -612,8 +612,9 @@ void draw_materials(const State& state, PanelState& own, Commands& commands) {
     }
     button("None", "none", in_use.materials.empty(), {}, "The ground as it was baked.");
     ui::beside("Built-in");
-    button("Built-in", built_in_materials, in_use.materials == built_in_materials, {built_in_materials, in_use.rules},
-           "Rock, scree, gravel, soil, sand, grass, forest floor, snow and ice. Baked at their first use, in a minute.");
+    button(
+        "Built-in", built_in_materials, in_use.materials == built_in_materials, {built_in_materials, in_use.rules},
+        "Rock, scree, gravel, soil, sand, grass, forest floor, snow and ice. Baked at their first use, in a minute.");
     ui::beside("File...");
     if (ui::panel_button("File...", "materials", "file", can,
                          "A file that fjell-bake materials has made, or one of rules. Or drop it onto the window."))

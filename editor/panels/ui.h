@@ -98,7 +98,7 @@ void right_text(const char* text, ImU32 colour); // at the right of the room tha
 void path_text(const std::string& path);
 // In as many lines as it takes; they end at spaces alone.
 void wrapped(const char* text);
-void note(const char* text);                     // quiet, in as many lines as it takes
+void note(const char* text); // quiet, in as many lines as it takes
 // "label   value" over the width of the column, the value on its right.
 void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 

@@ -30,8 +30,9 @@ constexpr const char* help =
     "P         along the path, on and off       M     next picture: shaded, wireframe, levels,\n"
     "                                                 tiles, mips, residency, distance\n"
     "F1        keys in the title, and this list  Esc   quit\n";
-constexpr const char* keys_in_title = "Fjell - W A S D Q E: fly - drag: look - wheel: speed - [ ]: threshold - M: picture - "
-                                     "P: path - Esc: quit - F1: figures";
+constexpr const char* keys_in_title =
+    "Fjell - W A S D Q E: fly - drag: look - wheel: speed - [ ]: threshold - M: picture - "
+    "P: path - Esc: quit - F1: figures";
 constexpr double radians_a_pixel = 0.003;
 constexpr double title_seconds = 0.25;
 
@@ -141,8 +142,10 @@ public:
 
 private:
     void take_input() {
-        const Input input = std::exchange(
-            input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging, .keys_shown = input_.keys_shown});
+        const Input input = std::exchange(input_, Input{.mouse_x = input_.mouse_x,
+                                                        .mouse_y = input_.mouse_y,
+                                                        .dragging = input_.dragging,
+                                                        .keys_shown = input_.keys_shown});
         mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % picture_modes);
         profile_.refine.max_error_px = std::clamp(profile_.refine.max_error_px * std::pow(1.25, input.threshold_steps),
                                                   ranges::least_threshold_px, ranges::most_threshold_px);

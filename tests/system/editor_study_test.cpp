@@ -151,18 +151,18 @@ TEST_CASE("materials are chosen for a pack, show in its picture, and are told by
 
 TEST_CASE("a pack that says which materials lie where warns while there are none to draw") {
     const TemporaryFolder folder;
-    const Run baked = run_in(folder.path, FJELL_BIN_DIR
-                             "/fjell-bake " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o a.fjell --tile 64 "
-                             "--layers " FJELL_SOURCE_DIR "/content/materials/splat/alpine.json --splat quarter");
+    const Run baked =
+        run_in(folder.path, FJELL_BIN_DIR
+               "/fjell-bake " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o a.fjell --tile 64 "
+               "--layers " FJELL_SOURCE_DIR "/content/materials/splat/alpine.json --splat quarter");
     INFO(baked.err);
     REQUIRE(baked.code == 0);
     REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake materials " FJELL_SOURCE_DIR
                                               "/content/materials -o m.fjell-materials --size 16")
                 .code == 0);
-    const Run opened =
-        run_in(folder.path, no_pixels + FJELL_BIN_DIR
-                                "/fjell-editor a.fjell --headless --size 480x320 --do 'dump bare.json' "
-                                "--do 'materials m.fjell-materials' --do wait --do 'dump with.json'");
+    const Run opened = run_in(folder.path, no_pixels + FJELL_BIN_DIR
+                                               "/fjell-editor a.fjell --headless --size 480x320 --do 'dump bare.json' "
+                                               "--do 'materials m.fjell-materials' --do wait --do 'dump with.json'");
     CHECK(opened.code == 0);
     CHECK(opened.err.find("Light > Materials") != std::string::npos);
     CHECK(json::parse(slurp(folder / "bare.json"))["materials"]["under"].empty());

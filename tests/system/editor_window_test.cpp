@@ -135,7 +135,8 @@ TEST_CASE("a number is typed beside the slider: one out of range is clamped with
     for (int i = 0; i < 2; ++i) editor.key("ctrl+z");
 }
 
-TEST_CASE("between two slow frames nothing is lost: two redos, a click where it was made, letters for its field alone") {
+TEST_CASE(
+    "between two slow frames nothing is lost: two redos, a click where it was made, letters for its field alone") {
     if (no_windows()) return;
     SmallTerrain& terrain = SmallTerrain::shared(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
@@ -156,7 +157,8 @@ TEST_CASE("between two slow frames nothing is lost: two redos, a click where it 
                            at(view.x + view.width / 2, view.y + view.height / 2), "key --clearmodifiers ctrl+a",
                            "type --delay 0 3.5mf", "key BackSpace", "key BackSpace", "key Return"},
                           "characters", 5);
-    const json after = editor.until("the value", [](const json& s) { return s["profile"]["refine.max_error_px"] == 3.5; });
+    const json after =
+        editor.until("the value", [](const json& s) { return s["profile"]["refine.max_error_px"] == 3.5; });
     CHECK(after["interface"]["mode"] == before["interface"]["mode"]);
     CHECK(after["camera"]["frozen"] == false);
     CHECK_FALSE(has_message(after, "error", "path"));

@@ -98,7 +98,9 @@ TEST_CASE("a key of the settings that means nothing costs that key alone, and an
     CHECK(settings.look.scale == 2);
     CHECK(settings.look.arrangement == Arrangement{});
     // Panels as they were before there were groups.
-    spit(file, R"({"panels_latest": ["time", "camera"], "floating": {"levels": {"on": true, "x_px": 1, "y_px": 2, "width_px": 300, "height_px": 200}}})");
+    spit(
+        file,
+        R"({"panels_latest": ["time", "camera"], "floating": {"levels": {"on": true, "x_px": 1, "y_px": 2, "width_px": 300, "height_px": 200}}})");
     settings = read_settings(folder / "config", problem);
     CHECK(problem.empty());
     CHECK(settings.look.arrangement.latest.front() == Panel::cost);

@@ -68,7 +68,7 @@ TEST_CASE("a name's letters are there once it is shown, of whatever script a fon
         CHECK(Lettered::has(c) == some_font_has(c));
     }
     CHECK(Lettered::has(0x42D)); // DejaVu has it at least
-    ui::need_glyphs(names); // what no font has is not looked for again
+    ui::need_glyphs(names);      // what no font has is not looked for again
     CHECK_FALSE(ui::glyphs_are_missing());
 }
 

@@ -171,7 +171,8 @@ TEST_CASE("panels float and come back, and columns give the room of those that f
     CHECK_THROWS(parse_command("place-panel time 1 1 2 2"));
 }
 
-TEST_CASE("six panels hold all groups: one that is unfolded turns to its panel, and former panels' names lead to groups") {
+TEST_CASE(
+    "six panels hold all groups: one that is unfolded turns to its panel, and former panels' names lead to groups") {
     State state;
     Engine engine;
     Jobs jobs;
