@@ -1,6 +1,8 @@
 // The real window, driven as by hand. Every process has its own X server, so cases may run side by side.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -271,10 +273,13 @@ TEST_CASE("keys and the mouse move the camera, but not while a number is typed o
         return s["camera"]["position_m"][static_cast<std::size_t>(i)].get<double>();
     };
     editor.move(x, y);
-    const json forward = editor.hold("w", "a metre of flight", [&](const json& s) { // which looks north, where -z is
-        return position(s, 2) < position(before, 2) - 1;
-    });
-    CHECK(position(forward, 0) == Approx(position(before, 0)).margin(0.01));
+    const auto flown = [&](const json& s, int i) { return position(s, i) - position(before, i); };
+    const json forward =
+        editor.hold("w", "a metre of flight", [&](const json& s) { return std::hypot(flown(s, 0), flown(s, 2)) > 1; });
+    // Where it looks: clockwise from north, where -z is.
+    const double heading = before["camera"]["heading_rad"], far_m = std::hypot(flown(forward, 0), flown(forward, 2));
+    CHECK(flown(forward, 0) == Approx(far_m * std::sin(heading)).margin(0.01));
+    CHECK(flown(forward, 2) == Approx(-far_m * std::cos(heading)).margin(0.01));
     editor.wheel(3);
     const json faster = editor.until("more speed", [&](const json& s) {
         return s["camera"]["speed_m_s"].get<double>() > 1.5 * before["camera"]["speed_m_s"].get<double>();

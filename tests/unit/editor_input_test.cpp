@@ -27,6 +27,7 @@ struct SlowWindow {
         unsigned char* pixels = nullptr;
         int width = 0, height = 0;
         io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+        frames([] {}, 2); // the window is there before anything is done in it
     }
     ~SlowWindow() { ImGui::DestroyContext(); }
 
@@ -44,11 +45,15 @@ struct SlowWindow {
     }
     // Frames until nothing waits, and some more; the pointer is where it is now in all of them.
     void run(const std::function<void()>& draw) {
-        for (int left = 8; left > 0 || queue.waits(); --left) {
+        frames(draw, 8);
+        CHECK_FALSE(queue.waits());
+    }
+    void frames(const std::function<void()>& draw, int least) {
+        for (int left = least; left > 0 || (least > 2 && queue.waits()); --left) {
             REQUIRE(left > -200);
             ImGuiIO& io = ImGui::GetIO();
             io.MousePos = pointer; // as the back end has it
-            queue.deliver(io, counts, {});
+            if (least > 2) queue.deliver(io, counts, {});
             ImGui::NewFrame();
             ImGui::SetNextWindowPos({0, 0});
             ImGui::SetNextWindowSize({200, 100});

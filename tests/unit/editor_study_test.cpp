@@ -174,7 +174,6 @@ TEST_CASE("a distant point that is added to a path of a fixed time gets the time
     route.add({{500 + 20 * way_m, 300, 400}, {1, 0, 0}, {0, 1, 0}}, slope());
     CHECK(route.requested_seconds() == Approx(10 * 21));
     CHECK(route.seconds() == Approx(21 * way_m / speed_m_s).epsilon(0.02));
-    CHECK(route.share_of(1) == Approx(1.0 / 21).margin(0.01));
 }
 
 TEST_CASE("the first recording replaces nothing; a later one would replace what was not saved") {
