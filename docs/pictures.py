@@ -3,14 +3,14 @@
 
 docs/pictures.py BIN [NAME...]                   BIN: the folder of fjell-bake, fjell-fly and fjell-editor
 docs/pictures.py BIN --tenth FOLDER [NAME...] [-- OPTIONS...]
-                                                 a tenth as wide and high, as PNG, into FOLDER; fjell-fly with OPTIONS too
+                                                 a tenth as wide and high, as PNG, into FOLDER; with other options of fjell-fly
 
 In a page, <!-- makes NAME [WIDTHxHEIGHT] [FRAME] --> is the line above a block of commands; or, without its end, above
 commands that a reader need not see, with the end on a line of its own. The picture that its last
 command draws becomes docs/pictures/NAME, of that size; of several frames it is the last, or the named one. What the
 command reads is made first, by commands before it in the page. Height fields and images that the page names come from the folder FJELL_DATA; where
-they are not, the picture is skipped. A name stands for all pictures that begin with it. Bakes are kept in
-build/pictures and made again when their commands or fjell-bake are newer.
+they are not, the picture is skipped. A name stands for all pictures that begin with it. Bakes are kept in the folder
+pictures beside BIN and made again when their commands or fjell-bake are newer.
 Exit codes: 0 done, 1 a command failed, 2 usage.
 """
 
@@ -26,7 +26,6 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PAGES = ("docs/gallery.md", "docs/concepts.md", "docs/guides/first-picture.md", "docs/guides/baking.md", "docs/guides/light.md",
          "docs/guides/materials.md", "docs/guides/tuning.md")
-WORK = os.path.join(ROOT, "build", "pictures")
 PICTURES = os.path.join(ROOT, "docs", "pictures")
 QUALITY = 84
 
@@ -65,6 +64,9 @@ def option(command, name):
 
 def drawn_by(command):
     """Where a command puts its pictures: a folder or a file, or None."""
+    at = re.search(r'"screenshot ([^" ]+)', command)
+    if at:
+        return at.group(1)
     at = option(command, "--render") or option(command, "--picture") or option(command, "--pictures") or option(command, "--screenshot")
     return at or (shlex.split(command)[-1] if command.startswith("docs/clip.sh") else None)
 
@@ -72,7 +74,7 @@ def drawn_by(command):
 class Page:
     def __init__(self, name, binaries, options):
         self.commands, self.options, self.binaries = commands_of(name), options, binaries
-        self.folder = os.path.join(WORK, os.path.splitext(os.path.basename(name))[0])
+        self.folder = os.path.join(os.path.dirname(binaries), "pictures", os.path.splitext(os.path.basename(name))[0])
         os.makedirs(self.folder, exist_ok=True)
         data = os.environ.get("FJELL_DATA", os.path.join(ROOT, "..", "shared", "data"))
         links = [os.path.join(ROOT, each) for each in ("content", "profiles", "docs", "build")]
@@ -82,8 +84,10 @@ class Page:
                 os.symlink(os.path.abspath(path), link)
 
     def run(self, command):
-        env = {**os.environ, "PATH": self.binaries + ":" + os.environ["PATH"], "XDG_CONFIG_HOME": self.folder,
-               "XDG_DATA_HOME": self.folder, "XDG_STATE_HOME": self.folder}
+        home = os.path.join(self.folder, "home")  # of an editor that has kept nothing yet
+        shutil.rmtree(home, ignore_errors=True)
+        env = {**os.environ, "PATH": self.binaries + ":" + os.environ["PATH"]}
+        env.update({f"XDG_{kind}_HOME": home for kind in ("CONFIG", "DATA", "STATE", "CACHE")})
         if command.startswith("fjell-editor") and "--headless" not in command:
             command = "xvfb-run -a -s '-screen 0 1920x1200x24' " + command
         result = subprocess.run(command, shell=True, cwd=self.folder, env=env, capture_output=True, text=True)
@@ -107,7 +111,7 @@ class Page:
         """Makes what command `at` reads; returns all that it depends on, as text."""
         command, history = self.commands[at][0], ""
         for token in shlex.split(command)[1:]:
-            if token == option(command, "-o") or token == drawn_by(command) or "=" in token:
+            if token in (option(command, "-o"), drawn_by(command)) or "=" in token or " " in token:
                 continue
             maker = self.makes(token, at)
             if maker is not None:
@@ -118,6 +122,8 @@ class Page:
 
     def bake(self, at):
         command = self.commands[at][0]
+        if not option(command, "-o"):
+            raise Missing(shlex.split(command)[-1])
         history = self.prepare(at) + command + "\n"
         stamp = os.path.join(self.folder, option(command, "-o") + ".command")
         read = [os.path.join(self.binaries, shlex.split(command)[0])] + [os.path.join(ROOT, word) for word in shlex.split(command)]
@@ -129,6 +135,8 @@ class Page:
             print("   ", command, flush=True)
             if os.path.exists(stamp):
                 os.remove(stamp)
+            if option(command, "--pictures"):
+                os.makedirs(os.path.join(self.folder, option(command, "--pictures")), exist_ok=True)
             self.run(command)
             with open(stamp, "w", encoding="utf-8") as file:
                 file.write(history)
@@ -147,8 +155,9 @@ class Page:
         command = change(self.commands[at][0])
         if tenth:
             command = re.sub(r"--size (\d+)x(\d+)", lambda size: f"--size {int(size[1]) // 10}x{int(size[2]) // 10}", command)
-        if self.options:
-            command += " " + shlex.join(self.options)
+        for name, value in zip(self.options[::2], self.options[1::2]):
+            command, there = re.subn(rf" {name} \S+", f" {name} {value}", command) if name != "--light" else (command, 0)
+            command += "" if there else f" {name} {value}"
         where = os.path.join(self.folder, drawn_by(command))
         if os.path.isdir(where):
             shutil.rmtree(where)
@@ -189,27 +198,53 @@ def heights(page, at, out):
 
 
 def stream(page, at, out):
-    """Five frames of a flight that streams, from the first with ground to the last, side by side."""
+    """Five frames of a flight that streams, denser at its begin, side by side."""
     frames = page.draw(at)
-    convert([frames[round(i * (len(frames) - 1) / 4)] for i in range(5)] + ["+append"], out)
+    convert([frames[i] for i in (0, 1, 3, 8, len(frames) - 1)] + ["-resize", "50%", "+append"], out)
 
 
 def morph(page, at, out):
     """Five frames without and with morphing, in two rows."""
     rows = []
     for extra in ("", " --morph error"):
-        rows += ["("] + [page.kept(drawn) for drawn in page.draw(at, change=lambda command: command + extra)[5:10]] + ["+append", ")"]
+        rows += ["("] + [page.kept(drawn) for drawn in page.draw(at, change=lambda command: command + extra)] + ["+append", ")"]
     convert(rows + ["-append"], out)
 
 
 def materials(page, at, out):
     """Ten materials under a low sun: their colours, shaded by their heights."""
     page.bake(at)
-    names = ("rock", "scree", "gravel", "soil", "sand", "grass", "dry_grass", "forest_floor", "snow", "ice")
-    print(os.listdir(os.path.join(page.folder, "swatches")))
+    pictures = []
+    for name in ("rock", "scree", "gravel", "soil", "sand", "grass", "dry_grass", "forest_floor", "snow", "ice"):
+        path = os.path.join(page.folder, "swatches", name)
+        pictures += ["(", path + "-albedo.png", "(", path + "-height.png", "-shade", "315x45", "-auto-level", ")", "-compose", "SoftLight",
+                     "-composite", "-resize", "256x256", ")"]
+    convert(["("] + pictures[:5 * 14] + ["+append", ")", "("] + pictures[5 * 14:] + ["+append", ")", "-append"], out)
 
 
-COMPOSED = {"budgets-wire.jpg": budgets, "first-heights.jpg": heights, "stream.jpg": stream, "morph.jpg": morph,
+def parts(page, at, out):
+    """The editor's window with numbers on its parts, which its dump tells."""
+    picture = page.draw(at)[-1]
+    with open(os.path.join(page.folder, "editor.json"), encoding="utf-8") as file:
+        state = json.load(file)
+    marks, view = state["marks"], state["interface"]["view_px"]
+    right = lambda name: (marks[name][0] + marks[name][2], marks[name][1] + marks[name][3] / 2)
+    places = [right("menu.help"), right("panel.time"), right("camera.home"), right("map.overview"), right("path.seek"),
+              right("camera.x"), (marks["handle.left-column"][0] + 5, view[1] + 0.62 * view[3]),
+              (view[0] + 0.5 * view[2], view[1] + 0.6 * view[3]), right("status.threshold"), right("status.triangles")]
+    drawing = []
+    for number, (x, y) in enumerate(places, 1):
+        if number < 4:  # beside the text; the others lie on their parts, or above the status line
+            x += 16
+        elif number > 8:
+            x, y = x - 40, y - 26
+        drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + 11:.0f},{y:.0f}",
+                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", "14", "-gravity", "northwest",
+                    "-annotate", f"+{x - (4.5 if number < 10 else 9.5):.0f}+{y - 8:.0f}", str(number)]
+    convert([picture, *drawing], out)
+
+
+COMPOSED = {"editor-parts.jpg": parts, "budgets-wire.jpg": budgets, "first-heights.jpg": heights, "stream.jpg": stream, "morph.jpg": morph,
             "materials.jpg": materials}
 
 
