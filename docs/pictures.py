@@ -234,13 +234,12 @@ def parts(page, at, out):
               (view[0] + 0.5 * view[2], view[1] + 0.6 * view[3]), right("status.threshold"), right("status.triangles")]
     drawing = []
     for number, (x, y) in enumerate(places, 1):
-        if number < 4:  # beside the text; the others lie on their parts, or above the status line
-            x += 16
-        elif number > 8:
-            x, y = x - 40, y - 26
-        drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + 11:.0f},{y:.0f}",
-                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", "14", "-gravity", "northwest",
-                    "-annotate", f"+{x - (4.5 if number < 10 else 9.5):.0f}+{y - 8:.0f}", str(number)]
+        radius = 11 if number < 9 else 8
+        if number < 4 or number > 8:  # beside the text; the others lie on their parts
+            x += radius + 2
+        drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + radius:.0f},{y:.0f}",
+                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + 3), "-gravity", "northwest",
+                    "-annotate", f"+{x - radius * len(str(number)) * 0.42:.0f}+{y - 0.72 * radius:.0f}", str(number)]
     convert([picture, *drawing], out)
 
 
