@@ -72,8 +72,8 @@ def drawn_by(command):
 
 
 class Page:
-    def __init__(self, name, binaries, options):
-        self.commands, self.options, self.binaries = commands_of(name), options, binaries
+    def __init__(self, name, binaries, options, tenth):
+        self.commands, self.options, self.binaries, self.tenth = commands_of(name), options, binaries, tenth
         self.folder = os.path.join(os.path.dirname(binaries), "pictures", os.path.splitext(os.path.basename(name))[0])
         os.makedirs(self.folder, exist_ok=True)
         data = os.environ.get("FJELL_DATA", os.path.join(ROOT, "..", "shared", "data"))
@@ -124,6 +124,8 @@ class Page:
         command = self.commands[at][0]
         if not option(command, "-o"):
             raise Missing(shlex.split(command)[-1])
+        if self.tenth and command.startswith("fjell-bake materials"):
+            command += " --size 128"  # small pictures show coarse mips, and all of them would take half of the time
         history = self.prepare(at) + command + "\n"
         stamp = os.path.join(self.folder, option(command, "-o") + ".command")
         read = [os.path.join(self.binaries, shlex.split(command)[0])] + [os.path.join(ROOT, word) for word in shlex.split(command)]
@@ -149,11 +151,11 @@ class Page:
         shutil.copy(picture, copy)
         return copy
 
-    def draw(self, at, tenth=False, change=lambda command: command):
+    def draw(self, at, change=lambda command: command):
         """Runs the drawing command `at`; returns its pictures."""
         self.prepare(at)
         command = change(self.commands[at][0])
-        if tenth:
+        if self.tenth:
             command = re.sub(r"--size (\d+)x(\d+)", lambda size: f"--size {int(size[1]) // 10}x{int(size[2]) // 10}", command)
         for name, value in zip(self.options[::2], self.options[1::2]):
             command, there = re.subn(rf" {name} \S+", f" {name} {value}", command) if name != "--light" else (command, 0)
@@ -251,13 +253,13 @@ def convert(arguments, out):
     subprocess.run(["convert", *arguments, "-strip", "-interlace", "none", "-sampling-factor", "4:2:0", "-quality", str(QUALITY), out], check=True)
 
 
-def make(page, at, names, tenth, folder):
+def make(page, at, names, folder):
     name = names[0]
     size = next((word for word in names[1:] if "x" in word), None)
     frame = next((f"frame_{int(word):05}.png" for word in names[1:] if word.isdigit()), "")
     out = os.path.join(folder, name)
-    picture = lambda: [drawn for drawn in page.draw(at, tenth) if drawn.endswith(frame)][-1]
-    if tenth:
+    picture = lambda: [drawn for drawn in page.draw(at) if drawn.endswith(frame)][-1]
+    if page.tenth:
         shutil.copy(picture(), os.path.splitext(out)[0] + ".png")
     elif name in COMPOSED:
         COMPOSED[name](page, at, out)
@@ -278,14 +280,14 @@ def main(arguments):
         folder, wanted = os.path.abspath(wanted[1]), wanted[2:]
     made, skipped = 0, 0
     for name in PAGES:
-        page = Page(name, binaries, options)
+        page = Page(name, binaries, options, tenth)
         profile(page, "few.toml", page_slots=400, map_mb=2)
         for at, (_, names) in enumerate(page.commands):
             if not names or (wanted and not any(names[0].startswith(each) for each in wanted)):
                 continue
             print(names[0], flush=True)
             try:
-                make(page, at, names, tenth, folder)
+                make(page, at, names, folder)
                 made += 1
             except Missing as missing:
                 print(f"    skipped: there is no {missing}; FJELL_DATA names the folder of real height fields", flush=True)
