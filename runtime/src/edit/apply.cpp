@@ -671,6 +671,17 @@ Rect places_of_block(const TerrainData& t, const Block& b) {
 
 } // namespace
 
+double growth_m(const EditsData& e, const Rect& places) {
+    const TerrainData& t = *e.terrain;
+    std::int32_t least = 0, most = 0;
+    for (std::uint32_t n = 0; n < e.block_count; ++n) {
+        if (!places_of_block(t, e.blocks[n]).meets(places)) continue;
+        least = std::min(least, e.blocks[n].low_delta);
+        most = std::max(most, e.blocks[n].high_delta);
+    }
+    return (static_cast<double>(most) - least) * static_cast<double>(t.header.quantum_m);
+}
+
 bool restore_heights(EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays) {
     const TerrainData& t = *e.terrain;
     const DecodedPage at(t, tile, page);

@@ -31,6 +31,9 @@ bool measure_next(EditsData& e, const MayGoOn& may_go_on) {
     return has_area_to_measure(e) && may_go_on() && measure_item(e) != Measuring::nothing;
 }
 
+// What errors of vertices around these places may have grown by, in metres, whatever was loaded then.
+[[nodiscard]] double growth_m(const EditsData& e, const Rect& places);
+
 // A page of the pack is about to be loaded: its heights as they are edited. arrays: decoded, errors not yet derived.
 // True: some are; then restore_bounds() once its records are in place.
 [[nodiscard]] bool restore_heights(EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);

@@ -279,6 +279,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
     set_views(s, views, cut, s.cut_state ? next_threshold_px(s.cut_state->governor, cut.max_error_px) : 0);
+    follow_ground(s);
     insert_pages(s);
     upload_maps(s);
     request_pages(s);

@@ -100,6 +100,7 @@ struct StreamState {
     StreamBudget budget;
     std::uint32_t tiles, slots, watch_count;
     // Pages.
+    std::uint64_t seen_ground; // of TerrainData::ground_changes
     Watch* watches;
     float* due;     // the odometer at which the answer may change
     float* page_px; // as last tested: the threshold in pixels at which it ceases to be wanted

@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/apply.h"
+
 namespace fjell {
 
 namespace {
@@ -21,9 +23,26 @@ namespace {
 constexpr double grow = 1 + 0x1p-16; // more than all roundings of wanted() together
 constexpr double sooner = 0.95;      // share of the threshold at which a page will be wanted soon
 
+// Places whose ground a page's vertices may depend on.
+edit::Rect places_around(const TerrainData& t, std::uint32_t tile, std::uint32_t page) {
+    const SampleIndex place = t.tile_xy(tile);
+    SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
+    std::int32_t cells = t.tree.side(), out = 3 * cells;
+    if (const int z = t.pages.page_step_log2(page); z >= 0) {
+        const SampleIndex position = t.pages.page_position(page);
+        cells = static_cast<std::int32_t>(2 * page_squares) << z;
+        out = 3 << z;
+        first = {first.column + position.column * cells, first.row + position.row * cells};
+    }
+    return edit::Rect{first.column, first.row, first.column + cells, first.row + cells}.grown(out);
+}
+
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
+    // What was edited may stand, hide and reach farther.
+    const auto by_m =
+        t.edits != nullptr ? static_cast<float>(edit::growth_m(*t.edits, places_around(t, tile, page))) : 0.0f;
     const SampleIndex place = t.tile_xy(tile);
     SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
     std::int32_t cells = t.tree.side();
@@ -37,12 +56,13 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.column),
             t.x_m(b.column),
-            height(std::uint32_t{bound.low} << shift),
-            height(((std::uint32_t{bound.high} + 1) << shift) - 1),
+            height(std::uint32_t{bound.low} << shift) - by_m,
+            height(((std::uint32_t{bound.high} + 1) << shift) - 1) + by_m,
             t.z_m(a.row),
             t.z_m(b.row),
-            t.errors.metres[bound.error],
-            t.header.level_radius_m[bound_level(t.pages, page)] * t.radii.factor[bound.radius]};
+            t.errors.metres[bound.error] + by_m,
+            t.header.level_radius_m[bound_level(t.pages, page)] * t.radii.factor[bound.radius] +
+                by_m * static_cast<float>(2 * max_tile_log2 + 1)};
 }
 
 } // namespace
@@ -54,6 +74,27 @@ void watch_page(StreamState& s, std::uint32_t watch, std::uint32_t tile, std::ui
     s.due[watch] = -1;
     s.wants[watch] = 0;
     s.page_px[watch] = 0;
+}
+
+void follow_ground(StreamState& s) {
+    const TerrainData& t = *s.terrain;
+    if (s.seen_ground == t.ground_changes) return;
+    const bool all = t.changed_ground == nullptr || t.ground_changes - s.seen_ground > ground_change_log;
+    for (std::uint32_t watch = 0; watch < s.watch_count; ++watch) {
+        if (s.states[watch] == WatchState::idle) continue;
+        const std::uint32_t tile = s.watch_page[watch] / t.pages_per_tile,
+                            page = s.watch_page[watch] % t.pages_per_tile;
+        const edit::Rect places = places_around(t, tile, page);
+        bool near = all;
+        for (std::uint64_t n = s.seen_ground; n < t.ground_changes && !near; ++n) {
+            const GroundChange& c = t.changed_ground[n % ground_change_log];
+            near = c.heights && places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
+        }
+        if (!near) continue;
+        s.watches[watch] = box_of(s, tile, page);
+        test(s, watch);
+    }
+    s.seen_ground = t.ground_changes;
 }
 
 void set_missing(StreamState& s, std::uint32_t watch, bool missing) {

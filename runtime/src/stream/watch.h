@@ -25,6 +25,9 @@ inline constexpr double most_px = 1e7; // of pages that are wanted at any thresh
     return {ChunkKind::geometry, page / pages, page % pages};
 }
 
+// Where the ground has been edited, pages are bounded and tested anew (fjell/edit.h). O(watches) then.
+void follow_ground(StreamState& s);
+
 // Begins to watch a page, from the next test on; ceases to.
 void watch_page(StreamState& s, std::uint32_t watch, std::uint32_t tile, std::uint32_t page, WatchState state);
 void forget_watch(StreamState& s, std::uint32_t watch);
