@@ -90,13 +90,17 @@ std::string check_bounds(const TerrainData& t) {
             if (!t.tree.contains(below.at[k])) continue;
             const TerrainData::Vertex child = t.vertex(below.at[k]);
             if (own.error_code < std::min(t.errors.above(child.error_code), 255u))
-                return "errors do not nest at " + at(v);
+                return "errors do not nest at " + at(v) + ": " + std::to_string(own.error_code) + ", child " +
+                       at(below.at[k]) + ": " + std::to_string(child.error_code) + ", tiles of " +
+                       std::to_string(t.tree.side()) + ", " + std::to_string(t.tree.columns()) + " x " +
+                       std::to_string(t.tree.rows());
             const SampleIndex q = t.tree.sample(below.at[k]);
             const double dx = t.x_m(p.column) - t.x_m(q.column), dz = t.z_m(p.row) - t.z_m(q.row),
                          dy = static_cast<double>(own.height_m) - static_cast<double>(child.height_m);
             if (std::sqrt(dx * dx + dy * dy + dz * dz) + static_cast<double>(child.radius_m) >
                 static_cast<double>(own.radius_m))
-                return "spheres do not nest at " + at(v);
+                return "spheres do not nest at " + at(v) + ": " + std::to_string(own.radius_m) + " m, child " +
+                       at(below.at[k]) + ": " + std::to_string(child.radius_m) + " m";
         }
     }
     return {};
@@ -355,8 +359,9 @@ TEST_CASE("a stamp that cannot be is refused by its field's name, and changes no
     for (StampId& one : ids) CHECK(push_stamp(editor.edits, good, one).ok());
     CHECK(push_stamp(editor.edits, good, id).code == StatusCode::out_of_slots);
     (void)editor.update();
+    for (const StampId one : ids) CHECK(std::string(stamp_state(editor.edits, one).status.field) == "");
     for (const StampId one : ids) CHECK(stamp_state(editor.edits, one).state == StampState::applied);
-    CHECK(heights_of(t).heights_m != before);
+    CHECK((heights_of(t).heights_m != before));
     const auto applied = [&](const auto& change) {
         Stamp stamp = good;
         change(stamp);
@@ -366,7 +371,7 @@ TEST_CASE("a stamp that cannot be is refused by its field's name, and changes no
     };
     // All the way back.
     CHECK(applied([](Stamp& s) { s.shape = StampShape::restore, s.radius_m = 1e6f; }).state == StampState::applied);
-    CHECK(heights_of(t).heights_m == before);
+    CHECK((heights_of(t).heights_m == before));
     // More blocks than there are, a cliff that no code bounds, heights that 16 bits do not hold: nothing changes.
     StampResult result = applied([](Stamp& s) { s.radius_m = 1e6f; });
     CHECK(result.state == StampState::refused);
@@ -376,7 +381,7 @@ TEST_CASE("a stamp that cannot be is refused by its field's name, and changes no
     CHECK(std::string(result.status.field).rfind("Stamp (", 0) == 0);
     result = applied([&](Stamp& s) { s.amount_m = cell * 500; });
     CHECK(result.state == StampState::refused);
-    CHECK(heights_of(t).heights_m == before);
+    CHECK((heights_of(t).heights_m == before));
     // Handles.
     CHECK(push_stamp({}, good, id).code == StatusCode::invalid_handle);
     CHECK(stamp_state(editor.edits, 12345).state == StampState::unknown);

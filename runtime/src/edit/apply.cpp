@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "edit/measure.h"
 #include "edit/stamp.h"
@@ -116,7 +117,7 @@ struct Change {
 };
 
 // Into e.piece, from e.window.
-Change evaluate(EditsData& e, const Stamp& stamp, const Rect& rect) {
+Change evaluate(EditsData& e, const Stamp& stamp, const Rect& rect, bool checking) {
     const TerrainData& t = *e.terrain;
     const Window& w = e.window;
     e.piece.rect = rect;
@@ -132,6 +133,27 @@ Change evaluate(EditsData& e, const Stamp& stamp, const Rect& rect) {
             to = w.steps[k];
             const SampleIndex sample = t.tree.sample({x, y});
             if (w.missing[k] != 0 || w.hole[k] != 0 || !samples.contains(sample)) continue;
+            const std::int32_t before = to;
+            const auto take = [&](std::int32_t steps) {
+                to = steps;
+                if (to == before) return;
+                change.low = change.samples == 0 ? to : std::min(change.low, to);
+                change.high = change.samples == 0 ? to : std::max(change.high, to);
+                change.old_low = change.samples == 0 ? before : std::min(change.old_low, before);
+                change.old_high = change.samples == 0 ? before : std::max(change.old_high, before);
+                change.least_delta = std::min(change.least_delta, to - before);
+                change.most_delta = std::max(change.most_delta, to - before);
+                change.places = change.places.with({x, y, x, y});
+                ++change.samples;
+            };
+            if (sample != SampleIndex{x, y}) { // it stands where that does, which was looked at before
+                if (rect.contains(sample))
+                    take(e.piece.changed[static_cast<std::size_t>(sample.row - rect.y0) * piece_side +
+                                         static_cast<std::size_t>(sample.column - rect.x0)]);
+                else if (!checking)
+                    take(height_at(t, sample).steps);
+                continue;
+            }
             Surroundings now{base_m + to * quantum_m, 0, 0};
             std::int32_t pack = to;
             if (stamp.shape == StampShape::restore) {
@@ -159,18 +181,8 @@ Change evaluate(EditsData& e, const Stamp& stamp, const Rect& rect) {
                 change.number = true;
                 continue;
             }
-            const std::int32_t before = to;
             // What goes all the way back is the pack's own, whatever rounding says.
-            to = stamp.shape == StampShape::restore && new_m == now.pack_m ? pack : static_cast<std::int32_t>(steps);
-            if (to == before) continue;
-            change.low = change.samples == 0 ? to : std::min(change.low, to);
-            change.high = change.samples == 0 ? to : std::max(change.high, to);
-            change.old_low = change.samples == 0 ? before : std::min(change.old_low, before);
-            change.old_high = change.samples == 0 ? before : std::max(change.old_high, before);
-            change.least_delta = std::min(change.least_delta, to - before);
-            change.most_delta = std::max(change.most_delta, to - before);
-            change.places = change.places.with({x, y, x, y});
-            ++change.samples;
+            take(stamp.shape == StampShape::restore && new_m == now.pack_m ? pack : static_cast<std::int32_t>(steps));
         }
     return change;
 }
@@ -190,17 +202,20 @@ bool has_codes(const EditsData& e, double steepest_m, double range_m) {
             const bool along_axis = centre || z == 0;
             const double way =
                 (along_axis ? step * std::max(sx, sz) : step / 2 * std::hypot(sx, sz)) + 2 * e.radius.ground_pad_m;
-            const double climb =
-                std::min(range_m, steepest_m * step * (along_axis ? 1.0 : 1.0)) + e.radius.height_pad_m;
+            const double climb = std::min(range_m, steepest_m * step) + e.radius.height_pad_m;
             worst =
-                (std::hypot(way, climb) + worst) * (1 + 0x1p-10) + (z == 0 && !centre ? e.radius.half_quantum_m : 0);
+                (std::hypot(way, climb) + worst) * (1 + 0x1p-16) + (z == 0 && !centre ? e.radius.half_quantum_m : 0);
             const double unit = e.radius.unit_m[2 * z + (centre ? 1 : 0)];
-            if (worst > unit * span) return false;
+            // A thousandth more than the codes span: never met, for no ground is as steep everywhere.
+            if (worst > unit * span * (1 + 0x1p-10)) return false;
             worst = std::max(worst * static_cast<double>(RadiusScale::ratio), unit);
+            const auto level = static_cast<std::uint32_t>(2 * (t.tree.tile_log2 - 1 - z) + (centre ? 0 : 1));
+            const double error_m = std::min(range_m, 4 * step * steepest_m);
+            if (static_cast<double>(t.errors.metres[255]) < error_m ||
+                t.errors.code_up(error_m) + t.errors.nesting_steps * level > 255)
+                return false;
         }
-    const std::uint32_t levels = 2u * static_cast<std::uint32_t>(t.tree.tile_log2);
-    return static_cast<double>(t.errors.metres[255]) >= range_m &&
-           t.errors.code_up(range_m) + t.errors.nesting_steps * levels <= 255 + t.errors.nesting_steps * levels / 2;
+    return true;
 }
 
 std::int32_t steepest_around(const EditsData& e, const Change& change) {
@@ -383,12 +398,13 @@ void raise_errors(EditsData& e, const Change& change) {
                     const SampleIndex v = plane.at(i, j);
                     const Found found = find_record(t, v);
                     if (found.record == nullptr) continue;
-                    const std::uint32_t before = found.record->error, asked = asked_by_children(t, v);
+                    const Asked asked_for = asked_by_children(t, v);
+                    const std::uint32_t before = found.record->error, asked = asked_for.code;
                     const std::int32_t s = 1 << z;
                     const bool affected = change.places.meets({v.column - s, v.row - s, v.column + s, v.row + s});
                     std::uint32_t code = before;
-                    if (asked == no_index) {
-                        code = grown_code(t, before, by_m);
+                    if (!asked_for.all) {
+                        code = std::max(grown_code(t, before, by_m), asked);
                     } else if (affected && (z <= measured_at_once || midpoint)) {
                         const OwnError own = own_error(e, heights, v, asked);
                         code = own.exact ? own.code : std::max(grown_code(t, before, by_m), asked);
@@ -404,7 +420,7 @@ void raise_errors(EditsData& e, const Change& change) {
         }
 }
 
-void push_area(EditsData& e, const Rect& places, bool radii) {
+void push_area(EditsData& e, const Rect& places, int radii_z) {
     // One that has not begun and is near takes it in.
     for (std::uint32_t i = 0; i < e.area_count; ++i) {
         Area& a = e.areas[i];
@@ -415,15 +431,16 @@ void push_area(EditsData& e, const Rect& places, bool radii) {
             continue;
         a.places = both;
         a.unmeasured = false;
-        a.radii = a.radii || radii;
+        a.radii_z = std::min(a.radii_z, radii_z);
+        a.radii_done = false;
         return;
     }
     if (e.area_count == e.budget.areas) { // the last two become one
         Area& last = e.areas[e.area_count - 1];
-        last = {last.places.with(places), 0, 0, 0, 0, false, false, false, last.radii || radii};
+        last = {last.places.with(places), 0, 0, 0, 0, false, false, false, std::min(last.radii_z, radii_z), false};
         return;
     }
-    e.areas[e.area_count++] = {places, 0, 0, 0, 0, false, false, false, radii};
+    e.areas[e.area_count++] = {places, 0, 0, 0, 0, false, false, false, radii_z, false};
 }
 
 Rect piece_at(const Rect& places, std::uint32_t n) {
@@ -467,12 +484,13 @@ void apply(EditsData& e, const Change& change) {
     if (change.high > r.high_steps) store_release(r.high_steps, change.high);
     store_release(r.high_m, std::max(r.high_m, t.height_scale.height_m(change.high)));
     write_heights(e, change);
-    (void)nest_radii(e, {t, &w}, places);
+    e.radii_unknown = false;
+    (void)nest_radii(e, {t, &w}, places, static_cast<double>(by_m), 0, true);
     raise_errors(e, change);
     fence_release();
     store_release(t.ground_epoch, t.ground_epoch + 1);
     push_change(e, places, true, all_steps);
-    push_area(e, places, false);
+    push_area(e, places, e.radii_unknown ? 0 : no_radii);
 }
 
 } // namespace
@@ -516,7 +534,7 @@ bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samp
     ++w.piece;
     const bool only = w.places.columns() <= piece_side && w.places.rows() <= piece_side;
     gather(*e.terrain, rect.grown(w.checking && !only ? 2 : window_margin), e.window);
-    const Change change = evaluate(e, w.stamp, rect);
+    const Change change = evaluate(e, w.stamp, rect, w.checking);
     if (change.number) {
         refusal = Refusal::number;
         return true;
@@ -527,7 +545,7 @@ bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samp
             w.high = w.changed.empty() ? change.high : std::max(w.high, change.high);
             w.old_low = w.changed.empty() ? change.old_low : std::min(w.old_low, change.old_low);
             w.old_high = w.changed.empty() ? change.old_high : std::max(w.old_high, change.old_high);
-            w.changed = w.changed.with(change.places);
+            w.changed = w.changed.with(places_of(e.terrain->tree, change.places));
             w.steepest = std::max(w.steepest, steepest_around(e, change));
             w.blocks += new_blocks(e, change.places);
         }
@@ -556,16 +574,34 @@ void retry_unmeasured(EditsData& e) {
     if (e.seen_page_changes == e.terrain->changes) return;
     e.seen_page_changes = e.terrain->changes;
     for (std::uint32_t i = 0; i < e.area_count; ++i)
-        if (e.areas[i].unmeasured) e.areas[i] = {e.areas[i].places, 0, 0, 0, 0, false, false, false, false};
+        if (e.areas[i].unmeasured) e.areas[i] = {e.areas[i].places, 0, 0, 0, 0, false, false, false, 0, false};
 }
+
+void flush_measured(EditsData& e) {
+    if (e.measured.empty()) return;
+    push_change(e, e.measured, false, static_cast<std::int8_t>(e.measured_z));
+    e.measured = {};
+}
+
+namespace {
+
+void note_measured(EditsData& e, SampleIndex v, int z) {
+    if (z != e.measured_z) flush_measured(e);
+    e.measured_z = z;
+    e.measured = e.measured.with({v.column, v.row, v.column, v.row});
+}
+
+} // namespace
 
 Measuring measure_item(EditsData& e) {
     TerrainData& t = *e.terrain;
     const std::uint32_t number = first_to_measure(e);
     Area& a = e.areas[number];
-    if (a.radii) { // of a page that has come back
-        a.radii = false;
-        (void)nest_radii(e, {t, nullptr}, a.places);
+    if (a.radii_z != no_radii && !a.radii_done) { // of a page that has come back
+        a.radii_done = true;
+        e.radii_unknown = false;
+        (void)nest_radii(e, {t, nullptr}, a.places, 0, a.radii_z, false);
+        a.missed = a.missed || e.radii_unknown;
         return Measuring::item;
     }
     while (a.z < t.tree.tile_log2) {
@@ -599,25 +635,32 @@ Measuring measure_item(EditsData& e) {
             a.missed = true;
             continue;
         }
-        const std::uint32_t before = found.record->error, asked = asked_by_children(t, v);
-        if (asked == no_index) { // it stays as it is, which is a bound
+        const Asked asked_for = asked_by_children(t, v);
+        const std::uint32_t before = found.record->error, asked = asked_for.code;
+        if (!asked_for.all) { // it stays as it is, which is a bound
             a.missed = true;
+            if (asked > before) {
+                store_code(t, plane, i, j, asked);
+                note_error(t, asked);
+                note_measured(e, v, a.z);
+            }
             return Measuring::item;
         }
         const OwnError own = own_error(e, {t, nullptr}, v, asked);
         a.missed = a.missed || !own.exact;
         const std::uint32_t code = own.exact ? own.code : std::min(own.code, std::max(before, asked));
-        if (code != before) store_code(t, plane, i, j, std::max(code, asked));
+        if (code != before) {
+            store_code(t, plane, i, j, std::max(code, asked));
+            note_measured(e, v, a.z);
+        }
         return Measuring::item;
     }
-    // Done: cuts look at what is around it again.
-    push_change(e, a.places, false, all_steps);
     const bool missed = a.missed;
     Area done = a;
     std::copy(e.areas + number + 1, e.areas + e.area_count, e.areas + number);
     --e.area_count;
     if (missed) {
-        done = {done.places, 0, 0, 0, 0, false, true, false, false};
+        done = {done.places, 0, 0, 0, 0, false, true, false, no_radii, false};
         e.areas[e.area_count++] = done;
     }
     return Measuring::done;
@@ -647,7 +690,11 @@ public:
                  origin_.column + (at.column + 1) * side, origin_.row + (at.row + 1) * side};
     }
     [[nodiscard]] const Rect& rect() const { return rect_; }
-    [[nodiscard]] int z() const { return std::max(z_, 0); }
+    [[nodiscard]] int z() const { // of its finest vertices
+        if (z_ >= 0) return z_;
+        return t_.pages.order == PageOrder::linear ? 0 : std::max(t_.tree.tile_log2 - page_squares_log2, 0);
+    }
+    [[nodiscard]] int coarsest_z() const { return z_ < 0 ? t_.tree.tile_log2 - 1 : z_; }
     [[nodiscard]] SampleIndex decoded(std::uint32_t k) const {
         return origin_ +
                (t_.pages.order == PageOrder::linear ? t_.pages.coord({page_, k}) : planar_.coord({in_planar_, k}));
@@ -687,8 +734,7 @@ bool restore_heights(EditsData& e, std::uint32_t tile, std::uint32_t page, PageA
     const DecodedPage at(t, tile, page);
     bool near = false;
     for (std::uint32_t n = 0; n < e.block_count && !near; ++n)
-        near =
-            places_of_block(t, e.blocks[n]).grown(3 << (at.z() + (page == 0 ? t.tree.tile_log2 : 0))).meets(at.rect());
+        near = places_of_block(t, e.blocks[n]).grown(radius_reach << at.coarsest_z()).meets(at.rect());
     if (!near) return false;
     const std::uint32_t count = t.pages.page_vertices(page);
     std::int32_t steps[max_page_vertices], low = INT32_MAX, high = INT32_MIN;
@@ -717,7 +763,7 @@ void restore_bounds(EditsData& e, std::uint32_t tile, std::uint32_t page) {
     for (std::uint32_t n = 0; n < e.block_count; ++n) {
         const Block& b = e.blocks[n];
         const Rect places = places_of_block(t, b);
-        if (!places.grown(3 << (at.z() + (page == 0 ? t.tree.tile_log2 : 0))).meets(at.rect())) continue;
+        if (!places.grown(radius_reach << at.coarsest_z()).meets(at.rect())) continue;
         edited = edited.with(places);
         least = std::min(least, b.low_delta);
         most = std::max(most, b.high_delta);
@@ -730,8 +776,8 @@ void restore_bounds(EditsData& e, std::uint32_t tile, std::uint32_t page) {
     for (std::uint32_t k = 0; k < t.pages.page_vertices(page); ++k) {
         const SampleIndex v = at.stored(k);
         if (t.tree.is_corner(v)) continue;
-        const std::int32_t s = 1 << Tree::step_log2(v);
-        if (!edited.meets({v.column - 3 * s, v.row - 3 * s, v.column + 3 * s, v.row + 3 * s})) continue;
+        const std::int32_t out = (Tree::kind(v) == VertexKind::centre ? 3 : 2) << Tree::step_log2(v); // as around()
+        if (!edited.meets({v.column - out, v.row - out, v.column + out, v.row + out})) continue;
         VertexRecord record = to[k];
         const std::uint32_t below = levels_below(v);
         if (!t.memory->arrays.errors_derived) {
@@ -752,28 +798,32 @@ void restore_bounds(EditsData& e, std::uint32_t tile, std::uint32_t page) {
         write_record(to + k, bits_as<std::uint32_t>(record));
     }
     // What is above nests over it again, until all is measured.
-    const Rect places = edited.within(at.rect().grown(3 << at.z()));
+    const Rect places = edited.within(at.rect().grown(radius_reach << at.coarsest_z()));
     for (int z = at.z(); z < t.tree.tile_log2; ++z)
         for (const VertexKind kind : sides_then_centres) {
             const Plane plane{z, kind};
             const int log2 = t.tree.tile_log2 - 1 - z;
-            const Rect squares = around(places, plane)
+            const Rect squares = plane.squares(places.grown(radius_reach << z))
                                      .within({0, 0, (t.tree.tiles_x << log2) - (kind == VertexKind::side_y ? 0 : 1),
                                               (t.tree.tiles_y << log2) - (kind == VertexKind::side_x ? 0 : 1)});
+            if (!squares.empty()) {
+                const SampleIndex first = plane.at(squares.x0, squares.y0), last = plane.at(squares.x1, squares.y1);
+                push_change(e, {first.column, first.row, last.column, last.row}, false, static_cast<std::int8_t>(z));
+            }
             for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
                 for (std::int32_t i = squares.x0; i <= squares.x1; ++i) {
                     const SampleIndex v = plane.at(i, j);
                     const Found found = find_record(t, v);
                     if (found.record == nullptr) continue;
-                    const std::uint32_t asked = asked_by_children(t, v);
-                    if (asked != no_index && asked > found.record->error) {
+                    const std::uint32_t asked = asked_by_children(t, v).code;
+                    if (asked > found.record->error) {
                         store_code(t, plane, i, j, asked);
                         note_error(t, asked);
                     }
+                    contain_children(e, plane, i, j);
                 }
         }
-    push_change(e, places, false, all_steps);
-    push_area(e, places, true);
+    push_area(e, places, at.z());
 }
 
 } // namespace fjell::edit

@@ -24,6 +24,8 @@ void retry_unmeasured(EditsData& e);
 enum class Measuring { nothing, item, done };
 // An item at most.
 [[nodiscard]] Measuring measure_item(EditsData& e);
+// What has been measured since is told to those who follow.
+void flush_measured(EditsData& e);
 [[nodiscard]] bool has_area_to_measure(const EditsData& e);
 
 template <typename MayGoOn>

@@ -262,6 +262,7 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
     retry_unmeasured(e);
     while (measure_next(e, [&] { return budget.may_go_on(); })) {
     }
+    flush_measured(e);
     report.waiting = e.waiting_count;
     for (std::uint32_t i = 0; i < e.waiting_count; ++i) report.held += e.waiting[i].held;
     for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);

@@ -22,7 +22,8 @@ public:
     }
     void triangle(SampleIndex apex, const SampleIndex (&ends)[2], SampleIndex middle, std::uint32_t code) {
         const Height a = heights_.at(apex), b = heights_.at(ends[0]), c = heights_.at(ends[1]);
-        if (!a.loaded || !b.loaded || !c.loaded) {
+        if (!a.loaded || !b.loaded || !c.loaded) { // it may be anything
+            raise(255);
             exact_ = false;
             return;
         }
@@ -145,16 +146,19 @@ OwnError own_error(const EditsData& e, const Heights& heights, SampleIndex v, st
     return {search.code(), search.exact()};
 }
 
-std::uint32_t asked_by_children(const TerrainData& t, SampleIndex v) {
-    const Children all = children(v);
-    std::uint32_t most = 0;
-    for (int k = 0; k < all.count; ++k) {
-        if (!exists(t.tree, all.at[k])) continue;
-        const Found found = find_record(t, all.at[k]);
-        if (found.record == nullptr) return no_index;
-        most = std::max<std::uint32_t>(most, t.errors.above(found.record->error));
+Asked asked_by_children(const TerrainData& t, SampleIndex v) {
+    const Children below = children(v);
+    Asked asked{0, true};
+    for (int k = 0; k < below.count; ++k) {
+        if (!exists(t.tree, below.at[k])) continue;
+        const Found found = find_record(t, below.at[k]);
+        if (found.record != nullptr)
+            asked.code = std::max<std::uint32_t>(asked.code, t.errors.above(found.record->error));
+        else
+            asked.all = false;
     }
-    return std::min(most, 255u);
+    asked.code = std::min(asked.code, 255u);
+    return asked;
 }
 
 // --- radii: as baker/errors/step.cpp has it, for a few vertices
@@ -193,7 +197,9 @@ constexpr double sphere_margin = 1 + 0x1p-16;
 
 class RadiusStep {
 public:
-    RadiusStep(EditsData& e, const Heights& heights, int z) : e_(e), heights_(heights), t_(*e.terrain), z_(z) {}
+    // by_m: what heights have changed by at most, where radii can only be bounded.
+    RadiusStep(EditsData& e, const Heights& heights, int z, double by_m)
+        : e_(e), heights_(heights), t_(*e.terrain), z_(z), by_m_(by_m) {}
 
     // Codes of a plane over squares, and stores them; whole blocks, which share one where the step has pages of its
     // own. Returns those that changed.
@@ -214,13 +220,33 @@ public:
                 for (std::int32_t y = block.y0; y <= block.y1 && known; ++y)
                     for (std::int32_t x = block.x0; x <= block.x1 && known; ++x)
                         known = add(plane.at(x, y), kind, most);
-                if (!known) continue; // not loaded: nobody has it
+                if (!known) { // something below is not loaded
+                    e_.radii_unknown = true;
+                    if (grow(plane, block)) changed = changed.with(block);
+                    continue;
+                }
                 const float unit_m = e_.radius.unit_m[2 * z_ + (kind == VertexKind::centre ? 1 : 0)];
                 const std::uint32_t code = code_up(unit_m, most);
                 fits = fits && static_cast<double>(unit_m * t_.radii.factor[code]) >= static_cast<double>(most);
                 if (store(plane, block, static_cast<std::uint8_t>(code))) changed = changed.with(block);
             }
         return changed;
+    }
+
+    // One vertex, which has to contain its children: those that are loaded, and the others wherever they may be by now.
+    // Never less than it does. True: it was another radius.
+    bool contain(const Plane& plane, std::int32_t i, std::int32_t j) {
+        const SampleIndex v = plane.at(i, j);
+        const Found found = find_record(t_, v);
+        if (found.record == nullptr) return false;
+        const std::uint32_t before = found.record->radius & (radius_codes - 1u);
+        const float unit_m = e_.radius.unit_m[2 * z_ + (plane.kind == VertexKind::centre ? 1 : 0)];
+        float most = 0;
+        if (!add(v, plane.kind, most) && by_m_ > 0)
+            most = std::max(most, unit_m * t_.radii.factor[before] +
+                                      static_cast<float>((levels_below(v) + 1) * by_m_ * (1 + 0x1p-10)));
+        const std::uint32_t code = std::max(code_up(unit_m, most), before);
+        return code != before && store(plane, {i, j, i, j}, static_cast<std::uint8_t>(code));
     }
 
 private:
@@ -232,11 +258,17 @@ private:
                                                        asked_m);
         return below;
     }
+    bool grow(const Plane& plane, const Rect& block) {
+        bool changed = false;
+        for (std::int32_t y = block.y0; y <= block.y1; ++y)
+            for (std::int32_t x = block.x0; x <= block.x1; ++x) changed = contain(plane, x, y) || changed;
+        return changed;
+    }
     [[nodiscard]] float distance_m(float ground, std::int32_t a, std::int32_t b) const {
         const float climb = static_cast<float>(std::abs(a - b)) * e_.radius.quantum + e_.radius.height_pad;
         return std::sqrt(ground + climb * climb);
     }
-    // most: of the radii so far. False: something is not loaded.
+    // most: of the radii so far. False: something is not loaded, and most is of the rest.
     [[nodiscard]] bool add(SampleIndex v, VertexKind kind, float& most) const {
         const Height own = heights_.at(v);
         if (!own.loaded) return false;
@@ -259,11 +291,15 @@ private:
             return true;
         }
         const Children all = children(v);
+        bool known = true;
         for (const SampleIndex child : all.at) {
             if (!exists(t_.tree, child)) continue;
             const Found found = find_record(t_, child);
             const Height h = heights_.at(child);
-            if (found.record == nullptr || !h.loaded) return false;
+            if (found.record == nullptr || !h.loaded) {
+                known = false;
+                continue;
+            }
             const int code = found.record->radius & (radius_codes - 1);
             float ground = 0, radius_m = 0;
             if (kind == VertexKind::centre) {
@@ -275,7 +311,7 @@ private:
             }
             most = std::max(most, (distance_m(ground, h.steps, own.steps) + radius_m) * float_rounding);
         }
-        return true;
+        return known;
     }
     // True: it was another one.
     bool store(const Plane& plane, const Rect& block, std::uint8_t code) {
@@ -300,6 +336,7 @@ private:
     const Heights& heights_;
     const TerrainData& t_;
     int z_;
+    double by_m_;
 };
 
 } // namespace
@@ -310,20 +347,26 @@ void push_change(EditsData& e, const Rect& places, bool heights, std::int8_t ste
         {places.x0, places.y0}, {places.x1, places.y1}, heights, step_log2};
 }
 
-bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed) {
+void contain_children(EditsData& e, const Plane& plane, std::int32_t i, std::int32_t j) {
+    (void)RadiusStep(e, {*e.terrain, nullptr}, plane.z, 0).contain(plane, i, j);
+}
+
+bool nest_radii(EditsData& e, const Heights& heights, const Rect& places, double by_m, int from_z, bool told) {
     const TerrainData& t = *e.terrain;
     bool fits = true;
     Rect finer; // centres of the step before that stand or reach elsewhere
-    for (int z = 0; z < t.tree.tile_log2; ++z) {
-        RadiusStep step(e, heights, z);
+    for (int z = from_z; z < t.tree.tile_log2; ++z) {
+        // Of pages that have come, all that may depend on the places.
+        const Rect changed = told ? places : places.grown(radius_reach << z).within(grid_of(t.tree));
+        RadiusStep step(e, heights, z, by_m);
         const auto note = [&](VertexKind kind, const Rect& squares) {
             if (squares.empty()) return squares;
             const Plane plane{z, kind};
             const SampleIndex first = plane.at(squares.x0, squares.y0), last = plane.at(squares.x1, squares.y1);
-            const Rect places{first.column, first.row, last.column, last.row};
+            const Rect moved{first.column, first.row, last.column, last.row};
             const Rect near = changed.grown((kind == VertexKind::centre ? 3 : 2) << z);
-            if (!near.contains(first) || !near.contains(last))
-                push_change(e, places, false, static_cast<std::int8_t>(z));
+            if (!told || !near.contains(first) || !near.contains(last))
+                push_change(e, moved, false, static_cast<std::int8_t>(z));
             return squares;
         };
         Rect sides[2]; // along x, along y

@@ -29,13 +29,23 @@ struct OwnError {
 };
 [[nodiscard]] OwnError own_error(const EditsData& e, const Heights& heights, SampleIndex v, std::uint32_t least);
 
-// What a vertex' children ask of its code; no_index where one of them is not loaded.
-[[nodiscard]] std::uint32_t asked_by_children(const TerrainData& t, SampleIndex v);
+// What a vertex' children ask of its code; all: or those of them that are loaded.
+struct Asked {
+    std::uint32_t code;
+    bool all;
+};
+[[nodiscard]] Asked asked_by_children(const TerrainData& t, SampleIndex v);
 
 // Works out the radii of all vertices whose spheres may depend on the heights in `changed`, of all steps, and stores
-// them. Those that change and are not around the places, because blocks share a code, are noted as changes. False: one
-// has no code. O(places changed, and some hundreds a step).
-[[nodiscard]] bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed);
+// them. Those that change and are not around the places, because blocks share a code, are noted as changes; all
+// that change, where told is false. by_m: what
+// heights have changed by at most (from_z: and finer steps are left as they are), for spheres over pages that are not
+// loaded. False: one has no code. O(places changed, and some hundreds a step).
+[[nodiscard]] bool nest_radii(EditsData& e, const Heights& heights, const Rect& changed, double by_m, int from_z,
+                              bool told);
+
+// Raises the radius of one vertex to what those of its children that are loaded ask for.
+void contain_children(EditsData& e, const Plane& plane, std::int32_t i, std::int32_t j);
 
 // For those who follow (TerrainData::changed_ground).
 void push_change(EditsData& e, const Rect& places, bool heights, std::int8_t step_log2);

@@ -66,6 +66,10 @@ struct Waiting {
     std::uint32_t blocks; // that it needs
 };
 
+// How far, in steps, a sphere may depend on a height: its children's, and those of the vertices that share their codes.
+inline constexpr std::int32_t radius_reach = 24;
+inline constexpr int no_radii = 99;
+
 // Where errors are to be measured again: of vertices around these places, from fine to coarse.
 struct Area {
     Rect places;
@@ -75,7 +79,8 @@ struct Area {
     bool begun;
     bool unmeasured; // something could not be read, until pages come
     bool missed;     // the same, in this turn
-    bool radii;      // spheres are to be worked out first
+    int radii_z;     // spheres of this step and coarser ones are to be worked out first; or no_radii
+    bool radii_done; // they are
 };
 
 // What radii are worked out from: the baker's numbers (baker/heights/scales.h).
@@ -109,6 +114,9 @@ struct EditsData {
     std::uint32_t block_table_size;
     edit::Area* areas; // the first is in work
     std::uint32_t area_count;
+    bool radii_unknown;  // some could not be worked out for want of pages
+    edit::Rect measured; // vertices of step 2^measured_z whose errors are others, and nobody knows
+    int measured_z;
     std::uint64_t seen_page_changes;
     GroundChange changes[ground_change_log];
     edit::Window window;

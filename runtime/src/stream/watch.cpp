@@ -27,11 +27,11 @@ constexpr double sooner = 0.95;      // share of the threshold at which a page w
 edit::Rect places_around(const TerrainData& t, std::uint32_t tile, std::uint32_t page) {
     const SampleIndex place = t.tile_xy(tile);
     SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
-    std::int32_t cells = t.tree.side(), out = 3 * cells;
+    std::int32_t cells = t.tree.side(), out = edit::radius_reach * cells;
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
         const SampleIndex position = t.pages.page_position(page);
         cells = static_cast<std::int32_t>(2 * page_squares) << z;
-        out = 3 << z;
+        out = edit::radius_reach << z;
         first = {first.column + position.column * cells, first.row + position.row * cells};
     }
     return edit::Rect{first.column, first.row, first.column + cells, first.row + cells}.grown(out);

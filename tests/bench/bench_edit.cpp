@@ -1,0 +1,163 @@
+// What it costs to edit the ground: a crater of 64 x 64 samples until its bound holds, until its errors are measured
+// again, and until a live cut shows it; a road; and beside them a bake of the same terrain.
+//
+// Names: edit/scene/what. Scenes: a part of the mountains of content/terrain with 1,025 x 1,025 samples, and all of it
+// (4,097 x 4,097, 60 m), in tiles of 512 cells: what an edit costs must not grow with the terrain.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "fjell/cut.h"
+#include "fjell/edit.h"
+#include "fjell/io/load.h"
+#include "support/dem.h"
+
+namespace {
+
+using namespace fjell;
+using Clock = std::chrono::steady_clock;
+
+const baker::Dem& mountains() {
+    static const baker::Dem dem = baker::synthesise(FJELL_SOURCE_DIR "/content/terrain/mountains.json");
+    return dem;
+}
+baker::Dem part(std::int32_t samples) {
+    baker::Dem dem = mountains();
+    std::vector<float> heights_m;
+    for (std::int32_t y = 0; y < samples; ++y)
+        for (std::int32_t x = 0; x < samples; ++x) heights_m.push_back(dem.at(1200 + x, 1200 + y));
+    if (samples == dem.columns) return dem;
+    dem.columns = dem.rows = samples;
+    dem.heights_m = std::move(heights_m);
+    return dem;
+}
+
+struct Scene {
+    io::LoadedPack pack;
+    io::AlignedMemory edit_memory, cut_memory;
+    Edits edits;
+    LiveCut cut;
+    View view;
+    double bake_ms = 0;
+};
+
+void must(Status s) {
+    if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
+}
+
+Scene make(std::int32_t samples) {
+    const std::string path = std::string(FJELL_BENCH_DIR) + "/edit-" + std::to_string(samples) + ".fjell";
+    std::filesystem::create_directories(FJELL_BENCH_DIR);
+    baker::BakeOptions options;
+    options.tile_log2 = 9;
+    options.max_texture_log2 = 2;
+    baker::Dem dem = samples == 4097 ? mountains() : part(samples);
+    const auto started = Clock::now();
+    (void)baker::bake(std::move(dem), options, path);
+    Scene s{io::load_pack(path, io::LoadTerrain::yes), {}, {}, {}, {}, {}, 0};
+    s.bake_ms = std::chrono::duration<double, std::milli>(Clock::now() - started).count();
+    const EditBudget budget{16384, 256, 256};
+    const std::size_t bytes = edits_bytes(s.pack.pack.header, budget);
+    s.edit_memory = io::allocate(bytes);
+    must(create_edits(s.pack.terrain, budget, {s.edit_memory.get(), bytes}, s.edits));
+    const CutBudget cut{.vertices = 1'500'000, .triangles = 3'000'000};
+    s.cut_memory = io::allocate(cut_bytes(s.pack.terrain, cut));
+    must(create_cut(s.pack.terrain, cut, {s.cut_memory.get(), cut_bytes(s.pack.terrain, cut)}, s.cut));
+    const double middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
+    s.view = make_view({middle, static_cast<double>(s.pack.terrain.header().max_m) + 500, middle}, {0.3, -0.5, 1},
+                       {0, 1, 0}, 1, 1920, 1080, 10, 1e6);
+    CutReport report;
+    must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, report));
+    return s;
+}
+Scene& scene(std::int32_t samples) {
+    static Scene small = make(1025), large = make(4097);
+    return samples == 1025 ? small : large;
+}
+
+void crater(benchmark::State& state, std::int32_t samples) {
+    Scene& s = scene(samples);
+    const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> any(-100, 100);
+    std::vector<double> apply, measure, follow, quiet;
+    std::uint64_t items = 0;
+    for (auto _ : state) {
+        Stamp stamp;
+        stamp.shape = StampShape::crater;
+        stamp.x_m = middle + any(random) * cell, stamp.z_m = middle + any(random) * cell;
+        stamp.radius_m = static_cast<float>(24 * cell), stamp.falloff_m = static_cast<float>(8 * cell);
+        stamp.amount_m = static_cast<float>(6 * cell);
+        StampId id = 0;
+        must(push_stamp(s.edits, stamp, id));
+        EditReport report;
+        EditSettings first;
+        first.max_work = 2; // looked at, then applied
+        must(update_edits(s.edits, {&s.view, 1}, first, report));
+        apply.push_back(report.apply_us);
+        CutReport cut;
+        must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
+        follow.push_back(cut.prepare_us + cut.refine_us + cut.output_us);
+        must(update_edits(s.edits, {&s.view, 1}, {}, report));
+        measure.push_back(report.measure_us);
+        items += report.work;
+        must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
+        must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
+        quiet.push_back(cut.prepare_us + cut.refine_us + cut.output_us);
+    }
+    const auto median = [](std::vector<double>& v) {
+        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+        return v[v.size() / 2];
+    };
+    state.counters["apply_us"] = median(apply);
+    state.counters["shown_us"] = median(follow);
+    state.counters["measure_us"] = median(measure);
+    state.counters["quiet_us"] = median(quiet);
+    state.counters["items"] = static_cast<double>(items) / static_cast<double>(state.iterations());
+    state.counters["bake_ms"] = s.bake_ms;
+}
+
+void road(benchmark::State& state, std::int32_t samples) {
+    Scene& s = scene(samples);
+    const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
+    double apply_us = 0, measure_us = 0;
+    int n = 0;
+    for (auto _ : state) { // 1,000 x 12 samples, across pages and tiles
+        const double from = middle - 500 * cell + (n % 7) * cell,
+                     height = s.pack.terrain.header().min_m + 100 + 10 * (n % 5);
+        const StampPoint points[3] = {
+            {from, from + 40 * cell, static_cast<float>(height)},
+            {middle, middle, static_cast<float>(height + 40)},
+            {middle + 200 * cell, middle - 600 * cell + 200 * cell, static_cast<float>(height)}};
+        Stamp stamp;
+        stamp.shape = StampShape::path;
+        stamp.points = points, stamp.point_count = 3;
+        stamp.radius_m = static_cast<float>(6 * cell), stamp.falloff_m = static_cast<float>(4 * cell);
+        StampId id = 0;
+        must(push_stamp(s.edits, stamp, id));
+        EditReport report;
+        must(update_edits(s.edits, {&s.view, 1}, {}, report));
+        must(stamp_state(s.edits, id).status);
+        apply_us += report.apply_us;
+        measure_us += report.measure_us;
+        ++n;
+    }
+    state.counters["apply_us"] = apply_us / n;
+    state.counters["measure_us"] = measure_us / n;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    for (const std::int32_t samples : {1025, 4097}) {
+        const std::string of = "edit/" + std::to_string(samples) + "/";
+        benchmark::RegisterBenchmark((of + "crater").c_str(), crater, samples)->Iterations(60);
+        benchmark::RegisterBenchmark((of + "road").c_str(), road, samples)->Iterations(6);
+    }
+    benchmark::Initialize(&argc, argv);
+    benchmark::RunSpecifiedBenchmarks();
+}
