@@ -272,7 +272,7 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
 
 TEST_CASE("pages that leave come back with their edits", "[edit]") {
     Random random(20261129);
-    int changed = 0, left = 0;
+    int changed = 0, left = 0, alike = 0;
     for (int round = 0; round < rounds(6, 60); ++round) {
         CAPTURE(round);
         const auto pack = paged_terrain(random, pick(random, 0, 1) != 0);
@@ -321,11 +321,25 @@ TEST_CASE("pages that leave come back with their edits", "[edit]") {
         REQUIRE(check_bounds(t) == "");
         (void)editor.update();
         (void)other.update();
-        CHECK(editor.update().loose == 0);
-        CHECK(difference_of(t, data_of(still.terrain)) == "");
+        const EditReport last = editor.update();
+        CAPTURE(last.loose, last.unmeasured, last.blocks, t.tree.tile_log2, t.tree.columns(), t.tree.rows(),
+                t.has_voids());
+        CHECK(last.loose == 0);
+        // Heights and errors are those of the ground that stood still. A sphere may stay larger, never smaller.
+        bool same = true;
+        for (const SampleIndex v : all_vertices(t)) {
+            const TerrainData::Vertex a = t.vertex(v), b = data_of(still.terrain).vertex(v);
+            if (a.steps != b.steps || a.error_code != b.error_code || a.radius_m < b.radius_m) {
+                FAIL_CHECK("vertex " << v.column << ", " << v.row << " is not what it is where nothing leaves");
+                break;
+            }
+            same = same && a.radius_m == b.radius_m;
+        }
+        alike += same;
     }
     CHECK(changed > rounds(10, 100));
     CHECK(left > rounds(10, 100));
+    CHECK(alike >= rounds(5, 55));
 }
 
 TEST_CASE("a stamp that cannot be is refused by its field's name, and changes nothing", "[edit]") {

@@ -777,7 +777,13 @@ void restore_bounds(EditsData& e, std::uint32_t tile, std::uint32_t page) {
         const SampleIndex v = at.stored(k);
         if (t.tree.is_corner(v)) continue;
         const std::int32_t out = (Tree::kind(v) == VertexKind::centre ? 3 : 2) << Tree::step_log2(v); // as around()
-        if (!edited.meets({v.column - out, v.row - out, v.column + out, v.row + out})) continue;
+        // By each block, not by the rectangle around them: a vertex near one has parents near it too, in any page.
+        const Rect reach{v.column - out, v.row - out, v.column + out, v.row + out};
+        bool near = false;
+        if (edited.meets(reach))
+            for (std::uint32_t n = 0; n < e.block_count && !near; ++n)
+                near = places_of_block(t, e.blocks[n]).meets(reach);
+        if (!near) continue;
         VertexRecord record = to[k];
         const std::uint32_t below = levels_below(v);
         if (!t.memory->arrays.errors_derived) {
