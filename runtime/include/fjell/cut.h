@@ -127,7 +127,7 @@ struct CutReport {
     // Items: evaluations + activations + deactivations. Those of a mesh that is built beside the drawn one are counted
     // in the frames that build it, six for an item; its activations below where it is drawn.
     std::uint32_t work = 0;
-    std::uint32_t visits = 0; // unlimited_work: the frame had no limit, and was built from nothing
+    std::uint32_t visits = 0; // unlimited_work: the frame had no limit, and chose the cheaper of two ways
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active, and the corners of all tiles
     std::uint32_t triangles = 0;                        // of the whole terrain

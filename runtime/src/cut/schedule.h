@@ -172,6 +172,8 @@ void put_back_due(Schedule& s, std::uint32_t slot);
 // Charges a due page what has been travelled: the groups that are spent then are to be evaluated.
 void charge_page(Schedule& s, std::uint32_t slot);
 void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]); // a bit a group
+// Of all due pages, as if they were charged now; as far as `most` goes, or a little further. O(due pages).
+[[nodiscard]] std::uint32_t count_spent(const Schedule& s, std::uint32_t most);
 // All of them were: when is the page due again?
 void close_page(Schedule& s, std::uint32_t slot);
 

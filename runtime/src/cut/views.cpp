@@ -146,6 +146,7 @@ void charge_views(const Grid& grid, Schedule& schedule, BulkPass& bulk, Views& v
     // By 32 cells, or by a threshold as far: most of what is awake is due.
     views.jumped = metres[grade_count / 2] > 1024 * schedule.tick_m;
     views.leapt = change.at(0) > 1024 * schedule.tick_m;
+    views.hurried = metres[grade_count / 2] > 256 * schedule.tick_m;
 }
 
 // --- the governor
