@@ -170,10 +170,11 @@ Status destroy_cut(LiveCut cut);
 // Refines and coarsens the cut for the views, as far as the items go: a vertex is wanted when any view wants it. views:
 // 1 to CutBudget::views of them. A view is what it sees, not its place among them: views that change places, or come
 // and go where an equal one stays, cost nothing; any other costs what a move from or to the nearest one would.
-// After a jump of 32 cells or more, and in the first frame, a frame without limits builds the mesh from nothing, as
-// rebuild_cut() does. With a limit of items or time, what the views see is built beside what is drawn, which stays
-// until it stands: in as many frames as items and time make of it, with what is not seen to follow. That takes
-// slots that are free, a quarter of those in use at least; otherwise the cut is refined vertex by vertex, worst first.
+// In the first frame, and where a jump, a zoom or another threshold makes that the cheaper way, a frame without limits
+// builds the mesh from nothing, as rebuild_cut() does; where vertices morph, after every jump of 16 to 32 cells. With a
+// limit of items or time, what the views see after such a jump is built beside what is drawn, which stays until it
+// stands: in as many frames as items and time make of it, with what is not seen to follow. That takes slots that are
+// free, a quarter of those in use at least; otherwise the cut is refined vertex by vertex, worst first.
 // Example:
 //     if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1, .max_time_us = 2'000}, report);
 //     if (!s.ok()) std::printf("%s: %s\n", s.field, fjell::message(s.code));
