@@ -191,10 +191,9 @@ Status destroy_cut(LiveCut cut);
 // In the first frame a frame without limits builds the mesh from nothing, as rebuild_cut() does. Later it does so where
 // a jump, a zoom or another threshold makes that the cheaper way; where vertices morph, after every jump of 16 to 32
 // cells. With a limit of items or time the ground that the views see is built beside the drawn mesh after such a jump.
-// The old mesh is drawn until the new one is complete, which may take several frames; the ground that is not seen follows.
-// Such a build needs free slots, at least a quarter of those in use. Otherwise the cut is refined vertex by vertex,
-// worst first.
-// Example:
+// The old mesh is drawn until the new one is complete, which may take several frames; the ground that is not seen
+// follows. Such a build needs free slots, at least a quarter of those in use. Otherwise the cut is refined vertex by
+// vertex, worst first. Example:
 //     if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1, .max_time_us = 2'000}, report);
 //     if (!s.ok()) std::printf("%s: %s\n", s.field, fjell::message(s.code));
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);

@@ -410,7 +410,7 @@ void clear_queues(Queues& queues) {
         queues.ends[i] = {queues.group_count + i, queues.group_count + i};
         queues.sizes[i] = 0;
     }
-    queues.work_ranks = 0;
+    queues.work_ranks = queues.open_slots = 0;
 }
 
 void push_back(Queues& queues, std::uint32_t queue, std::uint32_t group) {

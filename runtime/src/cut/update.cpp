@@ -118,7 +118,8 @@ void report_waiting(CutState& s, bool overlooking, double hidden_px) {
     r.waiting = waiting_groups(s.work) + building + s.pages.some_wait + overlooking;
     for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
         r.waiting += s.pages.state[s.pages.evicting[i]].active != 0;
-    const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
+    std::uint32_t gated = 0;
+    for (std::uint32_t queue = gated_queues; queue < queue_count; ++queue) gated += s.work.queues.sizes[queue];
     s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested &&
                   hidden_px <= r.error_px_requested;
@@ -240,8 +241,8 @@ std::uint64_t building_parts(const CutState& s) {
     return active + page_parts * s.pages.busy;
 }
 
-// In a frame without a limit: is a new mesh cheaper than what follows the views? Where vertices morph only a jump has
-// one, for none of them would rise.
+// Of a frame without a limit whose views have leapt or zoomed: is a new mesh cheaper than what follows them? Where
+// vertices morph only a jump has one, for none of them would rise.
 bool is_build_cheaper(const CutState& s) {
     // Where a capacity is short a new mesh is tried at many thresholds, and what follows ends where it is spent.
     const bool short_of_room = s.governor.cause != 0;
@@ -274,7 +275,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
     // What replays a frame that has chosen its way: it chooses again.
-    const bool unlimited = has_no_limit(s.frame), chooses = unlimited && (s.views.leapt || s.views.hurried);
+    const bool unlimited = has_no_limit(s.frame), chooses = unlimited && (s.views.leapt || s.views.zoomed);
     const auto build = [&] {
         build_from_nothing(s, views);
         r.visits = unlimited_work;
@@ -301,7 +302,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     const auto prepared = Clock::now();
     evict_pages(s);
     keep_pages_at_hand(s.pages, s.work, s.mesh);
-    const bool may_build = unlimited && settings.morph == Morph::none && s.governor.cause == 0;
+    const bool may_build = chooses && settings.morph == Morph::none && s.governor.cause == 0;
     if (may_build) s.frame.item_limit = items_of_a_build(s);
     refine(s);
     FJELL_ASSERT(changes() - r.work == beside);
