@@ -240,7 +240,7 @@ def parts(page, at, out):
         if number < 3 or number > 8:  # beside the text; the others lie on their parts
             x += radius + 2
         drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + radius:.0f},{y:.0f}",
-                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + 3), "-gravity", "northwest",
+                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + (3 if number < 10 else 1)), "-gravity", "northwest",
                     "-annotate", f"+{x - radius * len(str(number)) * 0.42:.0f}+{y - 0.72 * radius:.0f}", str(number)]
     convert([picture, *drawing], out)
 
