@@ -42,7 +42,7 @@ struct Flags {
 
 void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("PACK", o.pack, "the terrain, from fjell-bake: a pack, or the folder of a pack set")->required();
-    app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
+    app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags override it");
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
         ->check(io::whole_within(1, most_frames));
@@ -358,7 +358,7 @@ void check_together(const FlightOptions& o) {
 
 bool parse_options(int argc, char** argv, FlightOptions& options) {
     Flags flags;
-    CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
+    CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless.", "fjell-fly"};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
     declare_light(app, options, flags);

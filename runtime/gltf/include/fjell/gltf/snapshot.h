@@ -14,10 +14,10 @@
 //
 // scenes[0].extras.fjell has, for checkers:
 // - error_px: the threshold that was asked for;
-// - error_bound_px: no sample under the file's mesh is farther from it on screen, plus the quantum's share; 1e7: no
+// - error_px_effective: no sample under the file's mesh is farther from it on screen, plus the quantum's share; 1e7: no
 //   bound is known;
 // - corner_safe: the bound is in pixels everywhere in the picture, not only as an angle;
-// - converged: nothing waits, and error_bound_px is at most error_px;
+// - converged: nothing waits, and error_px_effective is at most error_px;
 // - morphed: heights are between two levels;
 // - lagging: work, pages or vertices that morph by time were waiting;
 // - culled: the ground outside the camera's view was not refined;
