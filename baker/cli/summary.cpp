@@ -74,7 +74,7 @@ json summary_json(const BakeSummary& s) {
 }
 
 void print_summary(const BakeSummary& s, const std::string& output) {
-    if (s.work_damaged) fmt::print("what an earlier bake had left in its work folder was damaged; baked anew\n");
+    if (s.work_damaged) fmt::print("the work files of an earlier bake were damaged; this bake began anew\n");
     fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m; the coarsest mesh is off by up to "
                "{:.4g} m\n",
                output, s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);

@@ -319,11 +319,12 @@ void check_together(const FlightOptions& o) {
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");
-    if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always is");
+    if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always keeps real time");
     if (o.wait && o.realtime) throw Failure(2, "--wait and --realtime exclude each other; give one of them");
     if (o.streaming == Streaming::off && (o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0))
-        throw Failure(2, "--cold, --read-mb-s and --read-latency-ms are about streaming, and --stream off has none: "
-                         "leave them out, or give --stream on");
+        throw Failure(2,
+                      "--cold, --read-mb-s and --read-latency-ms apply to streaming, and --stream off streams nothing: "
+                      "leave them out, or give --stream on");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
     if (o.csv == "-" && o.json == "-")
         throw Failure(2, "--csv - and --json - would mix on standard output; give one of them a file");
