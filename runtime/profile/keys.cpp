@@ -122,10 +122,10 @@ constexpr ProfileKey keys[] = {
      .label = "Hysteresis",
      .most = ranges::max_hysteresis,
      .zero = "none",
-     .about = "A vertex is active above max_error_px and inactive below max_error_px / (1 + hysteresis). "
-              "Between them it stays as it is. An update that evaluates it for another reason activates it in "
-              "the upper half already. No unit, 0 to 10. 0.04 takes 4% more vertices; while the camera is "
-              "slow, an update takes half of the time or less. 0.3 takes a third more vertices. (Incremental.)",
+     .about = "A vertex becomes active above max_error_px, and inactive below max_error_px / (1 + hysteresis). In "
+              "between it stays as it is; an update that evaluates it anyway activates it in the upper half. No unit, "
+              "0 to 10. 0.04 takes 4% more vertices; while the camera is slow, an update takes half of the time or "
+              "less. 0.3 takes a third more vertices. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
