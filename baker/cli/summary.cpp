@@ -144,9 +144,8 @@ std::string describe(const BakeSummary& s, bool source_known) {
         text += " (";
         if (!f.driver.empty()) text += f.driver + ", " + f.type + "; ";
         if (!f.band.empty()) text += "band " + f.band + "; ";
-        text +=
-            f.height_unit.empty() ? "the file names no unit, so 1" : "the file's unit is " + f.height_unit + ", which";
-        text += fmt::format(" is taken as {:.7g} m)", f.height_unit_m);
+        text += f.height_unit.empty() ? "the file names no unit" : "the file's unit is " + f.height_unit;
+        text += fmt::format("; 1 in it is {:.7g} m)", f.height_unit_m);
     }
     const double samples = static_cast<double>(s.columns) * s.rows;
     text += s.voids

@@ -59,7 +59,7 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
     const Run baked = run_in(folder.path, bake + "feet.vrt -o out.fjell --json bake.json");
     CAPTURE(baked.out, baked.err);
     REQUIRE(baked.code == 0);
-    for (const char* part : {"(VRT, Float32; the file's unit is ft, which is taken as 0.3048 m", "voids by no-data -99",
+    for (const char* part : {"(VRT, Float32; the file's unit is ft; 1 in it is 0.3048 m", "voids by no-data -99",
                              " samples are holes (", "in WGS 84 / UTM zone 32N (EPSG:32632)",
                              "reprojected from WGS 84 (EPSG:4326), where they are 0.001 degrees apart"})
         CHECK(baked.out.find(part) != std::string::npos);
