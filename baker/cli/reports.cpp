@@ -70,7 +70,8 @@ std::string verdict_of(const PackCheck& check, const std::string& pack) {
     if (contradicts || r.height_mismatches == 0) return fmt::format("{}: {}; bake it again", pack, first);
     return fmt::format("{}: {}: these are not the heights of {}, read with {}; name what it was baked from, and its "
                        "options",
-                       pack, first, source.inputs.empty() ? "the array" : fmt::format("{}", fmt::join(source.inputs, " ")),
+                       pack, first,
+                       source.inputs.empty() ? "the array" : fmt::format("{}", fmt::join(source.inputs, " ")),
                        parse_json(recipe_text(reading_part(source)), pack).dump());
 }
 

@@ -25,7 +25,8 @@ struct PackCheck {
 };
 // source: inputs to compare it with, and how to read them; without inputs `heights`, or if that is null nothing.
 // O(samples). Throws Failure for what cannot be read, and for heights whose spacing is another.
-[[nodiscard]] PackCheck check_pack(const std::string& path, const Recipe& source, const HeightSource* heights = nullptr);
+[[nodiscard]] PackCheck check_pack(const std::string& path, const Recipe& source,
+                                   const HeightSource* heights = nullptr);
 [[nodiscard]] nlohmann::json check_json(const PackCheck& check);
 // One line on what is wrong with it, and what to do; empty: nothing.
 [[nodiscard]] std::string verdict(const PackCheck& check, const std::string& pack);

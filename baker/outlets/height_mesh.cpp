@@ -49,7 +49,7 @@ struct Extent {
     double least_m = HUGE_VAL, most_m = -HUGE_VAL;
     std::uint64_t voids = 0, infinite = 0;
     std::int64_t void_row = 0, void_column = 0, infinite_row = 0, infinite_column = 0; // the first one
-    void add(const Extent& other) { // other: of later rows
+    void add(const Extent& other) {                                                    // other: of later rows
         if (voids == 0) void_row = other.void_row, void_column = other.void_column;
         if (infinite == 0) infinite_row = other.infinite_row, infinite_column = other.infinite_column;
         voids += other.voids, infinite += other.infinite;
@@ -124,8 +124,7 @@ public:
         parallel_for(tiles, threads_, [&](std::int64_t i) { measure(region_of(i)); });
         close_upwards();
         std::vector<Part> parts(static_cast<std::size_t>(tiles));
-        parallel_for(tiles, threads_,
-                     [&](std::int64_t i) { emit(region_of(i), parts[static_cast<std::size_t>(i)]); });
+        parallel_for(tiles, threads_, [&](std::int64_t i) { emit(region_of(i), parts[static_cast<std::size_t>(i)]); });
         return assemble(parts);
     }
 
@@ -334,8 +333,8 @@ private:
         }
         const SampleIndex corners[3] = {tree_.sample(apex), tree_.sample(a), tree_.sample(b)};
         const SampleIndex p = corners[0], q = corners[1], r = corners[2];
-        const std::int64_t area = std::int64_t{q.column - p.column} * (r.row - p.row) -
-                                  std::int64_t{q.row - p.row} * (r.column - p.column);
+        const std::int64_t area =
+            std::int64_t{q.column - p.column} * (r.row - p.row) - std::int64_t{q.row - p.row} * (r.column - p.column);
         if (area == 0) return; // beyond the rim
         double error_m = 0;
         if (!measure_triangle(corners, numbers, error_m)) return;
@@ -432,8 +431,8 @@ private:
                     const std::size_t x = static_cast<std::size_t>(first.column) + place % row;
                     const std::size_t w = (static_cast<std::size_t>(first.row) + place / row) * used_.words() + x / 64;
                     const std::uint64_t west = used_.row(0)[w] & ((std::uint64_t{1} << (x % 64)) - 1);
-                    mesh.triangles[part.first + t][k] = static_cast<std::uint32_t>(
-                        before[w] + static_cast<std::uint64_t>(std::popcount(west)));
+                    mesh.triangles[part.first + t][k] =
+                        static_cast<std::uint32_t>(before[w] + static_cast<std::uint64_t>(std::popcount(west)));
                 }
             part = {};
         });
@@ -452,8 +451,8 @@ private:
                 double number = 0;
                 array_.read(y, x, 1, &number);
                 height_m = static_cast<float>(number);
-                mesh.vertices[to] = options_.z_up ? std::array{x_m, 0.0f - z_m, height_m}
-                                                  : std::array{x_m, height_m, z_m};
+                mesh.vertices[to] =
+                    options_.z_up ? std::array{x_m, 0.0f - z_m, height_m} : std::array{x_m, height_m, z_m};
             }
     }
 
@@ -468,8 +467,8 @@ private:
 
 void check(const HeightArray& heights, const HeightMeshOptions& options) {
     if (heights.columns < 2 || heights.rows < 2)
-        throw Failure(1, fmt::format("heights: has {} x {} samples; a mesh needs at least 2 x 2", heights.columns,
-                                     heights.rows));
+        throw Failure(
+            1, fmt::format("heights: has {} x {} samples; a mesh needs at least 2 x 2", heights.columns, heights.rows));
     if (std::max(heights.columns, heights.rows) > max_columns)
         throw Failure(1, fmt::format("heights: has {} x {} samples; give a part of at most {} a side", heights.columns,
                                      heights.rows, max_columns));
@@ -491,11 +490,12 @@ HeightMesh mesh_filled(const HeightArray& heights, const HeightMeshOptions& opti
         heights.read(y, 0, columns, row.data());
         raw.write({0, y, columns, 1}, row.data(), columns);
     }
-    fill_voids({raw, {}, threads,
-                [](const std::string&, std::int64_t across, std::int64_t down) {
-                    return Store<float>({}, across, down);
-                }},
-               filled);
+    fill_voids(
+        {raw,
+         {},
+         threads,
+         [](const std::string&, std::int64_t across, std::int64_t down) { return Store<float>({}, across, down); }},
+        filled);
     const HeightArray ground{reinterpret_cast<const std::byte*>(filled.in_memory()),
                              NumberType::float32,
                              heights.columns,
@@ -517,10 +517,10 @@ HeightMesh mesh_heights(const HeightArray& heights, const HeightMeshOptions& opt
                                      extent.infinite_column));
     if (!(extent.least_m <= extent.most_m)) throw Failure(1, "heights: all are NaN or masked; there is no ground");
     if (extent.voids != 0 && options.nodata == NoData::refuse)
-        throw Failure(1, fmt::format("heights: {} of {} are NaN or masked, the first at row {}, column {}; let them be "
-                                     "holes, or fill them",
-                                     extent.voids, heights.columns * heights.rows, extent.void_row,
-                                     extent.void_column));
+        throw Failure(1,
+                      fmt::format("heights: {} of {} are NaN or masked, the first at row {}, column {}; let them be "
+                                  "holes, or fill them",
+                                  extent.voids, heights.columns * heights.rows, extent.void_row, extent.void_column));
     if (extent.voids != 0 && options.nodata == NoData::fill) return mesh_filled(heights, options);
     return Mesher(heights, options, extent).run();
 }

@@ -32,8 +32,8 @@ struct HeightMeshOptions {
     double max_error_m = 1;       // >= 0
     NoData nodata = NoData::hole; // NaN and masked numbers: hole, fill or refuse
     std::optional<MeshArea> area{};
-    bool z_up = false;            // x east, y north, z up; otherwise x east, y up, z south
-    int threads = 0;              // 0: all cores
+    bool z_up = false; // x east, y north, z up; otherwise x east, y up, z south
+    int threads = 0;   // 0: all cores
 };
 
 struct HeightMesh {

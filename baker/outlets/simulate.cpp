@@ -135,9 +135,8 @@ void write_mujoco(const Ground& g, Folder& to, SimulateSummary& summary) {
             const float over = g.row(y)[x] - g.min_m;
             std::memcpy(at, &over, sizeof over);
             const double kept = static_cast<double>(over / static_cast<float>(range > 0 ? range : 1)) * elevation_m;
-            summary.rounding_error_m = std::max(
-                summary.rounding_error_m,
-                std::abs(kept + static_cast<double>(g.min_m) - static_cast<double>(g.row(y)[x])));
+            summary.rounding_error_m = std::max(summary.rounding_error_m, std::abs(kept + static_cast<double>(g.min_m) -
+                                                                                   static_cast<double>(g.row(y)[x])));
         }
     }
     to.write("terrain.hfield", bytes);

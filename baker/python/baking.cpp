@@ -1,4 +1,5 @@
-// From heights to meshes and packs, and what packs say of themselves. Reports are JSON, as the command line writes them.
+// From heights to meshes and packs, and what packs say of themselves. Reports are JSON, as the command line writes
+// them.
 #include "baking.h"
 
 #include <array>
@@ -14,9 +15,12 @@
 #include "baker/cli/reports.h"
 #include "baker/cli/summary.h"
 #include "baker/outlets/height_mesh.h"
+#include "baker/read/pack_source.h"
+#include "baker/synth/write_dem.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/pack_file.h"
 #include "io/file.h"
+#include "io/set_file.h"
 #include "watched.h"
 
 namespace fjell::python {
@@ -33,8 +37,8 @@ NoData nodata_of(const std::string& holes) {
     throw py::value_error("holes: is '" + holes + "'; give 'keep', 'fill' or 'refuse'");
 }
 
-py::tuple mesh(const py::array& heights, const py::object& mask, const std::array<double, 2>& spacing,
-               double max_error, const std::string& holes, const std::string& up, int threads) {
+py::tuple mesh(const py::array& heights, const py::object& mask, const std::array<double, 2>& spacing, double max_error,
+               const std::string& holes, const std::string& up, int threads) {
     const HeightArray array = height_array(heights, mask);
     if (up != "y" && up != "z") throw py::value_error("up: is '" + up + "'; give 'y' or 'z'");
     HeightMeshOptions options{{spacing[0], spacing[1]}, max_error, nodata_of(holes)};
@@ -109,6 +113,13 @@ std::string info(const std::string& pack) {
     return watched([&] { return info_json(io::PackFile(pack)).dump(); });
 }
 
+void heights(const std::string& pack, const std::string& out) {
+    run_watched([&](const Progress& report) {
+        io::refuse_overwriting(places_written(out), io::files_of_pack(pack));
+        write_dem(PackSource(pack), out, DemForm::plain, 0, report);
+    });
+}
+
 py::list option_names() {
     py::list names;
     for (const RecipeKey& key : recipe_keys()) names.append(py::make_tuple(key.name, key.about, key.words));
@@ -122,6 +133,7 @@ void add_baking(py::module_& module) {
     module.def("bake", &bake_pack);
     module.def("verify", &verify_pack);
     module.def("info", &info);
+    module.def("heights", &heights);
     module.def("option_names", &option_names);
 }
 

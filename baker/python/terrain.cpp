@@ -26,6 +26,7 @@
 #include "fjell/io/load.h"
 #include "fjell/profile.h"
 #include "fjell/query.h"
+#include "fjell/texture.h"
 #include "watched.h"
 
 namespace fjell::python {
@@ -101,6 +102,49 @@ py::array seen(const std::shared_ptr<Ground>& ground, std::span<const T> values,
                     values.data(), owner);
     array.attr("flags").attr("writeable") = false;
     return array;
+}
+
+struct MapCodes {
+    std::int64_t columns = 0, rows = 0;
+    std::uint32_t channels = 0;
+    double samples_per_texel = 1;
+    std::vector<std::uint8_t> codes;
+};
+
+MapCodes read_map(const std::string& path, bool normal) {
+    const io::PackFile file(path);
+    const Pack& pack = file.pack();
+    const PackHeader& h = pack.header;
+    const std::uint32_t log2 = normal ? h.normal_log2 : h.horizon_log2;
+    if (log2 == 0)
+        throw Failure(1, path + (normal ? ": has no normal map; bake it again"
+                                        : ": has no horizon maps; bake it with horizons=\"half\""));
+    const std::uint32_t side = 1u << log2, cells = 1u << h.tile_log2;
+    MapCodes map;
+    map.channels = normal ? 2 : horizon_planes;
+    map.samples_per_texel = static_cast<double>(cells) / (side - 1);
+    const auto texels = [&](std::uint32_t samples) {
+        return static_cast<std::int64_t>(std::ceil((samples - 1) / map.samples_per_texel - 1e-9)) + 1;
+    };
+    map.columns = texels(h.columns), map.rows = texels(h.rows);
+    map.codes.resize(static_cast<std::size_t>(map.columns * map.rows) * map.channels);
+    std::vector<std::byte> blocks;
+    std::vector<std::uint8_t> tile_codes(std::size_t{side} * side * map.channels);
+    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
+        io::check_interrupt();
+        file.read_chunk({normal ? ChunkKind::normal : ChunkKind::horizon, tile, 0}, blocks);
+        const Status s = normal ? decode_normal(blocks, side, tile_codes) : decode_horizon(blocks, side, tile_codes);
+        if (!s.ok()) throw Failure(1, path + ": " + message(s.code));
+        const std::uint32_t place = pack.tile_place(tile);
+        const std::int64_t x0 = std::int64_t{place % h.tiles_x} * (side - 1),
+                           y0 = std::int64_t{place / h.tiles_x} * (side - 1);
+        const std::int64_t across = std::min<std::int64_t>(side, map.columns - x0);
+        for (std::int64_t y = 0; y < std::min<std::int64_t>(side, map.rows - y0); ++y)
+            std::copy_n(tile_codes.data() + static_cast<std::size_t>(y) * side * map.channels,
+                        static_cast<std::size_t>(across) * map.channels,
+                        map.codes.data() + static_cast<std::size_t>((y0 + y) * map.columns + x0) * map.channels);
+    }
+    return map;
 }
 
 class PyTerrain {
@@ -214,6 +258,17 @@ public:
         return array_of<float>(std::move(all.heights_m), {rows, columns});
     }
 
+    // The finest mip of a map of all tiles as one array of bytes, rows x columns x channels, and the samples from texel
+    // to texel. Tiles share the texels on their borders.
+    [[nodiscard]] py::tuple map_codes(const std::string& kind) const {
+        const auto g = ground();
+        const bool normal = kind == "normal";
+        if (!normal && kind != "horizon") throw py::value_error("kind: is '" + kind + "'; give 'normal' or 'horizon'");
+        MapCodes map = watched([&] { return read_map(g->path, normal); });
+        const std::vector<py::ssize_t> shape{map.rows, map.columns, map.channels};
+        return py::make_tuple(array_of<std::uint8_t>(std::move(map.codes), shape), map.samples_per_texel);
+    }
+
     [[nodiscard]] Frame update(const View& view, const py::object& now_s, bool wait) {
         const auto g = ground();
         const double given_s = now_s.is_none() ? not_a_number : now_s.cast<double>();
@@ -222,8 +277,8 @@ public:
             const std::lock_guard hold(g->lock);
             g->begin_updates();
             if (!std::isnan(given_s)) g->clock_s = given_s;
-            const io::LiveFrame& frame = wait ? settle(*g->live, view, g->clock_s)
-                                              : g->live->update({&view, 1}, g->clock_s);
+            const io::LiveFrame& frame =
+                wait ? settle(*g->live, view, g->clock_s) : g->live->update({&view, 1}, g->clock_s);
             if (std::isnan(given_s) && !wait) g->clock_s += 1.0 / 60;
             made.mesh = frame.mesh.mesh;
             made.cut = frame.cut, made.stream = frame.stream;
@@ -273,8 +328,8 @@ private:
         constexpr std::pair<const char*, gl::Mode> modes[] = {
             {"shaded", gl::Mode::shaded}, {"levels", gl::Mode::levels}, {"distance", gl::Mode::distance},
             {"tiles", gl::Mode::tiles},   {"mips", gl::Mode::mips},     {"wire", gl::Mode::shaded}};
-        const auto* const found = std::find_if(std::begin(modes), std::end(modes),
-                                               [&](const auto& entry) { return entry.first == mode; });
+        const auto* const found =
+            std::find_if(std::begin(modes), std::end(modes), [&](const auto& entry) { return entry.first == mode; });
         if (found == std::end(modes))
             throw Failure(2, "mode: is " + mode + "; give shaded, wire, levels, distance, tiles or mips");
         if (!g.painter) {
@@ -321,8 +376,8 @@ void add_frame(py::module_& module) {
             "vertices", [](const Frame& f) { return seen(f.ground, f.mesh.vertices, py::dtype::of<MeshVertex>()); })
         .def_property_readonly(
             "indices", [](const Frame& f) { return seen(f.ground, f.mesh.indices, py::dtype::of<std::uint32_t>()); })
-        .def_property_readonly(
-            "ranges", [](const Frame& f) { return seen(f.ground, f.mesh.tiles, py::dtype::of<TileRange>()); })
+        .def_property_readonly("ranges",
+                               [](const Frame& f) { return seen(f.ground, f.mesh.tiles, py::dtype::of<TileRange>()); })
         .def_readonly("converged", &Frame::converged)
         .def_readonly("settled", &Frame::settled)
         .def_readonly("short_of", &Frame::short_of)
@@ -351,11 +406,10 @@ void add_terrain(py::module_& module) {
         .def_property_readonly("closed", &PyTerrain::closed)
         .def_property_readonly("columns", of_header([](const PackHeader& h) { return h.columns; }))
         .def_property_readonly("rows", of_header([](const PackHeader& h) { return h.rows; }))
-        .def_property_readonly("spacing_m", of_header([](const PackHeader& h) {
-                                   return py::make_tuple(h.spacing_m[0], h.spacing_m[1]);
-                               }))
         .def_property_readonly(
-            "height_range_m", of_header([](const PackHeader& h) { return py::make_tuple(h.min_m, h.max_m); }))
+            "spacing_m", of_header([](const PackHeader& h) { return py::make_tuple(h.spacing_m[0], h.spacing_m[1]); }))
+        .def_property_readonly("height_range_m",
+                               of_header([](const PackHeader& h) { return py::make_tuple(h.min_m, h.max_m); }))
         .def_property_readonly("quantum_m", of_header([](const PackHeader& h) { return h.quantum_m; }))
         .def_property_readonly("has_holes", of_header([](const PackHeader& h) { return h.voids != 0; }))
         .def("height", &PyTerrain::height)
@@ -363,6 +417,7 @@ void add_terrain(py::module_& module) {
         .def("rays", &PyTerrain::rays)
         .def("patch", &PyTerrain::patch)
         .def("samples", &PyTerrain::samples)
+        .def("map_codes", &PyTerrain::map_codes)
         .def("update", &PyTerrain::update)
         .def("snapshot", &PyTerrain::snapshot)
         .def("render", &PyTerrain::render)

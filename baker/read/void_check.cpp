@@ -52,10 +52,10 @@ void tell_voids(const VoidFindings& found, const VoidCheck& check, SourcePropert
                                      check.scaling == Scaling{} ? "" : " (numbers as the file has them)", options));
     }
     for (const Repeated& r : found.repeated)
-        (r.lowest ? properties.lowest : properties.highest) = {
-            r.at.number, check.scaling.asked_m(check.scaling.file_m(r.at.number)),
-            static_cast<double>(r.at.samples.count) / static_cast<double>(found.samples), r.at.samples.column,
-            r.at.samples.row};
+        (r.lowest ? properties.lowest
+                  : properties.highest) = {r.at.number, check.scaling.asked_m(check.scaling.file_m(r.at.number)),
+                                           static_cast<double>(r.at.samples.count) / static_cast<double>(found.samples),
+                                           r.at.samples.column, r.at.samples.row};
 }
 
 } // namespace fjell::baker

@@ -104,6 +104,59 @@ class Terrains(unittest.TestCase):
                 with self.assertRaises(ValueError):
                     t.patch(0, 0, **more)
 
+    def test_slopes_and_horizons_are_those_of_the_ground(self):
+        y, x = np.mgrid[0:257, 0:257].astype(float)
+        ground = np.where(x > 128, (x - 128) * 2.0, 0)  # level in the west, then a ramp towards the east
+        pack = os.path.join(self.folder.name, "ramp.fjell")
+        fjell.bake(ground, pack, spacing=2, tile=128, horizons="half")
+        with fjell.Terrain(pack) as t:
+            slope = t.slope()
+            columns = np.arange(slope.values.shape[1]) * slope.spacing_m[0] / 2
+            rows = np.arange(slope.values.shape[0]) * slope.spacing_m[1] / 2
+            self.assertAlmostEqual(columns[-1], 256, delta=slope.spacing_m[0])
+            self.assertAlmostEqual(rows[-1], 256, delta=slope.spacing_m[1])
+            ramp = slope.values[:, (columns > 132) & (columns < 252)]
+            np.testing.assert_allclose(ramp, 45, atol=0.7)
+            np.testing.assert_allclose(slope.values[:, columns < 124], 0, atol=0.7)
+            horizons = t.horizons()
+            foot = horizons.values[:, np.abs(np.arange(horizons.values.shape[1]) * horizons.spacing_m[0] / 2 - 100).argmin()]
+            middle = foot[len(foot) // 2]
+            self.assertGreater(middle[4], 20)  # 96 degrees, nearly east
+            self.assertEqual(middle[11], 0)  # 264 degrees, nearly west
+            sky = t.sky()
+            self.assertEqual(sky.values.shape, horizons.values.shape[:2])
+            self.assertGreater(sky.values[len(foot) // 2, 2], sky.values[len(foot) // 2, 40])
+        with fjell.Terrain(self.pack) as t, self.assertRaisesRegex(ValueError, "no horizon maps"):
+            t.horizons()
+
+    def test_terrains_are_compared_and_written_as_geotiff(self):
+        with fjell.Terrain(self.pack) as t:
+            samples = t.samples().astype(float)
+            same = fjell.compare(t, self.pack)
+            self.assertEqual((same.largest, same.count, same.only_a), (0, samples.size, 0))
+        moved = samples.copy()
+        moved[40, 50] += 3
+        moved[:2] = np.nan
+        found = fjell.compare(self.pack, np.ma.masked_invalid(moved))
+        self.assertEqual((found.largest, found.worst, found.only_a, found.only_b), (3, (40, 50), 800, 0))
+        with self.assertRaisesRegex(ValueError, "a, b"):
+            fjell.compare(self.pack, self.holed)
+        out = os.path.join(self.folder.name, "out.tif")
+        fjell.write_geotiff(self.holed, out)
+        again = os.path.join(self.folder.name, "again.fjell")
+        fjell.bake(out, again)
+        with fjell.Terrain(self.holed) as a, fjell.Terrain(again) as b:
+            np.testing.assert_array_equal(np.isnan(a.samples()), np.isnan(b.samples()))
+        self.assertLessEqual(fjell.compare(self.holed, again).largest, fjell.info(again)["quantum_m"])
+        with self.assertRaisesRegex(ValueError, "out"):
+            fjell.write_geotiff(self.holed, "heights.png")
+        try:
+            import rasterio
+        except ImportError:
+            self.skipTest("python3-rasterio is not installed")
+        with rasterio.open(out) as file:
+            self.assertEqual((file.width, file.height), (140, 130))
+
     def view(self, t, **more):
         width, depth = t.extent_m
         return fjell.View((width / 2, 300, depth), (width / 2, 0, depth / 2), size=(320, 240), **more)

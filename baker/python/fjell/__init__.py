@@ -19,10 +19,26 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._arrays import heights_of, is_heights, pair_of, place_of
-from ._terrain import Frame, Hit, Patch, Terrain, View
+from ._terrain import Frame, Hit, Patch, Raster, Terrain, View
 
 __version__ = _native.version
-__all__ = ["Frame", "Hit", "Mesh", "Patch", "Terrain", "View", "bake", "info", "mesh", "options", "verify"]
+__all__ = [
+    "Comparison",
+    "Frame",
+    "Hit",
+    "Mesh",
+    "Patch",
+    "Raster",
+    "Terrain",
+    "View",
+    "bake",
+    "compare",
+    "info",
+    "mesh",
+    "options",
+    "verify",
+    "write_geotiff",
+]
 
 _Path = Union[str, "os.PathLike[str]"]
 
@@ -212,3 +228,73 @@ def info(pack: _Path) -> dict[str, Any]:
     """
     report: dict[str, Any] = json.loads(_native.info(_existing(pack)))
     return report
+
+
+def write_geotiff(pack: _Path, out: _Path) -> None:
+    """Writes a pack's heights as a GeoTIFF of 32-bit floats in its CRS, holes as no-data. out ends in .tif."""
+    path = os.fspath(out)
+    if not path.endswith((".tif", ".tiff")):
+        raise ValueError(f"out: is {path!r}; give a name that ends in .tif")
+    _native.heights(_existing(pack), path)
+
+
+class Comparison(NamedTuple):
+    """How two terrains differ, at samples where both have a height, in metres.
+
+    difference: b - a, float64 [rows, columns], NaN elsewhere. count: samples compared. only_a, only_b: samples where
+    only one has a height. worst: row and column of the largest difference.
+    """
+
+    difference: NDArray[np.float64]
+    count: int
+    mean: float
+    rms: float
+    largest: float
+    percentile_95: float
+    worst: tuple[int, int]
+    only_a: int
+    only_b: int
+
+
+def compare(a: Any, b: Any) -> Comparison:
+    """How far two terrains are apart: packs, open terrains or arrays, with as many rows and columns.
+
+    >>> import numpy as np
+    >>> ground = np.add.outer(np.arange(65.0), np.arange(97.0))
+    >>> _ = fjell.bake(ground + 0.25, "raised.fjell")
+    >>> fjell.compare(ground, "raised.fjell").mean
+    0.25
+    """
+
+    def samples(given: Any) -> NDArray[np.float64]:
+        if isinstance(given, Terrain):
+            return given.samples().astype(np.float64)
+        if isinstance(given, (str, os.PathLike)):
+            with Terrain(given, streaming=True) as terrain:
+                return terrain.samples().astype(np.float64)
+        array, mask = heights_of(given)
+        ground = array.astype(np.float64)
+        if mask is not None:
+            ground[mask] = np.nan
+        return ground
+
+    first, second = samples(a), samples(b)
+    if first.shape != second.shape:
+        raise ValueError(f"a, b: have {first.shape} and {second.shape} samples; only terrains of one size are compared")
+    difference = second - first
+    there = ~np.isnan(difference)
+    if not there.any():
+        raise ValueError("a, b: have no sample where both have a height")
+    off = np.abs(difference[there])
+    row, column = np.unravel_index(np.nanargmax(np.abs(difference)), difference.shape)
+    return Comparison(
+        difference=difference,
+        count=int(there.sum()),
+        mean=float(difference[there].mean()),
+        rms=float(np.sqrt((off**2).mean())),
+        largest=float(off.max()),
+        percentile_95=float(np.percentile(off, 95)),
+        worst=(int(row), int(column)),
+        only_a=int((~np.isnan(first) & np.isnan(second)).sum()),
+        only_b=int((np.isnan(first) & ~np.isnan(second)).sum()),
+    )

@@ -69,6 +69,13 @@ class Patch(NamedTuple):
     error: float
 
 
+class Raster(NamedTuple):
+    """An array over the terrain: values [rows, columns, ...], and metres from one to the next along x and along z."""
+
+    values: NDArray[np.float32]
+    spacing_m: tuple[float, float]
+
+
 class Frame:
     """The mesh of an update, in the terrain's own memory: its arrays show the next update's mesh after that.
 
@@ -280,6 +287,33 @@ class Terrain:
         if step < 1 or step & (step - 1):
             raise ValueError(f"step: is {step}; give a power of two")
         return self._native.samples(step.bit_length() - 1)
+
+    def _codes(self, kind: str) -> tuple[NDArray[np.uint8], tuple[float, float]]:
+        codes, step = self._native.map_codes(kind)
+        return codes, (step * self.spacing_m[0], step * self.spacing_m[1])
+
+    def slope(self) -> Raster:
+        """How steep the ground is, in degrees, from the normal map that the bake has made of the full resolution.
+
+        The map has 8 bits a component: to half a degree or so where the ground is steep, a few degrees where it is
+        nearly level.
+        """
+        codes, spacing = self._codes("normal")
+        east, south = ((codes[..., k].clip(1).astype(np.float32) - 128) / 127 for k in (0, 1))
+        return Raster(np.degrees(np.arcsin(np.hypot(east, south).clip(max=1))), spacing)
+
+    def horizons(self) -> Raster:
+        """How high the ground around each place stands, in degrees: 15 directions, 24 degrees apart from north on.
+
+        Clockwise, float32 [rows, columns, 15]. Of a pack that was baked with horizons="half" or "quarter".
+        """
+        codes, spacing = self._codes("horizon")
+        return Raster(np.degrees(np.arcsin(codes[..., :15].astype(np.float32) / 255)), spacing)
+
+    def sky(self) -> Raster:
+        """The share of the sky's light that arrives, 0 to 1, of what would if nothing stood around. As `horizons`."""
+        codes, spacing = self._codes("horizon")
+        return Raster(codes[..., 15].astype(np.float32) / 255, spacing)
 
     def update(self, view: View, now_s: Optional[float] = None, *, wait: bool = False) -> Frame:
         """Refines the mesh for a view, as an engine does once a frame, and returns it without copying.
