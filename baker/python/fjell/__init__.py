@@ -241,12 +241,12 @@ def write_geotiff(pack: _Path, out: _Path) -> None:
 class Comparison(NamedTuple):
     """How two terrains differ, at samples where both have a height, in metres.
 
-    difference: b - a, float64 [rows, columns], NaN elsewhere. count: samples compared. only_a, only_b: samples where
+    difference: b - a, float64 [rows, columns], NaN elsewhere. compared: how many samples are. only_a, only_b: samples where
     only one has a height. worst: row and column of the largest difference.
     """
 
     difference: NDArray[np.float64]
-    count: int
+    compared: int
     mean: float
     rms: float
     largest: float
@@ -289,7 +289,7 @@ def compare(a: Any, b: Any) -> Comparison:
     row, column = np.unravel_index(np.nanargmax(np.abs(difference)), difference.shape)
     return Comparison(
         difference=difference,
-        count=int(there.sum()),
+        compared=int(there.sum()),
         mean=float(difference[there].mean()),
         rms=float(np.sqrt((off**2).mean())),
         largest=float(off.max()),
