@@ -120,7 +120,7 @@ const std::set<std::string>& words_of_sources() {
         for (const std::string& file : files()) {
             if (file.ends_with(".md") || file.ends_with("docs_test.cpp")) continue;
             const std::string extension = fs::path(file).extension().string();
-            static const std::set<std::string> texts{".h",    ".c",   ".cpp",   ".txt", ".toml",
+            static const std::set<std::string> texts{".h",    ".c",   ".cpp",   ".txt", ".toml", ".py",
                                                      ".json", ".mjs", ".cmake", ".in",  ""};
             if (texts.count(extension) == 0) continue;
             std::string word;
