@@ -1,4 +1,7 @@
-"""Ground for robots: 1,000 rays in each engine that Debian has here land where the files claim."""
+"""Ground for robots: 1,000 rays in each engine that is installed land where the files claim.
+
+Runs again with FJELL_TEST_ROUNDS=full: ./dev test --long has installed the engines by then.
+"""
 
 import ctypes
 import ctypes.util
