@@ -9,6 +9,7 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/outlets/simulate.h"
 #include "baker/pack/write_set.h"
 
 namespace fjell::baker {
@@ -41,6 +42,9 @@ struct Arguments {
 
     std::string terrain_path, dem_path; // synth, heights
 
+    std::string simulate_folder, simulator; // simulate
+    SimulateOptions simulate;
+
     std::string recipes_path, materials_path, textures_folder; // materials
     std::uint32_t texels = 512;
 };
@@ -49,6 +53,7 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* simulate;
     CLI::App* split;
     CLI::App* join;
     CLI::App* synth;
