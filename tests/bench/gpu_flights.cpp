@@ -71,8 +71,7 @@ public:
         profile.light.azimuth_deg = scene.at("azimuth_deg");
         profile.light.elevation_deg = scene.at("elevation_deg");
         profile.light.shadows = true; // horizon maps are loaded
-        options_.layers =
-            std::make_shared<GroundLayers>(read_ground_layers(plan.at("materials"), scene.at("rules")));
+        options_.layers = std::make_shared<GroundLayers>(read_ground_layers(plan.at("materials"), scene.at("rules")));
         open_session(options_, session_);
         const PackHeader& header = session_.terrain().header();
         // Over the lowest tenth of the heights.

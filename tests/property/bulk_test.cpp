@@ -135,7 +135,8 @@ TEST_CASE("without a limit a jump and a zoom are built as a rebuild builds them,
             if (frame % 3 == 1) view = random_view(random, terrain);
             if (frame % 3 == 2) view = moved(random, view, 20 * terrain.header().spacing_m[0]);
             if (frame == 3) settings.max_error_px *= 4;
-            const double active = flown.state().mesh.capacity - free_vertices(flown.state().mesh), pages = flown.state().pages.busy;
+            const double active = flown.state().mesh.capacity - free_vertices(flown.state().mesh),
+                         pages = flown.state().pages.busy;
             const CutReport report = flown.update({&view, 1}, settings);
             Cut rebuilt(terrain, ample_cut(terrain));
             const CutReport anew = rebuilt.rebuild({&view, 1}, settings);
