@@ -183,6 +183,16 @@ void Cdlod::faces(std::vector<Face>& out) const {
     }
 }
 
+void Cdlod::drawn(std::vector<Drawn>& out) const {
+    out.clear();
+    for (const Patch& p : patches_) {
+        const Level& level = levels_[static_cast<std::size_t>(p.level)];
+        const std::int32_t step = level.cells / patch_cells_;
+        out.push_back({p.x, p.y, step, p.cells / step, static_cast<float>(level.morph_from_m),
+                       static_cast<float>(level.morph_to_m)});
+    }
+}
+
 std::size_t Cdlod::bytes() const {
     std::size_t nodes = 0;
     for (const Level& l : levels_) nodes += l.nodes.size();

@@ -35,6 +35,14 @@ public:
     [[nodiscard]] std::size_t bytes() const override;
     [[nodiscard]] Traits traits() const override { return {false, false, true, ranges_ != Ranges::doubling}; }
 
+    // What a GPU draws of the last refine(): a grid of `squares` x `squares` squares, each `step` cells wide, whose odd
+    // vertices slide between these two distances from the eye. Infinite: they do not.
+    struct Drawn {
+        std::int32_t column, row, step, squares;
+        float morph_from_m, morph_to_m;
+    };
+    void drawn(std::vector<Drawn>& out) const; // replaces what is in `out`
+
 private:
     struct Node {
         float low_m, high_m;

@@ -160,6 +160,40 @@ std::string grouped(std::uint64_t number) { // 3,136
     return text;
 }
 
+// The text literals of our programs and libraries; neighbours are joined, as the compiler joins them.
+const std::vector<std::string>& literals() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> found;
+        for (const std::string& file : files()) {
+            if (!file.starts_with("runtime/") && !file.starts_with("baker/") && !file.starts_with("editor/")) continue;
+            if (!file.ends_with(".cpp") && !file.ends_with(".h")) continue;
+            const std::string text = slurp(root / file);
+            bool joined = false; // nothing but space since the last literal
+            for (std::size_t i = 0; i < text.size(); ++i) {
+                if (text.compare(i, 2, "//") == 0) i = std::min(text.find('\n', i), text.size()) - 1;
+                if (text[i] != '"') {
+                    joined = joined && std::isspace(static_cast<unsigned char>(text[i]));
+                    continue;
+                }
+                if (!joined) found.emplace_back();
+                for (++i; i < text.size() && text[i] != '"' && text[i] != '\n'; ++i) {
+                    if (text[i] == '\\') ++i;
+                    found.back() += text[i];
+                }
+                joined = true;
+            }
+        }
+        return found;
+    }();
+    return all;
+}
+
+// A message with # for each value: where a literal has {}, and where a page quotes a number or a list of them.
+std::string without_values(const std::string& message) {
+    const std::string marked = std::regex_replace(message, std::regex(R"(\{[^}]*\}|-?\b[0-9][0-9.]*\b)"), "#");
+    return std::regex_replace(marked, std::regex("#(?:, #)+"), "#");
+}
+
 // What a program's help lists: --flags and -o.
 const std::set<std::string>& flags_of(const std::string& program) {
     static std::map<std::string, std::set<std::string>> known;
@@ -553,6 +587,69 @@ TEST_CASE("words of our own house do not occur where users read") {
         INFO(name << ": " << found.str());
         CHECK_FALSE(ours);
     }
+}
+
+TEST_CASE("the reference lists every public header") {
+    const std::string page = slurp(root / "docs/reference/main.md");
+    int headers = 0;
+    for (const std::string& file : files()) {
+        const std::size_t at = file.find("/include/fjell/");
+        if (!file.starts_with("runtime/") || at == std::string::npos) continue;
+        INFO(file);
+        CHECK(page.find(file.substr(at + std::string("/include/").size())) != std::string::npos);
+        ++headers;
+    }
+    CHECK(headers > 40);
+}
+
+TEST_CASE("the fields of an export are those that its guide and its header list") {
+    const std::string source = slurp(root / "runtime/gltf/snapshot.cpp"),
+                      guide = slurp(root / "docs/guides/exporting.md"),
+                      header = slurp(root / "runtime/gltf/include/fjell/gltf/snapshot.h");
+    const std::size_t first = source.find("Json extras(");
+    REQUIRE(first != std::string::npos);
+    const auto fields =
+        matches(source.substr(first, source.find("return all", first) - first), R"re(\{"([a-z_]+)", )re");
+    CHECK(fields.size() > 12);
+    for (const std::string& field : fields) {
+        INFO(field);
+        CHECK(guide.find('`' + field + '`') != std::string::npos);
+        CHECK(std::regex_search(header, std::regex("\\b" + field + "\\b")));
+    }
+}
+
+TEST_CASE("the messages that troubleshooting quotes are those of the sources") {
+    std::vector<std::string> ours;
+    for (const std::string& literal : literals())
+        if (literal.find(' ') != std::string::npos) ours.push_back(without_values(literal));
+    const std::string of_others = "error while loading shared libraries: libfjell_runtime"; // the system's
+    int messages = 0;
+    for (const std::string& seen : matches(slurp(root / "docs/troubleshooting.md"), "\n\\| ([^|\n]*) \\|"))
+        for (const std::string& quoted : matches(seen, "`([^`]+)`")) {
+            if (quoted.find(' ') == std::string::npos || quoted == of_others) continue;
+            const std::string message = without_values(quoted);
+            INFO(quoted);
+            CHECK(std::ranges::any_of(ours, [&](const std::string& text) {
+                // A part of it, or the words in front of what another library says.
+                const bool opens = text.size() > 8 && (text.ends_with(": ") || text.ends_with(": #"));
+                return text.find(message) != std::string::npos ||
+                       (opens && message.starts_with(text.substr(0, text.rfind(' ') + 1)));
+            }));
+            ++messages;
+        }
+    CHECK(messages > 15);
+}
+
+TEST_CASE("the modes of pictures are listed as the programs name them") {
+    std::string names;
+    for (const std::string& list :
+         matches(slurp(root / "runtime/session/options.h"), "picture_mode_names\\[\\] = \\{([^}]*)\\}"))
+        for (const std::string& name : matches(list, "\"([a-z]+)\""))
+            names += (names.empty() ? "`" : ", `") + name + '`';
+    const std::size_t last = names.rfind(", ");
+    REQUIRE(last != std::string::npos);
+    names.replace(last, 2, " and ");
+    CHECK(slurp(root / "docs/guides/exporting.md").find("The modes are " + names + '.') != std::string::npos);
 }
 
 TEST_CASE("every promise names a test that exists") {

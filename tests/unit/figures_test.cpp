@@ -117,9 +117,21 @@ TEST_CASE("measured.md has the plots' values in its tables, and as many terrains
     CHECK(gallery.find("The seven\nterrains") != std::string::npos);
 }
 
-TEST_CASE("the README's plots are those of docs/plots.json") {
+TEST_CASE("the README's plots and times are those of docs/plots.json") {
     const auto charts = fjell::lab::read_charts((repository / "docs/plots.json").string());
     CHECK(charts.size() == 3);
+    const auto plots = nlohmann::json::parse(slurp(repository / "docs/plots.json"));
+    const auto ms = [&](const std::string& method) { // at a quarter of a cell a frame
+        for (const auto& line : plots["plots"][0]["lines"])
+            if (line["label"] == method)
+                for (const auto& point : line["points"])
+                    if (point[0] == 0.25) return point[1].get<double>() / 1000;
+        return 0.0;
+    };
+    const auto told = numbers_in(slurp(repository / "README.md"), "takes ([0-9.]+) ms of one core; .* ([0-9.]+) ms");
+    REQUIRE(told.size() == 1);
+    CHECK(std::abs(told[0].first - ms("Fjell, all around")) < 0.006); // two decimals
+    CHECK(std::abs(told[0].second - ms("recursion")) < 0.006);
     for (const auto& [name, svg] : charts) {
         INFO(name << ": ./dev plots draws it");
         CHECK(slurp(repository / "docs/pictures" / (name + ".svg")) == svg);

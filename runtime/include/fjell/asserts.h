@@ -1,11 +1,12 @@
 // What happens when an assert of the library fails.
 //
-// Asserts look for faults of the library itself, never for those of a host or a file, which are answered with a Status.
-// They are compiled in with the CMake option FJELL_VALIDATE alone, for tests. Then a failure prints one line on stderr
-// and aborts the process, because a state that is not what it must be cannot be used on.
+// Asserts find faults of the library itself. Faults of a host or a file are answered with a Status instead. Only the
+// CMake option FJELL_VALIDATE compiles asserts, for tests. A failed assert then prints one line on stderr and aborts
+// the process, because the state is not usable any more.
 //
-// Of the process, not of an object: a failure may lie anywhere, also where no object is at hand. Thread: set the
-// handler before others use the library; it is called on the thread that fails. Allocates nothing, throws nothing.
+// The handler belongs to the process, not to an object, because an assert may fail where no object is known. Thread:
+// set the handler before other threads use the library; it is called on the thread that fails. Allocates nothing,
+// throws nothing.
 #pragma once
 
 #include "fjell/export.h"
@@ -13,11 +14,13 @@
 FJELL_API_BEGIN
 namespace fjell {
 
-// condition: what should have held, or what a walk found. For a host's own log and crash report, in place of the line
-// on stderr. The process aborts when it returns. It must not throw, nor call the library.
+// A handler for the host's own log and crash report, called in place of the line on stderr. condition: what should have
+// been true, or the fault that a check found. The process aborts when the handler returns. It must not throw, and must
+// not call the library.
 using AssertHandler = void (*)(const char* condition, const char* file, int line);
 
-// nullptr: the line on stderr again. False: this library is compiled without asserts, and never calls it.
+// Sets the handler; nullptr restores the line on stderr. False: this library was compiled without asserts, and never
+// calls a handler.
 bool set_assert_handler(AssertHandler handler);
 
 } // namespace fjell

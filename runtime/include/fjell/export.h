@@ -1,12 +1,11 @@
-// What every public header needs, those for C too: symbols that a shared library shows, and machines that Fjell is not
-// for.
+// What every public header includes, C headers too: the visibility of symbols, and checks of the processor.
 //
-// FJELL_API_BEGIN and FJELL_API_END stand around the declarations of a public header. All of them are visible in a
-// shared library, and nothing else is; a static library shows none, so that a host's own library does not either.
-// Compilers without visibility (MSVC) build the static library alone.
+// The declarations of a public header are between FJELL_API_BEGIN and FJELL_API_END. A shared library shows these
+// symbols and no others. A static library shows none, so a host's own library does not show them either. A compiler
+// without visibility (MSVC) can build the static library only.
 #pragma once
 
-#if defined(FJELL_STATIC_BUILD) || !defined(__GNUC__) // the first by our CMake files, while the static library is made
+#if defined(FJELL_STATIC_BUILD) || !defined(__GNUC__) // our CMake files set it for static libraries
 #define FJELL_API_BEGIN
 #define FJELL_API_END
 #else
@@ -18,6 +17,6 @@
     !defined(__wasm__)
 #error "Fjell needs 64 bits, or WebAssembly: compile it and what includes it for a 64-bit processor"
 #endif
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__ // where it is not defined: MSVC, always little
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__ // MSVC has none, and is always little
 #error "Fjell needs a little-endian processor: packs are read in place, and they are little-endian"
 #endif

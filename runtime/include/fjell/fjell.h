@@ -1,7 +1,7 @@
-// The whole library in one include: packs, terrains, both methods, streaming and queries. Companions have headers of
-// their own (fjell/io, fjell/gl, fjell/gltf), and so has GLM (fjell/glm.h), which the library does without.
-// Where sizes have 32 bits (WebAssembly), a ..._bytes() function answers for a block that does not fit the largest
-// multiple of 64, which no memory has.
+// The whole library in one include: packs, terrains, both methods, streaming and queries. The optional libraries have
+// headers of their own (fjell/io, fjell/gl, fjell/gltf). So has GLM (fjell/glm.h), which the library does not need.
+// Where sizes have 32 bits (WebAssembly), a ..._bytes() function returns the largest multiple of 64 if the block would
+// be larger than that. No memory has so many bytes, so creation then fails.
 #pragma once
 
 #include "fjell/asserts.h"

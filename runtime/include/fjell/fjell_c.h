@@ -1,18 +1,19 @@
-// The library for hosts in C (C99 and later): what fjell/fjell.h is for those in C++.
+// The library for hosts in C (C99 and later), as fjell/fjell.h is for hosts in C++.
 //
-// A layer that adds nothing. fjell_update_cut() calls fjell::update_cut(), and FjellCutReport is fjell::CutReport; so
-// it is with every function and type. Purpose, units, ranges, ownership, thread, cost and failure stand in the C++
-// headers named below, and hold here. What C needs otherwise:
-// - Spans are two arguments or two fields: a pointer and a count of elements, of bytes for memory. NULL is empty.
-// - Handles are values, as in C++ (fjell/handle.h): FjellTerrain terrain = {0}. Their fields are the library's.
-// - Descriptors and reports may grow in later versions, so each begins with struct_size: sizeof what the host was
-//   compiled with. Start a descriptor from its _default() function, a report from {.struct_size = sizeof report}. An
-//   older host leaves new fields at their defaults and does not receive them in reports. A struct_size that the library
-//   does not know is refused: out_of_range, "struct_size". As a descriptor NULL stands for the defaults; a report that
-//   is NULL is not written.
-// - All other structs stay as they are while FJELL_VERSION_MINOR does.
-// - Enumerators are constants; the type of the enumeration, FjellMorph for one, is an integer as wide as in C++.
-// No function prints or throws, and none allocates but where its C++ header says that zstd may.
+// Each function calls its counterpart in C++ and adds nothing. fjell_update_cut() calls fjell::update_cut(), and
+// FjellCutReport is fjell::CutReport; the other names are formed alike. The C++ headers named below say what a function
+// does, its units, ranges, ownership, threads, cost and failure. All of that applies in C too. Rules of C alone:
+// - A span is two arguments or two fields: a pointer, and a count of elements. For memory the count is of bytes. NULL
+//   is an empty span.
+// - A handle is a value, as in C++ (fjell/handle.h): FjellTerrain terrain = {0}. Its fields belong to the library.
+// - A descriptor or a report may grow in later versions. So it begins with struct_size, the sizeof that the host was
+//   compiled with. Start a descriptor from its _default() function, and a report from {.struct_size = sizeof report}.
+//   With an older host, new fields have their defaults, and reports do not write them. A struct_size that the library
+//   does not know is refused with out_of_range, "struct_size". NULL instead of a descriptor means its defaults. NULL
+//   instead of a report means that none is written.
+// - All other structs stay the same while FJELL_VERSION_MINOR does.
+// - Enumerators are constants. The type of an enumeration, e.g. FjellMorph, is an integer as wide as in C++.
+// No function prints or throws. A function allocates only if its C++ header says that zstd may.
 #ifndef FJELL_FJELL_C_H
 #define FJELL_FJELL_C_H
 
@@ -24,7 +25,7 @@ FJELL_API_BEGIN
 extern "C" {
 #endif
 
-// FJELL_VERSION of the library itself; the macro is that of the headers.
+// FJELL_VERSION of the linked library. The macro is the version of the headers.
 int fjell_version(void);
 
 // --- fjell/status.h ---
@@ -118,7 +119,7 @@ double fjell_terrain_height_m(FjellTerrain terrain, double x_m, double z_m);
 
 // --- fjell/view.h ---
 
-// view: {.struct_size = sizeof view} will do.
+// A view that is {.struct_size = sizeof view} is enough.
 FjellStatus fjell_make_view(FjellVec3 eye_m, FjellVec3 forward, FjellVec3 up, double fov_y_rad, uint32_t width_px,
                             uint32_t height_px, double near_m, double far_m, FjellView* view);
 FjellStatus fjell_validate_view(const FjellView* view);
@@ -145,16 +146,16 @@ float fjell_morphed_height_m(FjellTerrain terrain, const FjellMeshVertex* vertex
                              const FjellMorphFrame* frame);
 FjellCutMesh fjell_cut_mesh(FjellLiveCut cut);
 FjellCutChanges fjell_cut_take_changes(FjellLiveCut cut);
-// for_each_run(): finds the next run; false: that was the last.
+// for_each_run() as a loop: finds the next run. False: no run is left.
 bool fjell_next_run(const uint64_t* bits, const uint32_t* words, size_t word_count, FjellRun* run);
 
 // --- fjell/compact.h ---
 
-// All three of `count` records; both of `count` indices.
+// The three arrays of vertices have `count` records each, the two arrays of indices `count` indices each.
 void fjell_compact_vertices(const FjellMeshVertex* vertices, const FjellMorphVertex* morphs, size_t count,
                             FjellCompactVertex* to);
 void fjell_compact_indices(const uint32_t* indices, size_t count, uint16_t* to);
-uint32_t fjell_index_bytes(const FjellCutBudget* budget); // 0 for one that is refused
+uint32_t fjell_index_bytes(const FjellCutBudget* budget); // 0 for a budget that is refused
 double fjell_compact_share(const FjellMorphView* view);
 float fjell_compact_rise_m(uint16_t rise);
 float fjell_compact_length_m(uint16_t error_or_radius);
@@ -174,7 +175,7 @@ FjellMeshView fjell_recursive_mesh(FjellRecursiveMethod method);
 // frustum: may be NULL.
 FjellMeasuredError fjell_measure_error(FjellTerrain terrain, const FjellMeshView* mesh, const FjellView* view,
                                        const FjellFrustum* frustum);
-// bound_error_px() of either method.
+// bound_error_px() of the two methods.
 double fjell_bound_cut_error_px(FjellLiveCut cut, const FjellView* view, bool corner_safe, double at_least_px);
 double fjell_bound_recursive_error_px(FjellRecursiveMethod method, const FjellView* view, bool corner_safe,
                                       double at_least_px);
@@ -184,7 +185,7 @@ double fjell_bound_recursive_error_px(FjellRecursiveMethod method, const FjellVi
 FjellGroundHeight fjell_ground_height(FjellTerrain terrain, double x_m, double z_m, float accurate_m);
 FjellGroundHit fjell_cast_ray(FjellTerrain terrain, FjellVec3 origin_m, FjellVec3 direction, double most_m,
                               float accurate_m);
-// holes: NULL when they are not wanted.
+// holes: NULL if they are not wanted.
 FjellGroundPatch fjell_ground_patch(FjellTerrain terrain, FjellSampleIndex first, int step_log2, uint32_t side,
                                     float* heights_m, size_t height_count, bool* holes, size_t hole_count);
 
@@ -202,7 +203,7 @@ FjellStatus fjell_update_stream(FjellStream stream, const FjellView* views, size
                                 const FjellCutSettings* cut, const FjellStreamSettings* settings,
                                 FjellStreamReport* report);
 FjellStatus fjell_stream_retry_failed(FjellStream stream);
-// count: of the elements that are returned.
+// count: receives the number of elements at the returned pointer.
 const FjellStreamFailure* fjell_stream_failures(FjellStream stream, size_t* count);
 const FjellPageArrival* fjell_stream_page_arrivals(FjellStream stream, size_t* count);
 const FjellMapCommand* fjell_stream_map_commands(FjellStream stream, size_t* count);
@@ -210,7 +211,7 @@ const FjellTileMap* fjell_stream_tile_maps(FjellStream stream, uint8_t kind, siz
 FjellMapLayers fjell_stream_map_layers(FjellStream stream, uint8_t kind);
 FjellStatus fjell_min_lod_grid(const FjellTileMap* maps, size_t map_count, uint32_t tiles_x, uint32_t tile,
                                float out[9]);
-// The other min_lod_grid(): where tiles may be missing.
+// min_lod_grid() of a terrain that may lack tiles.
 FjellStatus fjell_min_lod_grid_of(const FjellTileMap* maps, size_t map_count, FjellTerrain terrain, uint32_t tile,
                                   float out[9]);
 bool fjell_stream_next_request(FjellStream stream, FjellStreamRequest* request);
@@ -220,8 +221,8 @@ FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted
 
 // --- defaults of the descriptors ---
 
-// Sets as many fields as struct_size says. A host calls the functions below: they are compiled into it, so that they
-// return what its header knows.
+// Sets as many fields as struct_size says. A host calls the _default() functions below instead. They are compiled into
+// the host, so they return the fields that its header knows.
 void fjell_set_default_terrain_budget(FjellTerrainBudget* budget);
 void fjell_set_default_view(FjellView* view);
 void fjell_set_default_cut_budget(FjellCutBudget* budget);

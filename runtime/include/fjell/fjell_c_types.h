@@ -1,6 +1,6 @@
-// The types of fjell/fjell_c.h, which says what C needs otherwise than C++. Fields are those of the C++ types of the
-// same name, whose headers give units and ranges. Written by runtime/src/c/types.py from those headers: change them,
-// and run it. The library asserts while it is compiled that both lie alike.
+// The types of fjell/fjell_c.h. Fields are those of the C++ types of the same name, whose headers give units and
+// ranges. runtime/src/c/types.py writes this file from those headers: change them, then run it. The library checks at
+// compile time that both layouts are equal.
 #ifndef FJELL_FJELL_C_TYPES_H
 #define FJELL_FJELL_C_TYPES_H
 

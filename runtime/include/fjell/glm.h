@@ -1,8 +1,9 @@
-// For engines that use GLM: a View's matrices, and conversions. Optional: nothing else includes it, and the library
-// does not link GLM.
+// For engines that use GLM: the matrices of a View, and conversions. Optional: no other header includes this one, and
+// the library does not link GLM.
 //
-// Axes are the scene's: x east, y up, z south, metres; cameras look along -z in their own space. Matrices are for
-// column vectors. Everything is double: subtract the eye before a position becomes float. Thread: any.
+// Axes are those of the scene: x east, y up, z south, metres. A camera looks along -z in its own space. Matrices
+// multiply column vectors. All numbers are doubles: subtract the eye before you convert a position to float. Thread:
+// any.
 #pragma once
 
 #include <optional>
@@ -26,13 +27,13 @@ namespace fjell {
     return {v.x, v.y, v.z};
 }
 
-// World to camera.
+// From the scene to the camera.
 [[nodiscard]] inline glm::dmat4 view_matrix(const View& view) {
     return glm::lookAt(to_glm(view.eye_m), to_glm(view.eye_m + view.forward), to_glm(view.up));
 }
 
-// Camera to clip space with reversed depth, as our renderer has it: 1 at the near plane, 0 at the far one, for a clip
-// space whose depths are 0..1 (glClipControl(..., GL_ZERO_TO_ONE), Vulkan, Direct3D) and a float depth buffer.
+// From the camera to clip space with reversed depth: 1 at the near plane, 0 at the far plane. It suits a clip space
+// with depths from 0 to 1 (glClipControl(..., GL_ZERO_TO_ONE), Vulkan, Direct3D) and a float depth buffer.
 [[nodiscard]] inline glm::dmat4 reversed_projection(const View& view) {
     const double wide = view.right - view.left, high = view.top - view.bottom, range = view.far_m - view.near_m;
     glm::dmat4 m(0.0);
@@ -46,7 +47,8 @@ namespace fjell {
     return m;
 }
 
-// Where a point is seen, in pixels from the picture's upper left corner; none: nearer than the near plane or behind.
+// Where a point appears, in pixels from the upper left corner of the picture. Nothing for a point behind the eye or
+// nearer than the near plane.
 [[nodiscard]] inline std::optional<glm::dvec2> project(const View& view, const Vec3& point) {
     const glm::dvec4 clip = reversed_projection(view) * (view_matrix(view) * glm::dvec4(to_glm(point), 1.0));
     if (!(clip.w >= view.near_m)) return std::nullopt;

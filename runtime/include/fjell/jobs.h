@@ -1,5 +1,5 @@
-// The host's job system, as Fjell may use it: to build what a camera sees from nothing, or after a jump, on several
-// threads. Everything else runs on the thread that calls.
+// The host's job system, as Fjell may use it: to build a mesh from nothing, or after a jump of the camera, on several
+// threads. Everything else runs on the calling thread.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace fjell {
 
 inline constexpr std::uint32_t max_cut_workers = 64;
 
-// run calls job(data, 0) to job(data, count - 1), each once, on any threads and in any order, and returns when all of
-// them have returned and what they wrote can be read: a parallel loop. It is called on the thread that called Fjell,
-// some dozens of times in an update that has much to build, and not at all in most. A job takes some microseconds to
-// some milliseconds, does not block or allocate, and may be run by the thread that waits. Results do not depend on how
-// many threads there are, or on their order. nullptr: jobs run on the thread that calls.
+// A parallel loop. run must call job(data, 0) to job(data, count - 1) once each, on any threads and in any order. It
+// must return when all jobs have returned and their writes are visible to the caller. Fjell calls run on the thread
+// that called Fjell: some dozens of times in an update that has much to build, and never in most updates. A job takes
+// some microseconds to some milliseconds. It does not block or allocate, and the waiting thread may run it. The result
+// does not depend on the number of threads or on the order. nullptr: jobs run on the calling thread.
 struct JobSystem {
     void (*run)(void* user, std::uint32_t count, void (*job)(void* data, std::uint32_t index), void* data) = nullptr;
-    void* user = nullptr; // the host's, passed on to run
+    void* user = nullptr; // the host's pointer, which is passed to run
 };
 
 } // namespace fjell

@@ -1,5 +1,4 @@
-// The true error of a mesh: every triangle against every full-resolution sample under it; and what a method's mesh
-// keeps to, without looking at every sample.
+// The true error of a mesh, measured at every full-resolution sample; and a bound of it, which takes less time.
 #pragma once
 
 #include "fjell/cut.h"
@@ -15,24 +14,26 @@ namespace fjell {
 
 // The largest errors, and where they are.
 struct MeasuredError {
-    // Less what rounding both heights to float may have added: some 1e-7 of the largest height.
+    // Both are reduced by what rounding both heights to float may have added: some 1e-7 of the largest height.
     double max_px = 0;               // largest |height - surface| * lambda / distance(eye, sample)
     double max_m = 0;                // largest |height - surface|
-    SampleIndex sample_px, sample_m; // where
-    std::uint64_t samples = 0;       // visited, shared edges counted once a triangle
+    SampleIndex sample_px, sample_m; // where each was found
+    std::uint64_t samples = 0;       // samples visited; those on an edge count for each triangle
 };
 
-// mesh: list or strips. frustum: when given, only samples inside it count. O(samples), for tests and tools.
+// Measures a mesh, a list or strips. frustum: if given, only the samples inside it count. O(samples), for tests and
+// tools.
 [[nodiscard]] MeasuredError measure_error(const Terrain& terrain, const MeshView& mesh, const View& view,
                                           const Frustum* frustum = nullptr);
 
-// The error on screen, in pixels, that no sample under a tile of the last update's mesh exceeds (half a quantum of the
-// pack apart), as the mesh stands: behind with its work, short of a capacity or of pages, morphing, refined for the
-// frustum only. From the errors in the pack, and by measuring where they say little; so it is never below the truth,
-// and never below at_least_px, which saves measuring: give the threshold that the update was asked for, or has reached.
-// The ground beside a hole that is not drawn counts with the size of what is left out. corner_safe: of what the view
-// shows, pixels of the picture too. O(triangles), and where the mesh lags O(samples) at most. For tools and tests.
-// unbounded_px: no less can be promised, because the eye touches what is missing; or the handle is refused.
+// A bound of the error on screen in pixels: no sample under a tile of the last update's mesh exceeds it by more than
+// half a quantum of the pack. It is a bound of the mesh as it is now: if it lags, lacks capacity or pages, morphs, or
+// is refined for the frustum only. It is computed from the errors in the pack, and measured where these say little. It
+// is never below the truth. It is never below at_least_px either, which saves measuring: pass the requested or the
+// reached threshold. Ground beside a hole that is not drawn counts with the size of the ground that is left out.
+// corner_safe: also bounds the pixels in the image's corners, for what the view shows. O(triangles), and at most
+// O(samples) if the mesh lags. For tools and tests. Returns unbounded_px if nothing smaller can be promised, because
+// the eye touches missing ground, or if the handle is refused.
 inline constexpr double unbounded_px = 1e7;
 [[nodiscard]] double bound_error_px(LiveCut cut, const View& view, bool corner_safe, double at_least_px);
 [[nodiscard]] double bound_error_px(RecursiveMethod method, const View& view, bool corner_safe, double at_least_px);

@@ -1,4 +1,4 @@
-// Where a sample is: column and row of the height field, counted from its north-west.
+// The place of a sample: its column and row in the height field, counted from the north-west.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
-// Or the way from one sample to another.
+// A place, or the difference of two places.
 struct SampleIndex {
     std::int32_t column = 0, row = 0;
     friend constexpr bool operator==(SampleIndex, SampleIndex) = default;

@@ -1,4 +1,4 @@
-// What a call returns: a code, the field or place at fault, and one table of messages with remedies.
+// What a call returns: a code, the field or place at fault, and a table of messages that say what to do.
 //
 // Ownership: `field` always points to a string with static lifetime. Thread: any. Allocates nothing, throws nothing.
 #pragma once
@@ -23,22 +23,22 @@ enum class StatusCode : std::uint8_t {
     budget_too_small,   // a capacity cannot even hold the coarsest mesh
     out_of_slots,       // every page slot is taken
     coarser_page_first, // pages are loaded from coarse to fine
-    not_supported,      // the method does not support this kind of pack
+    not_supported,      // this kind of pack does not work with the method
     unreadable,         // the client could not read the bytes
     invalid_handle,     // an empty handle, or its object has been destroyed
     wrong_pack,         // not the pack that the terrain was made from
-    wrong_terrain       // a cut of another terrain
+    wrong_terrain       // the cut is of another terrain
 };
 
-// What a call returns.
+// The result of a call.
 struct [[nodiscard]] Status {
     StatusCode code = StatusCode::ok;
-    const char* field = ""; // the field, argument or section at fault; static storage
+    const char* field = ""; // the field, argument or section at fault; static lifetime
 
     [[nodiscard]] constexpr bool ok() const { return code == StatusCode::ok; }
 };
 
-// One line: what happened and what to do about it. Static storage.
+// The message of a code: one line that says what happened and what to do. Static lifetime.
 [[nodiscard]] const char* message(StatusCode code);
 
 } // namespace fjell

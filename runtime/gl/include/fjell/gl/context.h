@@ -1,8 +1,8 @@
-// An OpenGL 4.5 core context without a window, through EGL. A host that has a context of its own needs none of this.
+// An OpenGL 4.5 core context without a window, through EGL. A host that has a context does not need this.
 //
-// Ownership: the object owns its context; everything made in it (Target, Renderer) must be destroyed first, while the
-// context is current. Thread: a context is current on one thread at a time; creation makes it current on the caller's.
-// Failure: create() throws io::Failure, 3, whose one line says what to do; nothing aborts.
+// Ownership: the object owns its context. Everything that was made in it (Target, Renderer) must be destroyed first,
+// while the context is current. Thread: a context is current on one thread at a time; create() makes it current on the
+// calling thread. Failure: create() throws io::Failure, 3, with one line that says what to do. Nothing aborts.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 FJELL_API_BEGIN
 namespace fjell::gl {
 
-// What KHR_debug reported. Only errors and messages of high severity are kept, the first 64 as text.
+// What KHR_debug reported. Only errors and messages of high severity are kept, the first 64 of them as text.
 struct DebugLog {
     std::uint64_t errors = 0;
     std::vector<std::string> messages;
@@ -24,11 +24,12 @@ struct DebugLog {
 
 // Which context to make.
 struct HeadlessOptions {
-    bool debug = false; // a debug context: every GL error lands in the log, at some cost in speed
-    int device = -1;    // -1: Mesa's surfaceless platform, then every EGL device; n >= 0: the n-th EGL device only
+    bool debug = false; // a debug context: GL errors are logged, which costs some speed
+    // -1: Mesa's surfaceless platform, then every EGL device. n >= 0: the n-th EGL device only.
+    int device = -1;
 };
 
-// A context of its own, for tools and tests.
+// A context without a window, for tools and tests.
 class Headless {
 public:
     [[nodiscard]] static std::unique_ptr<Headless> create(const HeadlessOptions& options = {});
@@ -37,7 +38,7 @@ public:
     Headless& operator=(const Headless&) = delete;
 
     [[nodiscard]] bool make_current();
-    // Renderer and version strings of the driver, for reports.
+    // Name and version of the driver, for reports.
     [[nodiscard]] std::string description() const;
     [[nodiscard]] const DebugLog& log() const { return *log_; }
 

@@ -1,7 +1,7 @@
 // Pictures as files: 8-bit RGB PNG.
 //
-// Thread: any. Failure: io::Failure; a failed write leaves nothing behind
-// and an older file of that name untouched.
+// Thread: any. Failure: io::Failure. A write that fails leaves no file behind, and an older file of that name stays as
+// it was.
 #pragma once
 
 #include <cstddef>
@@ -25,9 +25,9 @@ struct Image {
     }
 };
 
-// Writes beside the place and renames, so a reader never sees half a picture.
+// Writes a new file beside the place and renames it, so a reader never sees half a picture.
 void write_png(const Image& image, const std::string& path);
-// Any 8-bit PNG, converted to RGB.
+// Reads any 8-bit PNG, converted to RGB.
 [[nodiscard]] Image read_png(const std::string& path);
 
 } // namespace fjell::gl

@@ -1,11 +1,12 @@
-// A pack that stays in its file, for streaming: header, directory, corners and CRS in memory, chunks read when asked
-// for. Or a pack set that stays in its files (fjell/pack_set.h): a folder with a set.json, which then is one pack.
+// A pack that stays in its file, for streaming. Header, directory, corners and CRS are in memory; chunks are read on
+// demand. A pack set (fjell/pack_set.h), a folder with a set.json, is opened as one pack.
 //
-// Never mapped: a file that shrinks or a disk that fails is an error of one read, not a signal in the middle of a
-// frame. Thread: immutable once open; read() from any thread, several at once. Failure: opening throws Failure with
-// exit code 1 for a pack that is damaged or of another version, 3 for a disk that fails; read() answers with an errno.
-// Of a set's files 32 are open at a time, whatever their number, and its folder, which may be moved; ESTALE (on Windows
-// EIDRM) is read()'s answer when one that is opened again is another than it was. Paths are UTF-8, on Windows too.
+// The file is not mapped. So a file that shrinks or a disk that fails is an error of one read, and not a signal in the
+// middle of a frame. Thread: immutable once open; read() may run on any thread, and on several at once. Failure:
+// opening throws Failure with exit code 1 for a pack that is damaged or of another version, and with 3 if the disk
+// fails. read() returns an errno.
+// Of a set the folder and at most 32 files are open at a time; the folder may be moved. If a file is opened again and
+// is not the same one any more, read() returns ESTALE (EIDRM on Windows). Paths are UTF-8, on Windows too.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +23,10 @@
 FJELL_API_BEGIN
 namespace fjell::io {
 
-// What people call a chunk: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
+// The name of a chunk for messages: "page 3 of tile 1", "colour mip 0 of tile 2", "CRS".
 [[nodiscard]] std::string chunk_name(ChunkId id);
 
-// The materials that a pack's splat maps speak of, from the chunk `layers`: one name each.
+// The names of the materials in a pack's splat maps. text: the chunk `layers`.
 [[nodiscard]] std::vector<std::string> layer_names(std::string_view text);
 
 class SetParts; // the files of a set
@@ -33,28 +34,29 @@ class SetParts; // the files of a set
 // An open file, or an open set.
 class PackFile {
 public:
-    explicit PackFile(const std::string& path); // of a pack, of a set's folder, or of its set.json
+    explicit PackFile(const std::string& path); // a pack's file, a set's folder, or its set.json
     ~PackFile();
     PackFile(const PackFile&) = delete;
     PackFile& operator=(const PackFile&) = delete;
 
     [[nodiscard]] const std::string& path() const { return path_; }
-    [[nodiscard]] const Pack& pack() const { return pack_; }                      // of open_index(): without bytes
+    [[nodiscard]] const Pack& pack() const { return pack_; }                      // from open_index(): without bytes
     [[nodiscard]] const std::string& crs() const { return crs_; }                 // WKT; empty: none
-    [[nodiscard]] std::span<const std::byte> corners() const { return corners_; } // as stored: for create_terrain()
-    [[nodiscard]] std::size_t packs() const; // that it consists of: 1 unless it is a set
+    [[nodiscard]] std::span<const std::byte> corners() const { return corners_; } // as stored, for create_terrain()
+    [[nodiscard]] std::size_t packs() const; // how many packs it consists of: 1 unless it is a set
 
-    // All of the bytes from there on, however many calls it takes. 0, or what errno said; EIO where the file ends.
+    // Reads all of `to` from an offset of the file. Returns 0 or an errno; EIO if the file ends.
     [[nodiscard]] int read(std::uint64_t offset, std::span<std::byte> to) const noexcept;
-    // A chunk, checked and decoded: raw_bytes of it. Throws Failure with exit code 1 when it is damaged or the file was
-    // changed meanwhile, 3 when the disk fails.
+    // Reads, checks and decodes a chunk. raw receives its raw_bytes. Throws Failure with exit code 1 if the chunk is
+    // damaged or the file has changed, and with 3 if the disk fails.
     void read_chunk(ChunkId id, std::vector<std::byte>& raw) const;
-    // Whether the file's length or header are not what they were when it was opened. One that was renamed over or
-    // deleted stays as it was for whoever has it open.
+    // Whether the file's length or header differ from those at opening. A file that was deleted, or replaced by a
+    // rename, does not change for a program that has it open.
     [[nodiscard]] bool changed() const noexcept;
-    // Throws what a read that failed means: the file was changed (1), or the disk (3). error: what read() answered.
+    // Throws the Failure that a failed read means: 1 if the file has changed, 3 if the disk fails. error: what read()
+    // returned.
     [[noreturn]] void fail(int error) const;
-    // What the system keeps of the file is forgotten, as far as it listens: for benchmarks of cold starts.
+    // Asks the system to drop its cache of the file: for benchmarks of cold starts.
     void drop_cache() const noexcept;
 
 private:
@@ -64,7 +66,7 @@ private:
     [[nodiscard]] std::vector<std::byte> stored(ChunkId id) const;
 
     std::string path_, crs_;
-    int fd_ = -1; // of a set: none
+    int fd_ = -1; // -1 for a set
     std::unique_ptr<SetParts> set_;
     std::uint64_t file_bytes_ = 0; // when it was opened
     std::vector<std::byte> directory_, corners_;

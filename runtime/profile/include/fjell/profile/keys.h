@@ -1,8 +1,8 @@
-// A profile's keys as data: what each is, what it may be, what it costs, and what has to be recreated when it changes.
-// The reader of profiles, what writes them and an editor's controls all go by this one table.
+// The keys of a profile as data: what each key is, its range, its cost, and what must be recreated when it changes. The
+// reader and the writer of profiles and the controls of an editor use this one table.
 //
-// Ownership: none, the table is constant. Thread: any. Failure: none but parse_value()'s answer; values that set() and
-// the writers are given must be in range.
+// Ownership: the table is constant. Thread: any. Failure: only parse_value() can fail. Values that are passed to set()
+// and to the writers must be in range.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 FJELL_API_BEGIN
 namespace fjell {
 
-// Of values, for command lines and controls too.
+// Ranges of values, for command lines and controls too.
 namespace ranges {
 inline constexpr double least_threshold_px = 0.01, most_threshold_px = 1000;
 inline constexpr double min_fov_deg = 1, max_fov_deg = 150;
@@ -34,64 +34,68 @@ inline constexpr double max_hysteresis = 10, min_morph_s = 0.01, max_morph_s = 1
 
 enum class KeyKind : std::uint8_t { number, whole, flag, choice };
 
-// What a change takes before the next update.
+// What must be recreated when a key changes.
 enum class Rebuild : std::uint8_t {
-    nothing, // the next update goes by it
-    method,  // the method's memory (remake_method()) and a renderer with room for it
-    session  // terrain, stream and method
+    nothing, // the next update uses the new value
+    // The method's memory (remake_method()), and a renderer with room for it.
+    method,
+    session // terrain, stream and method
 };
 
-// Where a key counts.
+// Which method or part a key affects.
 enum class UsedBy : std::uint8_t { any, incremental, recursive, streaming };
 
 struct ProfileKey {
     const char* table = nullptr;    // [table] in the file
-    const char* name = nullptr;     // and in it
-    const char* old_name = nullptr; // before 0.3; read until 0.4
+    const char* name = nullptr;     // its name there
+    const char* old_name = nullptr; // its name before 0.3, which is read until 0.4
     const char* label = nullptr;    // for a control: "Threshold"
     KeyKind kind = KeyKind::number;
-    const char* unit = "";                     // "px", "us", "vertices"; empty: none
-    double least = 0, most = 1;                // both allowed; flags 0 to 1, choices 0 to their number less 1
-    bool logarithmic = false;                  // how a slider runs; least may be 0 all the same
+    const char* unit = ""; // "px", "us", "vertices"; empty: none
+    // Both are allowed. Flags: 0 to 1. Choices: 0 to their number less 1.
+    double least = 0, most = 1;
+    bool logarithmic = false;                  // for a slider; least may be 0 even then
     std::span<const char* const> choices = {}; // their names in the file
-    const char* zero = nullptr;                // what 0 means, where it is more than a little: "no limit"
-    const char* about = nullptr;               // what it is, its unit and range, what it costs: one paragraph
+    // What 0 means if it is special: "no limit".
+    const char* zero = nullptr;
+    // One paragraph: what the key is, its unit and range, and what it costs.
+    const char* about = nullptr;
     Rebuild rebuild = Rebuild::nothing;
     UsedBy used_by = UsedBy::any;
     double (*get)(const Profile&) = nullptr; // whole numbers and choices are exact in a double
-    void (*set)(Profile&, double) = nullptr; // in range, and whole but for numbers
+    void (*set)(Profile&, double) = nullptr; // the value must be in range, and whole unless the kind is number
 };
-// In the order in which a profile has them, table by table. budget.vertices is one key for both methods' budgets: it is
-// got from the chosen method's and set in both.
+// All keys in the order of a profile, table by table. budget.vertices is one key for the budgets of both methods: get()
+// reads that of the chosen method, set() sets both.
 [[nodiscard]] std::span<const ProfileKey> profile_keys();
-// "refine.max_error_px", or the name that it had; null: there is none.
+// Finds a key by its name, e.g. "refine.max_error_px", or by its old name. null if there is no such key.
 [[nodiscard]] const ProfileKey* find_profile_key(std::string_view dotted);
 
 struct ProfileTable {
     const char* name = nullptr;
     const char* label = nullptr; // for a control
-    const char* about = nullptr; // null: its keys say it all
+    const char* about = nullptr; // null: its keys need no more
 };
 [[nodiscard]] std::span<const ProfileTable> profile_tables();
 
-// As TOML writes it: 1.0, 4096, true, "none".
+// A value as TOML writes it: 1.0, 4096, true, "none".
 [[nodiscard]] std::string value_text(const ProfileKey& key, const Profile& profile);
-// The other way, and choices without their quotes too. Empty, or what is wrong: "must be a number from 0.01 to 1000
-// (pixels)", and then the value is as it was.
+// Reads a value as TOML writes it; choices need no quotes. Returns an empty string, or what is wrong: "must be a number
+// from 0.01 to 1000 (pixels)". The value then stays as it was.
 [[nodiscard]] std::string parse_value(const ProfileKey& key, std::string_view text, double& value);
-// What any text that is no value of the key is refused with.
+// The message for any text that is not a value of the key.
 [[nodiscard]] std::string key_refusal(const ProfileKey& key);
-// Of keys that do not go together: what is wrong, or empty. parse_profile() refuses what this does.
+// What is wrong with keys that contradict each other, or empty. parse_profile() refuses such a profile.
 [[nodiscard]] std::string profile_conflict(const Profile& profile);
 
-// The whole profile as TOML, every key under what it is and costs, in lines of up to 120 characters. parse_profile()
-// reads every key back to the last bit. heading: what the profile is for, one paragraph.
+// The whole profile as TOML, in lines of up to 120 characters. A comment above each key says what it is and costs.
+// parse_profile() reads every key back to the last bit. heading: what the profile is for, one paragraph.
 [[nodiscard]] std::string profile_text(const Profile& profile, std::string_view heading);
-// The profile as C++ that makes it: a line for each key that is not at its default.
+// The profile as C++ code: a line for each key that is not at its default.
 [[nodiscard]] std::string profile_as_cpp(const Profile& profile);
-// The paragraph that a profile's text begins with, for writing it again; empty where there is none.
+// The first paragraph of a profile's text, for writing it again. Empty if it has none.
 [[nodiscard]] std::string profile_heading(std::string_view text);
-// Keys of which the two have different values.
+// The keys whose values differ between the two profiles.
 [[nodiscard]] std::vector<const ProfileKey*> differing_keys(const Profile& a, const Profile& b);
 
 } // namespace fjell
