@@ -52,7 +52,9 @@ void bake_at(const TemporaryFolder& folder, const Place& p) {
                           "placed.tif -o pack.fjell --quiet --crs none && " + bake +
                           "heights pack.fjell -o back.tif && gdal_translate -q -of XYZ back.tif back.xyz && "
                           "grep -vi nan back.xyz >ground.xyz && cut -d' ' -f1,2 ground.xyz | gdaltransform -output_xy "
-                          "-s_srs " + p.crs + " -t_srs EPSG:4326 >places && cut -d' ' -f3 ground.xyz >heights && "
+                          "-s_srs " +
+                          p.crs +
+                          " -t_srs EPSG:4326 >places && cut -d' ' -f3 ground.xyz >heights && "
                           "paste -d' ' places heights >points.txt");
 }
 
@@ -65,7 +67,8 @@ std::map<std::string, std::string> files_under(const std::filesystem::path& fold
 }
 
 json checked(const TemporaryFolder& folder, const std::string& tiles) {
-    return json::parse(output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check.py " + tiles + " points.txt"));
+    return json::parse(
+        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check.py " + tiles + " points.txt"));
 }
 
 } // namespace
@@ -83,8 +86,8 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
         for (const std::string tiling : {"geographic", "mercator"}) {
             if (tiling == "mercator" && place.name == "the pole") continue; // which its map does not reach
             CAPTURE(tiling);
-            const json said = json::parse(output_of(folder, bake + "tiles pack.fjell -o " + tiling + " --tiling " + tiling +
-                                                           " --json -"));
+            const json said = json::parse(
+                output_of(folder, bake + "tiles pack.fjell -o " + tiling + " --tiling " + tiling + " --json -"));
             const json found = checked(folder, tiling);
             CHECK(found["levels"] == said["levels"].size());
             CHECK(found["samples"] >= (place.columns * place.rows - 35) * found["levels"].get<int>());
@@ -116,14 +119,17 @@ TEST_CASE("tiles are the same bytes for any number of threads, and when they wer
     for (int code = 3; code == 3; ++runs) {
         REQUIRE(runs < 40);
         const std::string some = std::to_string(8 + 8 * runs); // KB that a file may have
-        code = run_in(folder.path, "trap '' XFSZ; ulimit -f " + some + "; " + bake + "tiles pack.fjell -o cut --quiet").code;
+        code = run_in(folder.path, "trap '' XFSZ; ulimit -f " + some + "; " + bake + "tiles pack.fjell -o cut --quiet")
+                   .code;
     }
     CHECK(runs > 1);
     CHECK(files_under(folder.path / "cut") == one);
 
     // Killed in the middle, with a tile half-written.
-    output_of(folder, bake + "tiles pack.fjell -o killed --quiet & p=$!; "
-                        "until [ -d killed/12 ] || ! kill -0 $p 2>/dev/null; do sleep 0.01; done; kill -9 $p; wait $p; true");
+    output_of(folder,
+              bake +
+                  "tiles pack.fjell -o killed --quiet & p=$!; "
+                  "until [ -d killed/12 ] || ! kill -0 $p 2>/dev/null; do sleep 0.01; done; kill -9 $p; wait $p; true");
     if (std::filesystem::exists(folder / "killed.work")) {
         for (const auto& [name, bytes] : files_under(folder.path / "killed"))
             if (name.starts_with("12/")) spit(folder.path / "killed" / name, bytes); // as they are
