@@ -64,8 +64,8 @@ bool is_one_of(const Command& command) {
     return (std::holds_alternative<C>(command) || ...);
 }
 bool only_panels(const Command& command) {
-    return is_one_of<MoveCamera, ShowPanel, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe, MarkPlace,
-                     ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
+    return is_one_of<MoveCamera, ShowPanel, ShowGroup, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe,
+                     MarkPlace, ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
                      BrowseFolder, BrowseFor, DraftBake, GiveBakeFile, BrowseAllKinds, SetHeat, ForgetRun>(command);
 }
 
@@ -79,9 +79,13 @@ void write_text(const std::string& path, const std::string& text) {
 
 App::App(Options options) : options_(std::move(options)) {
     script_.read(options_.commands, options_.script);
-    if (!options_.materials.empty())
+    if (!options_.materials.empty()) {
         engine_.set_layers(std::make_shared<const session::GroundLayers>(
             session::read_ground_layers(options_.materials, options_.layers)));
+        state_.materials.materials = options_.materials;
+        state_.materials.rules = options_.layers;
+        state_.materials.of_this_run = true;
+    }
     // Before there is a window: whoever sees that may ask already.
     if (dump_file() != nullptr) std::signal(SIGUSR1, [](int) { dump_requested = 1; });
     IMGUI_CHECKVERSION();
@@ -333,6 +337,8 @@ double App::move_and_update() {
     const OwnCode own(watch_);
     const auto updated = Clock::now();
     const session::Session& session = engine_.session();
+    const Vec3& at = state_.eye.view.eye_m;
+    state_.materials.under.follow(session, engine_.layers().get(), state_.document.profile().layers, at.x, at.z);
     if (session.streamed) state_.reader = session.streamed->reader();
     state_.measures.count_levels(session.mesh(), session.loaded.pack.header.tile_log2);
     const bool pages = entry_.streamed && (entry_.stream.pages_inserted != 0 || entry_.stream.pages_evicting != 0);
@@ -389,7 +395,8 @@ void App::attempt(const std::function<void()>& what) {
 }
 
 void App::finish_requests() {
-    if (state_.interface.scale != styled_) {
+    for (const ImWchar c : ImGui::GetIO().InputQueueCharacters) ui::need_glyph(c);
+    if (state_.interface.scale != styled_ || ui::glyphs_are_missing()) {
         // The panels of this frame were drawn with the old font; from the next one on with the new.
         styled_ = state_.interface.scale;
         ui::apply_style(styled_);

@@ -183,6 +183,20 @@ Command arrange_column(Words& w) {
     return c;
 }
 
+constexpr std::array<const char*, groups> all_group_names = [] {
+    std::array<const char*, groups> names{};
+    for (std::size_t i = 0; i < groups; ++i) names[i] = group_names[i].name;
+    return names;
+}();
+
+Command show_panel(Words& w) {
+    const std::string name = w.text("a panel");
+    for (const auto& former : former_panels)
+        if (name == former.name) return ShowGroup{former.group, true};
+    Words again({name});
+    return ShowPanel{again.one_of<Panel>(panel_names, "panel")};
+}
+
 Command place_panel(Words& w) {
     PlacePanel c;
     c.panel = w.one_of<Panel>(panel_names, "panel");
@@ -259,9 +273,17 @@ std::vector<Verb> terrain_verbs() {
         {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
          with_path_and_discard<OpenFile>()},
         {"sample", "", "the sample terrain, baked at its first use", plain<OpenSample>()},
+        {"materials", "none|built-in|FILE [RULES]",
+         "what near ground is drawn with, remembered for the terrain; RULES: alpine, nordic, canyon or a file",
+         [](Words& w) {
+             const std::string file = w.text("none, built-in or a file of materials");
+             return ChooseMaterials{file == "none" ? "" : file, w.text_or("")};
+         }},
         {"set", "KEY VALUE", "a value of the profile: set refine.max_error_px 2", set_key},
         {"undo", "", "reverts the last change of the profile or the camera path", plain<Undo>()},
         {"redo", "", "repeats what was undone", plain<Redo>()},
+        {"light", "PRESET", "sun, air and exposure at once: relief, morning, noon, evening, dusk or haze",
+         [](Words& w) { return SetLight{w.one_of<LightPreset>(light_preset_names, "preset")}; }},
         {"defaults", "", "resets the profile to its defaults", plain<ResetProfile>()},
         {"open-profile", "FILE [discard]", "another profile; asks about unsaved changes, or not",
          with_path_and_discard<OpenProfile>()},
@@ -389,8 +411,12 @@ std::vector<Verb> picture_verbs() {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};
          }},
-        {"panel", "NAME", "tune, camera, show, pictures, time, budgets, streaming, levels, auto-tune or benchmark",
-         [](Words& w) { return ShowPanel{w.one_of<Panel>(panel_names, "panel")}; }},
+        {"panel", "NAME", "tune, view, cost, auto-tune, pictures or light", show_panel},
+        {"group", "PANEL.GROUP on|off", "unfolds a group of a panel and turns to it, or folds it: group cost.time on",
+         [](Words& w) {
+             const auto group = w.one_of<Group>(all_group_names, "group");
+             return ShowGroup{group, w.on()};
+         }},
         {"dialog", "NAME", "opens a dialog; none closes it",
          [](Words& w) { return ShowDialog{w.one_of<Dialog>(dialog_names, "dialog")}; }},
         {"interface", "panels|picture-only|panel-keys|half-resolution|probe on|off",
@@ -480,12 +506,13 @@ Command render(Words& w) {
 }
 
 Command compare_pictures(Words& w) {
-    const std::string word = w.text("off, profile or a threshold");
+    const std::string word = w.text("off, profile, half or a threshold");
     if (word == "off") return ComparePictures{};
+    if (word == "half") return ComparePictures{CompareWith::half, 0};
     if (word == "profile") return ComparePictures{CompareWith::profile, 0};
     return ComparePictures{CompareWith::threshold,
-                           Words::number_in(word, "the threshold, unless off or profile,", ranges::least_threshold_px,
-                                            ranges::most_threshold_px)};
+                           Words::number_in(word, "the threshold, unless off, profile or half,",
+                                            ranges::least_threshold_px, ranges::most_threshold_px)};
 }
 
 std::vector<Verb> study_verbs() {
@@ -505,8 +532,10 @@ std::vector<Verb> study_verbs() {
          [](Words& w) { return GoToBookmark{w.count("a bookmark, from 0")}; }},
         {"remove-bookmark", "N", "removes a bookmark",
          [](Words& w) { return RemoveBookmark{w.count("a bookmark, from 0")}; }},
-        {"compare-picture", "off|profile|ERROR_PX",
-         "draws the compared profile, or this one at another threshold, into the same picture", compare_pictures},
+        {"compare-picture", "off|profile|half|ERROR_PX",
+         "draws the compared profile, or this one at another threshold or with half the triangles, into the same "
+         "picture",
+         compare_pictures},
         {"compare-view", "split|difference", "both sides of a divider, or how much the pictures differ",
          [](Words& w) { return SetCompareView{w.one_of<CompareView>(compare_view_names, "view")}; }},
         {"divider", "SHARE", "where the compared picture begins, 0 to 1 of the width",

@@ -27,7 +27,11 @@ struct OpenFile { // a pack, a profile, a camera path, or heights to be baked: t
     std::string path;
     bool discard = false; // without asking about what is not saved
 };
-struct OpenSample {}; // baked at its first use
+struct OpenSample {};      // baked at its first use
+struct ChooseMaterials {   // of near ground, for the terrain that is open: remembered for it
+    std::string materials; // a file, or built-in (editor/materials.h); empty: none
+    std::string rules;     // a file, or one of built_in_rules; empty: none
+};
 struct SetKey {
     const ProfileKey* key = nullptr;
     double value = 0;
@@ -36,6 +40,9 @@ struct SetKey {
 struct Undo {}; // the last change of the profile or of the camera path, the later one
 struct Redo {};
 struct ResetProfile {};
+struct SetLight { // several values of the profile, in one step
+    LightPreset preset = LightPreset::relief;
+};
 struct OpenProfile {
     std::string path;
     bool discard = false; // without asking about what is not saved
@@ -155,6 +162,10 @@ struct SetOverlay {
 };
 struct ShowPanel {
     Panel panel = Panel::tune;
+};
+struct ShowGroup { // unfolded, in its panel, which is turned to; or folded
+    Group group = Group::tune_refinement;
+    bool on = true;
 };
 struct ShowDialog {
     Dialog dialog = Dialog::none;
@@ -288,12 +299,12 @@ struct RemoveBookmark {
 };
 
 // --- two profiles in one picture (editor/comparison.h) ---
-enum class CompareWith : std::uint8_t { nothing, threshold, profile };
-inline constexpr const char* compare_with_names[] = {"off", "threshold", "profile"};
+enum class CompareWith : std::uint8_t { nothing, threshold, half, profile };
+inline constexpr const char* compare_with_names[] = {"off", "threshold", "half", "profile"};
 struct ComparePictures {
     CompareWith with = CompareWith::nothing;
     double error_px = 0; // of a threshold; the rest is the profile's
-};
+};                       // half: the threshold that draws half the triangles
 enum class CompareView : std::uint8_t { split, difference };
 inline constexpr const char* compare_view_names[] = {"split", "difference"};
 struct SetCompareView {
@@ -325,16 +336,18 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command = std::variant<
-    OpenFile, OpenSample, SetKey, Undo, Redo, ResetProfile, OpenProfile, SaveProfile, CompareProfile, StopComparing,
-    BrowseFolder, BrowseAllKinds, AnswerUnsaved, RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed,
-    SetNavigation, FreezeRefinement, OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint,
-    RemovePoint, SelectPoint, MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace,
-    ClearMarks, SetPictureMode, SetOverlay, ShowPanel, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel, PlacePanel,
-    SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile, OpenBaked, BrowseFor,
-    BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob, TakeScreenshot, ResizeWindow,
-    DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint,
-    PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+using Command =
+    std::variant<OpenFile, OpenSample, ChooseMaterials, SetKey, Undo, Redo, ResetProfile, SetLight, OpenProfile,
+                 SaveProfile, CompareProfile, StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved,
+                 RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement,
+                 OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint,
+                 MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks,
+                 SetPictureMode, SetOverlay, ShowPanel, ShowGroup, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel,
+                 PlacePanel, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile,
+                 OpenBaked, BrowseFor, BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob,
+                 TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace,
+                 ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark,
+                 ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {

@@ -1,6 +1,8 @@
 #include "editor/comparison.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <epoxy/gl.h>
@@ -12,6 +14,8 @@
 namespace fjell::editor {
 
 namespace {
+
+constexpr std::uint32_t most_halving_steps = 24;
 
 bool needs_reopening(const Profile& from, const Profile& to) {
     for (const ProfileKey& key : profile_keys())
@@ -27,7 +31,8 @@ Profile Comparison::wanted(const State& state) const {
     const Profile* const other = state.document.compared();
     Profile profile =
         state.compared.with == CompareWith::profile && other != nullptr ? *other : state.document.profile();
-    if (state.compared.with == CompareWith::threshold) profile.refine.max_error_px = state.compared.error_px;
+    if (state.compared.with == CompareWith::threshold || state.compared.with == CompareWith::half)
+        profile.refine.max_error_px = state.compared.error_px;
     return profile;
 }
 
@@ -39,6 +44,7 @@ void Comparison::close(State& state) {
     drop_graphics();
     session_.reset();
     opening_ = {}; // waits for its thread
+    halving_ = halved_ = 0;
     state.compared.there = false;
 }
 
@@ -89,17 +95,41 @@ bool Comparison::update(State& state, const View& refining) {
     entry_ = session::update_frame(*session_, refining, profile_, state.now_s);
     session::upload_mesh(*renderer_, *session_, entry_);
     state.compared.there = true;
-    state.compared.triangles = entry_.triangles_drawn;
-    state.compared.update_us = entry_.update_us + entry_.stream_us;
+    ComparedPicture& shown = state.compared;
+    shown.triangles = entry_.triangles_drawn;
+    shown.update_us = entry_.update_us + entry_.stream_us;
+    shown.asked_px = profile_.refine.max_error_px;
+    shown.kept_px = entry_.error_bound_px;
+    shown.exhausted = entry_.exhausted;
+    if (shown.with == CompareWith::half) halve(state);
+    if (const double share = difference_.take_share(); share >= 0) shown.differing = share;
     return std::exchange(new_, false) || entry_.rebuilt || entry_.activations != 0 || entry_.deactivations != 0 ||
            entry_.morphing != 0 || entry_.upload_bytes != 0;
+}
+
+bool Comparison::rests() const {
+    return entry_.waiting == entry_.blocked && entry_.morphing == 0 &&
+           (!entry_.streamed || entry_.stream.in_flight == 0);
 }
 
 bool Comparison::settled() const {
     if (opening_.valid()) return false;
     if (!session_) return true;
-    const StreamReport& r = entry_.stream;
-    return !new_ && entry_.waiting == entry_.blocked && entry_.morphing == 0 && (!entry_.streamed || r.in_flight == 0);
+    return !new_ && rests() && !difference_.counting() && (halving_ == 0 || halved_ >= most_halving_steps);
+}
+
+// Triangles go by about the threshold to the power -1.3; a step is one mesh that has come to rest.
+void Comparison::halve(State& state) {
+    const session::FrameEntry& first = state.measures.last();
+    if (first.waiting != first.blocked || first.morphing != 0 || first.triangles_drawn == 0) return;
+    if (std::exchange(halving_, first.triangles_drawn) != first.triangles_drawn) halved_ = 0;
+    if (!rests() || halved_ >= most_halving_steps) return;
+    const double ratio = 2.0 * entry_.triangles_drawn / first.triangles_drawn;
+    if (std::abs(ratio - 1) < 0.01) halved_ = most_halving_steps;
+    if (halved_ >= most_halving_steps) return;
+    ++halved_;
+    state.compared.error_px = std::clamp(state.compared.error_px * std::pow(ratio, 0.75), ranges::least_threshold_px,
+                                         ranges::most_threshold_px);
 }
 
 void Comparison::draw(const State& state, const gl::Target& target) {
@@ -113,7 +143,8 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
     options.slope = state.shows(Overlay::slope);
     renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
-    if (state.compared.view == CompareView::difference) return difference_.draw(target, *target_);
+    difference_.compare(target, *target_, state.compared.view == CompareView::difference);
+    if (state.compared.view == CompareView::difference) return;
     glDisable(GL_FRAMEBUFFER_SRGB);
     const auto from = static_cast<GLint>(state.compared.divider * w), to = static_cast<GLint>(w),
                top = static_cast<GLint>(h);
@@ -139,11 +170,14 @@ constexpr const char* fragment_text = R"(
 layout(binding = 0) uniform sampler2D first;
 layout(binding = 1) uniform sampler2D second;
 layout(location = 0) uniform float gain;
+layout(location = 1) uniform float least;
 layout(location = 0) out vec4 colour;
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec3 apart = abs(texelFetch(first, at, 0).rgb - texelFetch(second, at, 0).rgb);
-    float much = clamp(gain * max(apart.r, max(apart.g, apart.b)), 0.0, 1.0) * 3.0;
+    float most = max(apart.r, max(apart.g, apart.b));
+    if (most < least) discard;
+    float much = clamp(gain * most, 0.0, 1.0) * 3.0;
     const vec3 steps[4] = vec3[](vec3(0.0), vec3(0.15, 0.3, 0.8), vec3(0.96, 0.84, 0.2), vec3(1.0));
     int i = min(int(much), 2);
     colour = vec4(mix(steps[i], steps[i + 1], much - float(i)), 1.0);
@@ -175,7 +209,7 @@ void PictureDifference::make(std::uint32_t width, std::uint32_t height) {
     height_ = height;
 }
 
-void PictureDifference::draw(const gl::Target& first, const gl::Target& second) {
+void PictureDifference::compare(const gl::Target& first, const gl::Target& second, bool show) {
     make(first.width(), first.height());
     const auto w = static_cast<GLint>(width_), h = static_cast<GLint>(height_);
     glDisable(GL_FRAMEBUFFER_SRGB);
@@ -191,11 +225,38 @@ void PictureDifference::draw(const gl::Target& first, const gl::Target& second) 
     glProgramUniform1f(program_.get(), 0, difference_gain);
     glBindVertexArray(nothing_.get());
     for (GLuint i = 0; i < 2; ++i) glBindTextureUnit(i, copies_[i].get());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    if (query_ == 0) glCreateQueries(GL_SAMPLES_PASSED, 1, &query_);
+    if (!counting_) { // otherwise the one before is still under way
+        glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+        glProgramUniform1f(program_.get(), 1, (visible_difference - 0.5F) / 255);
+        glBeginQuery(GL_SAMPLES_PASSED, query_);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glEndQuery(GL_SAMPLES_PASSED);
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        counting_ = true;
+    }
+    glProgramUniform1f(program_.get(), 1, 0);
+    if (show) glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+double PictureDifference::take_share() {
+    if (!counting_) return -1;
+    GLuint there = 0;
+    glGetQueryObjectuiv(query_, GL_QUERY_RESULT_AVAILABLE, &there);
+    if (there == 0) return -1;
+    GLuint64 pixels = 0;
+    glGetQueryObjectui64v(query_, GL_QUERY_RESULT, &pixels);
+    counting_ = false;
+    return static_cast<double>(pixels) / (static_cast<double>(width_) * height_);
 }
 
 void PictureDifference::drop_graphics() {
-    *this = {};
+    if (query_ != 0) glDeleteQueries(1, &query_);
+    program_ = {};
+    nothing_ = {};
+    for (int i = 0; i < 2; ++i) copies_[i] = {}, frames_[i] = {};
+    width_ = height_ = query_ = 0;
+    counting_ = false;
 }
 
 } // namespace fjell::editor

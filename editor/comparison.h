@@ -23,11 +23,18 @@ namespace fjell::editor {
 // From black, alike, over blue and yellow to white: eight times the difference of the channel that differs most, as
 // shares of sRGB's 255.
 inline constexpr float difference_gain = 8;
+// From so many of 255 on a pixel is counted as one that differs: less is hardly seen.
+inline constexpr int visible_difference = 4;
 
 class PictureDifference {
 public:
-    // Into `first`, which loses its picture. Both have one sample a pixel and the same size.
-    void draw(const gl::Target& first, const gl::Target& second);
+    ~PictureDifference() { drop_graphics(); }
+    // Counts pixels that differ visibly; show: into `first`, which loses its picture. Both have one sample a pixel and
+    // the same size.
+    void compare(const gl::Target& first, const gl::Target& second, bool show);
+    // The share of pixels that was counted last, once the GPU has it; below 0: nothing new.
+    [[nodiscard]] double take_share();
+    [[nodiscard]] bool counting() const { return counting_; }
     void drop_graphics();
 
 private:
@@ -38,6 +45,8 @@ private:
     gl::Texture copies_[2];
     gl::Framebuffer frames_[2];
     std::uint32_t width_ = 0, height_ = 0;
+    unsigned query_ = 0; // of samples passed
+    bool counting_ = false;
 };
 
 class Comparison {
@@ -58,6 +67,8 @@ private:
     [[nodiscard]] session::FlightOptions options(const Engine& engine) const;
     void close(State& state);
     void adopt(const Engine& engine);
+    [[nodiscard]] bool rests() const; // its mesh
+    void halve(State& state);
 
     Profile profile_;            // that it goes by
     std::uint64_t terrains_ = 0; // Engine::terrains() that it belongs to
@@ -69,6 +80,7 @@ private:
     std::future<std::unique_ptr<session::Session>> opening_;
     session::FrameEntry entry_;
     bool new_ = false;
+    std::uint32_t halving_ = 0, halved_ = 0; // triangles of the first profile, and steps that have looked for half
 };
 
 } // namespace fjell::editor

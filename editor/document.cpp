@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -24,11 +25,31 @@ const char* changed_label(const Profile& a, const Profile& b) {
     return label;
 }
 
+} // namespace
+
 bool same(const Profile& a, const Profile& b) {
     return std::ranges::all_of(profile_keys(), [&](const ProfileKey& key) { return key.get(a) == key.get(b); });
 }
 
-} // namespace
+Profile with_light(Profile profile, LightPreset preset) {
+    struct Values {
+        double azimuth_deg, elevation_deg, visibility_km, bias_ev;
+    };
+    constexpr Values all[] = {{315, 40, 160, 0}, {100, 14, 120, 0}, {180, 58, 160, 0},
+                              {275, 9, 90, 0.3}, {290, -4, 120, 0}, {200, 45, 18, 0}};
+    static_assert(std::size(all) == std::size(light_preset_names), "a preset was added: give it values");
+    const Values& v = all[static_cast<std::size_t>(preset)];
+    gl::LightSettings& light = profile.light;
+    light.sun = gl::SunBy::direction;
+    light.azimuth_deg = v.azimuth_deg;
+    light.elevation_deg = v.elevation_deg;
+    light.air = gl::Air::physical;
+    light.visibility_km = v.visibility_km;
+    light.exposure = gl::Exposure::automatic;
+    light.exposure_bias_ev = v.bias_ev;
+    light.tone_curve = gl::ToneCurve::filmic;
+    return profile;
+}
 
 bool Document::unsaved() const {
     return !same(profile_, file_.saved);
@@ -147,13 +168,21 @@ std::vector<std::string> Document::read(const std::string& path, Profile& profil
     return renamed;
 }
 
+// Undo ends here: what was before is of another file, under whose name it would be saved.
+void Document::begin_at(const Profile& profile, File file) {
+    ignore_rest_of_drag();
+    profile_ = profile;
+    file_ = std::move(file);
+    undo_.clear();
+    redo_.clear();
+}
+
 std::vector<std::string> Document::open(const std::string& path) {
     Profile profile;
     File file;
     std::vector<std::string> renamed = read(path, profile, file);
     changing();
-    replace(profile);
-    file_ = std::move(file);
+    begin_at(profile, std::move(file));
     return renamed;
 }
 
@@ -179,7 +208,8 @@ void Document::restore(const Profile& profile, const std::string& path) {
         file = {{}, path, ""};
     }
     changing();
-    file_ = std::move(file);
+    const Profile saved = file.saved;
+    begin_at(saved, std::move(file));
     replace(profile);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "editor/names.h"
 #include "fjell/profile.h"
 #include "fjell/profile/keys.h"
 
@@ -21,6 +22,10 @@ namespace fjell::editor {
     static std::uint64_t last = 0;
     return ++last;
 }
+
+[[nodiscard]] bool same(const Profile& a, const Profile& b);
+// With the preset's sun, air and exposure.
+[[nodiscard]] Profile with_light(Profile profile, LightPreset preset);
 
 class Document {
 public:
@@ -85,6 +90,7 @@ private:
     void step();
     void end_drag();
     void ignore_rest_of_drag();
+    void begin_at(const Profile& profile, File file);
     [[nodiscard]] std::vector<std::string> read(const std::string& path, Profile& profile, File& file) const;
 
     Profile profile_;

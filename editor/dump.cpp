@@ -142,13 +142,20 @@ json floating_json(const Arrangement& a) {
     return all;
 }
 
+json groups_json(const Arrangement& a) {
+    json open = json::array();
+    for (std::size_t g = 0; g < groups; ++g)
+        if (a.open[g]) open.push_back(group_names[g].name);
+    return open;
+}
+
 json interface_json(const State& state) {
     const Interface& i = state.interface;
     json overlay;
     for (std::size_t k = 0; k < i.overlay.size(); ++k) overlay[overlay_names[k]] = i.overlay[k];
     return {{"scale", i.scale},
-            {"left", panel_names[static_cast<int>(i.arrangement.shown(left_groups))]},
-            {"right", panel_names[static_cast<int>(i.arrangement.shown(right_groups))]},
+            {"left", panel_names[static_cast<int>(i.arrangement.shown(left_sections))]},
+            {"right", panel_names[static_cast<int>(i.arrangement.shown(right_sections))]},
             {"newest", panel_names[static_cast<int>(i.arrangement.latest.front())]},
             {"panels", i.arrangement.panels},
             {"floating", floating_json(i.arrangement)},
@@ -163,6 +170,7 @@ json interface_json(const State& state) {
               {{"width_px", i.arrangement.width_px[1]},
                {"split", i.arrangement.split[1]},
                {"folded", i.arrangement.folded[1]}}}},
+            {"groups", groups_json(i.arrangement)},
             {"dialog", dialog_names[static_cast<int>(i.dialog)]},
             {"mode", session::picture_mode_names[static_cast<int>(i.mode)]},
             {"overlay", overlay},
@@ -337,13 +345,23 @@ json bookmarks_json(const Bookmarks& bookmarks) {
     return all;
 }
 
+json materials_json(const MaterialsInUse& m) {
+    json under = json::object();
+    for (const GroundShares::Share& s : m.under.all()) under[s.name] = s.share;
+    return {{"materials", m.materials}, {"rules", m.rules}, {"under", under}};
+}
+
 json compared_json(const ComparedPicture& c) {
     return {{"with", compare_with_names[static_cast<int>(c.with)]},
             {"error_px", c.error_px},
             {"view", compare_view_names[static_cast<int>(c.view)]},
             {"divider", c.divider},
             {"there", c.there},
-            {"triangles", c.triangles}};
+            {"triangles", c.triangles},
+            {"exhausted", session::budget_names(c.exhausted)},
+            {"asked_px", c.asked_px},
+            {"kept_px", c.kept_px},
+            {"differing", c.differing}};
 }
 
 } // namespace
@@ -381,6 +399,7 @@ std::string dump(const State& state) {
                       {"runs", runs_json(state.runs)},
                       {"bookmarks", bookmarks_json(state.bookmarks)},
                       {"compared_picture", compared_json(state.compared)},
+                      {"materials", materials_json(state.materials)},
                       {"messages", messages_json(state)},
                       {"measures", measures_json(state)},
                       {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},

@@ -74,11 +74,12 @@ session::FlightOptions Engine::options(const Profile& profile) const {
 void Engine::open(const std::string& pack, const Profile& profile) {
     session::FlightOptions o = options(profile);
     o.pack = pack;
-    adopt(prepare(o, {}, nullptr, nullptr), pack, profile);
+    o.layers = next_layers_;
+    adopt(prepare(o, {}, nullptr, nullptr), o);
 }
 
 void Engine::begin_opening(const std::string& pack, const State& state) {
-    Request request{pack, state.document.profile(), picture_options(state)};
+    Request request{pack, state.document.profile(), picture_options(state), next_layers_};
     if (!opening()) return start(std::move(request));
     waiting_ = std::move(request);
     abandoned_->store(true, std::memory_order_relaxed);
@@ -88,6 +89,7 @@ void Engine::start(Request request) {
     request_ = std::move(request);
     session::FlightOptions o = options(request_.profile);
     o.pack = request_.pack;
+    o.layers = request_.layers;
     abandoned_ = std::make_shared<std::atomic<bool>>(false);
     opening_ =
         std::async(std::launch::async, [o = std::move(o), shown = request_.shown, context = second_context_,
@@ -137,21 +139,23 @@ std::string Engine::finish_opening() {
     Opened opened = opening_.get();
     if (abandoned_->load(std::memory_order_relaxed))
         throw io::Failure(2, fmt::format("{}: is no longer being opened", request_.pack));
-    adopt(std::move(opened), request_.pack, request_.profile);
+    session::FlightOptions o = options(request_.profile);
+    o.pack = request_.pack;
+    o.layers = request_.layers;
+    adopt(std::move(opened), o);
     return request_.pack;
 }
 
-void Engine::adopt(Opened opened, const std::string& pack, const Profile& profile) {
+void Engine::adopt(Opened opened, const session::FlightOptions& o) {
     auto& [session, renderer] = opened;
-    session::FlightOptions o = options(profile);
-    o.pack = pack;
     unread_told_ = 0;
     if (session->streamed) session->on_failure = [this](const std::string& line) { messages_.push_back(line); };
     if (!renderer) renderer = session::make_renderer(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
-    pack_ = pack;
-    built_ = profile;
+    pack_ = o.pack;
+    built_ = o.profile;
+    layers_ = o.layers;
     ++terrains_;
 }
 
@@ -195,7 +199,14 @@ bool Engine::follow(const Profile& profile) {
         [[fallthrough]]; // the stream holds on to the cut
     case Rebuild::session: {
         const std::uint64_t hash = session_->loaded.pack.header.directory_hash;
-        open(std::string(pack_), profile);
+        const Layers next = std::exchange(next_layers_, layers_);
+        try {
+            reopen(profile);
+        } catch (...) {
+            next_layers_ = next;
+            throw;
+        }
+        next_layers_ = next;
         if (session_->loaded.pack.header.directory_hash != hash)
             messages_.push_back(fmt::format("{}: the file has changed; its new contents are shown", pack_));
         return true;
@@ -313,6 +324,9 @@ Scene Engine::scene() const {
     s.min_m = h.min_m;
     s.max_m = h.max_m;
     s.quantum_m = static_cast<double>(h.quantum_m);
+    s.horizons = h.horizon_log2 != 0;
+    s.splat = h.splat_log2 != 0;
+    s.materials = layers_ != nullptr;
     s.mips = mip_count(h.colour_log2 != 0 ? h.colour_log2 : h.normal_log2);
     s.file_bytes = h.file_bytes;
     s.terrain_bytes = session.terrain_bytes;

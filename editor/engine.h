@@ -74,9 +74,11 @@ public:
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
-    // Of every terrain that is opened from now on.
-    void set_layers(std::shared_ptr<const session::GroundLayers> layers) { layers_ = std::move(layers); }
-    [[nodiscard]] const std::shared_ptr<const session::GroundLayers>& layers() const { return layers_; }
+    using Layers = std::shared_ptr<const session::GroundLayers>;
+    // Of every terrain that is opened from now on; null: none.
+    void set_layers(Layers layers) { next_layers_ = std::move(layers); }
+    // Of the one that is shown.
+    [[nodiscard]] const Layers& layers() const { return layers_; }
     void open(const std::string& pack, const Profile& profile);
     // The same with the state's profile, by a thread that reads it and, where there is a second context, uploads its
     // maps and has the driver compile what the picture's mode takes: what is shown goes on until finish_opening()
@@ -90,6 +92,8 @@ public:
     std::string finish_opening();
     // What is being read is not wanted any more: its thread does no more than it must. finish_opening() throws then.
     void abandon_opening();
+    // Once more, with the layers that were set last.
+    void reopen(const Profile& profile) { open(std::string(pack_), profile); }
     void close();
     [[nodiscard]] bool is_open() const { return session_ != nullptr; }
     [[nodiscard]] const session::Session& session() const { return *session_; }
@@ -131,15 +135,16 @@ private:
         std::string pack;
         Profile profile;
         gl::DrawOptions shown;
+        Layers layers;
     };
     static Opened prepare(const session::FlightOptions& options, const gl::DrawOptions& shown,
                           gl::SecondContext* context, const Abandoned& abandoned);
     void start(Request request);
     void drop_opened_graphics();
-    [[nodiscard]] session::FlightOptions options(const Profile& profile) const;
+    [[nodiscard]] session::FlightOptions options(const Profile& profile) const; // of the terrain that is shown
     void set_error_options(const State& state, gl::DrawOptions& options);
-    // Shows it; the pack and the profile that it was opened with.
-    void adopt(Opened opened, const std::string& pack, const Profile& profile);
+    // Shows it; what it was opened with.
+    void adopt(Opened opened, const session::FlightOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void tell_unread();
     void remake(const Profile& profile); // the method's memory, and a renderer for it
@@ -148,8 +153,8 @@ private:
     std::vector<std::string> messages_; // of reading, until they are taken
     std::uint64_t terrains_ = 0;
     std::string pack_;
-    std::shared_ptr<const session::GroundLayers> layers_; // null: none
-    Profile built_;                                       // what the session's memory was allocated for
+    Layers layers_, next_layers_;
+    Profile built_; // what the session's memory was allocated for
     std::unique_ptr<session::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
     FullHeights heights_;

@@ -29,35 +29,104 @@ inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
 inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false,
                                                            false, false, true}; // the path alone
 
-// Those of the left column, then those of the right one.
-enum class Panel : std::uint8_t {
-    tune,
-    camera,
-    show,
-    pictures,
-    time,
-    budgets,
-    streaming,
-    levels,
-    auto_tune,
-    benchmark
-};
-inline constexpr const char* panel_names[] = {"tune",    "camera",    "show",   "pictures",  "time",
-                                              "budgets", "streaming", "levels", "auto-tune", "benchmark"};
+// Six, each in groups that fold.
+enum class Panel : std::uint8_t { tune, view, cost, auto_tune, pictures, light };
+inline constexpr const char* panel_names[] = {"tune", "view", "cost", "auto-tune", "pictures", "light"};
 inline constexpr int panels = static_cast<int>(std::size(panel_names));
-// Panels of one group share a section of a column, however much room there is: two groups a column.
-inline constexpr unsigned group_bit(Panel panel) {
-    constexpr unsigned groups[] = {1, 2, 1, 2, 4, 8, 8, 4, 4, 4};
-    static_assert(std::size(groups) == panels, "a panel was added: give it a group");
-    return groups[static_cast<std::size_t>(panel)];
+// Panels of one section bit share a section of a column, however much room there is: two sections a column.
+inline constexpr unsigned section_bit(Panel panel) {
+    constexpr unsigned sections[] = {1, 2, 4, 8, 2, 1};
+    static_assert(std::size(sections) == panels, "a panel was added: give it a section");
+    return sections[static_cast<std::size_t>(panel)];
 }
-inline constexpr unsigned left_groups = 3, right_groups = 12;
+inline constexpr unsigned left_sections = 3, right_sections = 12;
+
+// The groups of all panels, panel by panel, from the top down.
+enum class Group : std::uint8_t {
+    tune_refinement,
+    tune_budgets,
+    tune_streaming,
+    tune_screen,
+    tune_advanced,
+    view_picture,
+    view_overlays,
+    view_compare,
+    view_camera,
+    view_map,
+    view_position,
+    view_interface,
+    cost_budgets,
+    cost_time,
+    cost_streaming,
+    cost_levels,
+    auto_tune_threshold,
+    auto_tune_benchmark,
+    pictures_path,
+    pictures_bookmarks,
+    pictures_render,
+    light_presets,
+    light_sun,
+    light_air,
+    light_ground,
+    light_materials
+};
+struct GroupName {
+    Panel panel;
+    const char* name;   // as scripts and settings have it
+    const char* label;  // as its panel has it
+    bool opens = false; // unfolded at first
+};
+inline constexpr GroupName group_names[] = {{Panel::tune, "tune.refinement", "Refinement", true},
+                                            {Panel::tune, "tune.budgets", "Budgets", true},
+                                            {Panel::tune, "tune.streaming", "Streaming"},
+                                            {Panel::tune, "tune.screen", "Screen"},
+                                            {Panel::tune, "tune.advanced", "Advanced: recursive method"},
+                                            {Panel::view, "view.picture", "Picture mode", true},
+                                            {Panel::view, "view.overlays", "Overlays", true},
+                                            {Panel::view, "view.compare", "Compare in the picture"},
+                                            {Panel::view, "view.camera", "Camera"},
+                                            {Panel::view, "view.map", "Overview", true},
+                                            {Panel::view, "view.position", "Position"},
+                                            {Panel::view, "view.interface", "Interface"},
+                                            {Panel::cost, "cost.budgets", "Budgets and memory", true},
+                                            {Panel::cost, "cost.time", "Time"},
+                                            {Panel::cost, "cost.streaming", "Streaming"},
+                                            {Panel::cost, "cost.levels", "Levels"},
+                                            {Panel::auto_tune, "auto-tune.threshold", "Auto-tune", true},
+                                            {Panel::auto_tune, "auto-tune.benchmark", "Benchmark", true},
+                                            {Panel::pictures, "pictures.path", "Camera path", true},
+                                            {Panel::pictures, "pictures.bookmarks", "Bookmarks", true},
+                                            {Panel::pictures, "pictures.render", "Render"},
+                                            {Panel::light, "light.presets", "Presets", true},
+                                            {Panel::light, "light.sun", "Sun", true},
+                                            {Panel::light, "light.air", "Air and exposure"},
+                                            {Panel::light, "light.ground", "Shadows and water"},
+                                            {Panel::light, "light.materials", "Materials", true}};
+inline constexpr std::size_t groups = std::size(group_names);
+static_assert(groups == static_cast<std::size_t>(Group::light_materials) + 1, "a group was added: name it");
+inline constexpr std::array<bool, groups> first_groups = [] {
+    std::array<bool, groups> open{};
+    for (std::size_t i = 0; i < groups; ++i) open[i] = group_names[i].opens;
+    return open;
+}();
+// Panels before 0.4, which scripts and settings may name until 0.5.
+inline constexpr struct {
+    const char* name;
+    Group group;
+} former_panels[] = {
+    {"camera", Group::view_camera},           {"show", Group::view_picture},        {"time", Group::cost_time},
+    {"budgets", Group::cost_budgets},         {"streaming", Group::cost_streaming}, {"levels", Group::cost_levels},
+    {"benchmark", Group::auto_tune_benchmark}};
 
 enum class Column : std::uint8_t { left, right }; // one alone is the left one
 inline constexpr const char* column_names[] = {"left", "right"};
 inline constexpr int columns = static_cast<int>(std::size(column_names));
 enum class ColumnPart : std::uint8_t { width, split, folded };
 inline constexpr const char* column_part_names[] = {"width", "split", "folded"};
+
+// Of the sun, the air and the exposure.
+enum class LightPreset : std::uint8_t { relief, morning, noon, evening, dusk, haze };
+inline constexpr const char* light_preset_names[] = {"relief", "morning", "noon", "evening", "dusk", "haze"};
 
 // Of the window as a whole.
 enum class Switch : std::uint8_t {

@@ -286,12 +286,28 @@ void Route::require(std::size_t point) const {
         throw Failure(2, fmt::format("there is no point {}; the path has 0 to {}", point, now_.points.size() - 1));
 }
 
+namespace {
+
+double way_m(const std::vector<ControlPoint>& points) {
+    double all_m = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+        all_m += length(
+            Vec3{points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1], points[i][2] - points[i - 1][2]});
+    return all_m;
+}
+
+} // namespace
+
 void Route::add(const Pose& pose, const session::Ground& ground) {
     if (now_.points.size() >= most_points)
         throw Failure(2, fmt::format("a camera path has at most {} points; remove some first", most_points));
     Content next = now_;
     const std::size_t at = next.selected ? *next.selected + 1 : next.points.size();
+    const double before_m = way_m(next.points);
     next.points.insert(next.points.begin() + static_cast<std::ptrdiff_t>(at), point_of(pose));
+    // As fast as before, however far it is to the new one.
+    if (next.seconds > 0 && before_m > 0)
+        next.seconds = std::min(next.seconds * way_m(next.points) / before_m, session::max_path_seconds);
     next.selected = at;
     edit(std::move(next), ground);
 }

@@ -35,6 +35,8 @@ public:
     [[nodiscard]] FlightName flight_name() const;
     [[nodiscard]] const std::string& path() const { return now_.path; } // of the file; empty: never saved
     [[nodiscard]] bool unsaved() const { return now_.unsaved || recorded_points_.size() > 1; }
+    // Would be lost with what is recorded now in its place.
+    [[nodiscard]] bool unsaved_before_recording() const { return now_.unsaved && !now_.points.empty(); }
     [[nodiscard]] const std::vector<session::ControlPoint>& points() const { return now_.points; }
     [[nodiscard]] std::optional<std::size_t> selected() const { return now_.selected; }
     [[nodiscard]] const std::vector<session::Pose>& poses() const { return now_.poses; } // resampled, 60 a second

@@ -19,6 +19,7 @@
 #include "editor/files/settings.h"
 #include "editor/jobs/heights.h"
 #include "editor/jobs/jobs.h"
+#include "editor/materials.h"
 #include "editor/measures.h"
 #include "editor/names.h"
 #include "editor/probe.h"
@@ -40,7 +41,9 @@ struct Scene {
     std::uint32_t columns = 0, rows = 0, tiles_x = 0, tiles_y = 0, tile_cells = 0, pages = 0;
     std::uint32_t tiles = 0; // that there are: fewer than fit, of a sparse pack set
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
-    std::uint32_t mips = 0; // of the maps that are shown by their mips; 0: it has none
+    bool horizons = false, splat = false; // the pack has these maps
+    bool materials = false;               // are loaded
+    std::uint32_t mips = 0;               // of the maps that are shown by their mips; 0: it has none
     std::uint64_t file_bytes = 0, terrain_bytes = 0, method_bytes = 0, stream_bytes = 0;
     bool streamed = false;
 
@@ -59,6 +62,7 @@ struct Eye {
     double orbit_radius_m = 1;
     double ground_m = 0;                  // under the camera
     double speed_shown_until_s = 0;       // in the picture's corner
+    bool moved = false;                   // by a hand, since the terrain was opened
     std::optional<session::Pose> on_path; // of the path that is played, until the user moves the camera
     View view;                            // of the last frame, as drawn
     bool frozen = false;                  // refined for another view than is drawn:
@@ -140,16 +144,27 @@ struct OverviewImage {
 // Another profile in the same picture (editor/comparison.h).
 struct ComparedPicture {
     CompareWith with = CompareWith::nothing;
-    double error_px = 0; // of CompareWith::threshold
+    double error_px = 0; // of CompareWith::threshold, and of half as far as it is found
     CompareView view = CompareView::split;
     double divider = 0.5; // in shares of the picture's width
     bool there = false;   // drawn; otherwise still being opened
-    std::uint32_t triangles = 0;
-    double update_us = 0; // of the last frame
+    // Of the last frame:
+    std::uint32_t triangles = 0, exhausted = 0; // exhausted: ExhaustedBit
+    double update_us = 0, asked_px = 0, kept_px = 0;
+    double differing = -1; // share of the picture's pixels that differ visibly; below 0: not counted yet
+};
+
+// Of near ground, as they are drawn.
+struct MaterialsInUse {
+    std::string materials, rules;  // as ChooseMaterials has them
+    bool of_this_run = false;      // the command line's, whatever is remembered
+    std::optional<Command> baking; // what is chosen once the built-in ones have been baked
+    GroundShares under;            // the camera
 };
 
 struct State {
     Scene scene;
+    MaterialsInUse materials;
     std::string opening; // a pack that is being read; empty: none
     Document document;
     Route route;

@@ -14,6 +14,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include "editor/input.h"
 #include "gl/window.h"
 
 namespace fjell::editor {
@@ -29,25 +30,27 @@ public:
             auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
             self->dropped.assign(paths, paths + count);
         });
+        ImGui_ImplGlfw_InitForOpenGL(handle, true);
+        // In place of ImGui's own: ours keep the order of what happens, and each event's place.
         glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
-            auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
-            if (action != GLFW_REPEAT) ++self->input.keys;
-            self->remember_press(key, action, mods);
+            if (action == GLFW_REPEAT) return; // ImGui repeats by itself
+            queue_of(w).push({InputEvent::Kind::key, key, action == GLFW_PRESS, false, mods, 0, pointer_in(w)});
         });
-        glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned) { ++counts_of(w).characters; });
+        glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned character) {
+            queue_of(w).push(
+                {InputEvent::Kind::character, static_cast<int>(character), false, false, 0, 0, pointer_in(w)});
+        });
         glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int) {
-            auto* const self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
-            if (button == GLFW_MOUSE_BUTTON_LEFT)
-                self->remember_button(action == GLFW_PRESS);
-            else
-                ++self->input.buttons;
+            queue_of(w).push({InputEvent::Kind::button, button, action == GLFW_PRESS, false, 0, 0, pointer_in(w)},
+                             glfwGetTime());
+        });
+        glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double notches) {
+            queue_of(w).push({InputEvent::Kind::wheel, 0, false, false, 0, static_cast<float>(notches), pointer_in(w)});
         });
         glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double x, double y) {
             static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->pointer_ = {static_cast<float>(x),
                                                                                   static_cast<float>(y)};
         });
-        glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double) { ++counts_of(w).scrolls; });
-        ImGui_ImplGlfw_InitForOpenGL(handle, true); // its callbacks call ours
         ImGui_ImplOpenGL3_Init("#version 450 core");
     }
     ~WindowSurface() override {
@@ -56,27 +59,19 @@ public:
     }
 
     void begin_frame() override {
-        ImGuiIO& io = ImGui::GetIO();
-        for (std::size_t i = 0; i < held_; ++i)
-            if (glfwGetKey(window_->handle(), held_keys_[i]) != GLFW_PRESS) io.KeysDown[held_keys_[i]] = false;
         window_->poll();
-        for (std::size_t i = 0; i < pressed_; ++i) io.KeysDown[keys_[i]] = true;
-        if (pressed_ != 0) {
-            io.KeyCtrl = (mods_ & GLFW_MOD_CONTROL) != 0;
-            io.KeyShift = (mods_ & GLFW_MOD_SHIFT) != 0;
-            io.KeyAlt = (mods_ & GLFW_MOD_ALT) != 0;
-        }
-        held_keys_ = keys_;
-        held_ = std::exchange(pressed_, 0);
         ImGui_ImplOpenGL3_NewFrame();
         ImGui_ImplGlfw_NewFrame();
-        deliver_button(io);
+        ImGuiIO& io = ImGui::GetIO();
+        bool held[3] = {};
+        for (int b = 0; b < 3; ++b) held[b] = glfwGetMouseButton(window_->handle(), b) == GLFW_PRESS;
+        queue_.deliver(io, input, held);
         input.pointer_px[0] = static_cast<double>(io.MousePos.x);
         input.pointer_px[1] = static_cast<double>(io.MousePos.y);
         input.focused = glfwGetWindowAttrib(window_->handle(), GLFW_FOCUSED) != 0;
     }
-    bool wait(double most_s) override { // presses are remembered for begin_frame()
-        if (waiting_ != 0) return true;
+    bool wait(double most_s) override {
+        if (queue_.waits()) return true;
         const double start = glfwGetTime();
         glfwWaitEventsTimeout(most_s);
         return glfwGetTime() - start < 0.95 * most_s;
@@ -100,63 +95,16 @@ public:
     }
 
 private:
-    static InputCounts& counts_of(GLFWwindow* w) {
-        return static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->input;
+    static InputQueue& queue_of(GLFWwindow* w) {
+        return static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->queue_;
     }
-    // ImGui 1.86 looks at keys once a frame: what goes down and up again between two frames would be lost. It is held
-    // down for the frame that follows, with the modifiers it was pressed with.
-    void remember_press(int key, int action, int mods) {
-        if (action != GLFW_PRESS || key < 0 || key >= GLFW_KEY_LEFT_SHIFT || pressed_ == keys_.size()) return;
-        keys_[pressed_++] = key;
-        mods_ = mods;
+    static ImVec2 pointer_in(GLFWwindow* w) {
+        return static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->pointer_;
     }
 
-    // Of what happens between two frames ImGui 1.86 sees the last: two clicks would be one, where the pointer is by
-    // then, and whether they are a double click would be told by the times of frames, which software may draw seldom.
-    // So the button's events wait, each with its place, for a frame of their own.
-    struct ButtonEvent {
-        bool down = false, twice = false; // twice: the second press of a double click
-        ImVec2 at;
-    };
-    void remember_button(bool down) {
-        ButtonEvent event{down, false, pointer_};
-        if (down) {
-            const double now_s = glfwGetTime();
-            event.twice = std::abs(pointer_.x - clicked_at_.x) < double_click_px &&
-                          std::abs(pointer_.y - clicked_at_.y) < double_click_px && now_s - clicked_s_ < double_click_s;
-            clicked_s_ = event.twice ? -double_click_s : now_s; // a third click begins again
-            clicked_at_ = pointer_;
-        }
-        if (waiting_ < events_.size()) events_[waiting_++] = event;
-    }
-    void deliver_button(ImGuiIO& io) {
-        io.MouseDoubleClickTime = 0; // seconds between two frames
-        if (waiting_ != 0) {
-            const ButtonEvent event = events_[0];
-            std::rotate(events_.begin(), events_.begin() + 1, events_.end());
-            --waiting_;
-            ++input.buttons;
-            down_ = event.down;
-            io.MousePos = event.at;
-            if (event.twice) io.MouseDoubleClickTime = 1e6F;
-        } else if (glfwGetMouseButton(window_->handle(), GLFW_MOUSE_BUTTON_LEFT) != GLFW_PRESS) {
-            down_ = false; // whatever became of the event
-        }
-        io.MouseDown[ImGuiMouseButton_Left] = down_;
-    }
-
-    static constexpr double double_click_s = 0.35;
-    static constexpr float double_click_px = 6;
-    std::array<ButtonEvent, 16> events_{}; // of the left button, that no frame has seen yet
-    std::size_t waiting_ = 0;
-    bool down_ = false; // the left button, in the last frame
-    ImVec2 pointer_{}, clicked_at_{};
-    double clicked_s_ = -double_click_s;
-
+    InputQueue queue_;
+    ImVec2 pointer_{};
     std::unique_ptr<gl::Window> window_;
-    std::array<int, 16> keys_{}, held_keys_{};
-    std::size_t pressed_ = 0, held_ = 0; // since the last frame, and in it
-    int mods_ = 0;
 };
 
 class HeadlessSurface : public Surface {

@@ -14,6 +14,7 @@
 
 #include "baker/read/gdal_file.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/materials.h"
 #include "fjell/pack.h"
 #include "io/file.h"
 #include "io/json.h"
@@ -25,9 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* everything[] = {".fjell", ".toml", ".json", ".txt", ".path", ".tif", ".tiff", ".hgt",
-                                      ".asc",   ".dem",  ".vrt",  ".nc",  ".png",  ".img", ".bil",  ".flt",
-                                      ".adf",   ".bmp",  ".dt0",  ".dt1", ".dt2",  ".jp2"};
+constexpr const char* everything[] = {".fjell", ".fjell-materials",
+                                      ".toml",  ".json",
+                                      ".txt",   ".path",
+                                      ".tif",   ".tiff",
+                                      ".hgt",   ".asc",
+                                      ".dem",   ".vrt",
+                                      ".nc",    ".png",
+                                      ".img",   ".bil",
+                                      ".flt",   ".adf",
+                                      ".bmp",   ".dt0",
+                                      ".dt1",   ".dt2",
+                                      ".jp2"};
 constexpr const char* profile_files[] = {".toml"};
 constexpr const char* path_files[] = {".json", ".txt", ".path"};
 constexpr const char* height_files[] = {".tif", ".tiff", ".hgt", ".asc", ".dem", ".vrt", ".nc",  ".png", ".img",
@@ -143,10 +153,10 @@ FileKind json_kind_of(const std::string& path) {
     if (has({"fjell_set"})) return FileKind::pack;
     if (has({"points", "orbit", "straight"})) return FileKind::path;
     if (has({"inputs", "relief_m", "feature_m"})) return FileKind::heights;
-    throw Failure(
-        1,
-        fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m) or recipe (inputs)",
-                    path));
+    if (has({"rules"})) return FileKind::rules;
+    throw Failure(1, fmt::format("{}: JSON, but no camera path (points, orbit, straight), landscape (relief_m), recipe "
+                                 "(inputs) or rules of materials (rules)",
+                                 path));
 }
 
 } // namespace
@@ -187,6 +197,8 @@ FileKind file_kind_of(const std::string& path) {
     // By its name too, so that a damaged pack or profile is refused as such.
     if (std::memcmp(first, pack_magic, sizeof pack_magic) == 0 || path.ends_with(".fjell")) return FileKind::pack;
     if (path.ends_with(".toml")) return FileKind::profile;
+    if (std::memcmp(first, io::MaterialsHeader{}.magic, sizeof io::MaterialsHeader::magic) == 0)
+        return FileKind::materials;
     const char* const begins = first + std::strspn(first, " \t\r\n");
     if (*begins == '{') return json_kind_of(path);
     if (std::strncmp(begins, "F ", 2) == 0) return FileKind::path; // a line of a recorded one

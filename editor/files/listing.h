@@ -58,7 +58,8 @@ private:
 
 // heights: what GDAL opens as a raster, a landscape of content/terrain, or a recipe of fjell-bake.
 // A pack set is a pack, by its folder or its set.json.
-enum class FileKind : std::uint8_t { pack, profile, path, heights };
+// rules: that place materials.
+enum class FileKind : std::uint8_t { pack, profile, path, heights, materials, rules };
 // Throws io::Failure (1), one line, for anything else.
 [[nodiscard]] FileKind file_kind_of(const std::string& path);
 

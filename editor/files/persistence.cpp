@@ -81,6 +81,24 @@ void remember_pack(const std::string& path, State& state) {
     save_settings(state, std::move(settings));
 }
 
+const PackMaterials* remembered_materials(const std::string& pack, const State& state) {
+    std::error_code error;
+    const std::string absolute = fs::absolute(pack, error).lexically_normal().string();
+    for (const PackMaterials& m : state.files.settings.materials)
+        if (m.pack == absolute) return &m;
+    return nullptr;
+}
+
+void remember_materials(PackMaterials chosen, State& state) {
+    std::error_code error;
+    chosen.pack = fs::absolute(chosen.pack, error).lexically_normal().string();
+    Settings settings = state.files.settings;
+    std::erase_if(settings.materials, [&](const PackMaterials& m) { return m.pack == chosen.pack; });
+    settings.materials.insert(settings.materials.begin(), std::move(chosen));
+    if (settings.materials.size() > most_packs_with_materials) settings.materials.resize(most_packs_with_materials);
+    save_settings(state, std::move(settings));
+}
+
 std::string title(const State& state) {
     std::string text = name_of(state.document.path(), "default profile");
     if (state.document.unsaved() || state.route.unsaved()) text = "* " + text;

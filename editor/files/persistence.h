@@ -22,4 +22,8 @@ void finish_persistence(State& state, bool clean);
 // Makes an opened pack the first of the recent ones, and closes the dialog that asked for it.
 void remember_pack(const std::string& path, State& state);
 
+// What was chosen for that pack; null: nothing.
+[[nodiscard]] const PackMaterials* remembered_materials(const std::string& pack, const State& state);
+void remember_materials(PackMaterials chosen, State& state);
+
 } // namespace fjell::editor

@@ -86,18 +86,33 @@ void read_settings(KeyReader& keys, Settings& s) {
         s.recent = std::move(recent);
     });
     keys.value("folder", s.folder);
+    keys.key("materials", [&](const json& all) {
+        std::vector<PackMaterials> materials;
+        for (const json& j : all)
+            if (materials.size() < most_packs_with_materials)
+                materials.push_back({j.at("pack").get<std::string>(), j.at("materials").get<std::string>(),
+                                     j.at("rules").get<std::string>()});
+        s.materials = std::move(materials);
+    });
+}
+
+// By its name now, or before.
+Panel panel_of(const json& name) {
+    for (const auto& former : former_panels)
+        if (name == former.name) return group_names[static_cast<std::size_t>(former.group)].panel;
+    return static_cast<Panel>(index_of(name, panel_names));
 }
 
 void read_arrangement(KeyReader& keys, Arrangement& a) {
     keys.value("panels", a.panels);
     keys.key("panels_latest", [&](const json& names) {
         std::vector<Panel> turned_to; // those that this editor does not have yet, or no more, go last
-        for (const json& name : names) turned_to.push_back(static_cast<Panel>(index_of(name, panel_names)));
+        for (const json& name : names) turned_to.push_back(panel_of(name));
         for (auto panel = turned_to.rbegin(); panel != turned_to.rend(); ++panel) a.turn_to(*panel);
     });
     keys.key("floating", [&](const json& all) {
         for (const auto& item : all.items()) {
-            FloatingPanel& f = a.floating[index_of(json(item.key()), panel_names)];
+            FloatingPanel& f = a.floating[static_cast<std::size_t>(panel_of(json(item.key())))];
             const json& place = item.value();
             const auto px = [&](const char* key, float least) {
                 const auto value = place.at(key).get<float>();
@@ -107,6 +122,12 @@ void read_arrangement(KeyReader& keys, Arrangement& a) {
             f = {place.at("on").get<bool>(), px("x_px", -most_floating_px), px("y_px", 0),
                  px("width_px", least_floating_px), px("height_px", least_floating_px)};
         }
+    });
+    keys.key("groups_open", [&](const json& names) {
+        a.open = {};
+        for (const json& name : names)
+            for (std::size_t i = 0; i < groups; ++i)
+                a.open[i] = a.open[i] || name.get<std::string>() == group_names[i].name;
     });
     for (std::size_t i = 0; i < columns; ++i)
         keys.key(column_names[i], [&](const json& column) {
@@ -145,7 +166,7 @@ void read_look(KeyReader& keys, Look& look) {
 
 json look_json(const Look& look) {
     const Arrangement& a = look.arrangement;
-    json shown = json::array(), latest = json::array(), floating = json::object();
+    json shown = json::array(), latest = json::array(), open = json::array(), floating = json::object();
     for (std::size_t i = 0; i < a.floating.size(); ++i)
         if (const FloatingPanel& f = a.floating[i]; !(f == FloatingPanel{}))
             floating[panel_names[i]] = {
@@ -153,6 +174,8 @@ json look_json(const Look& look) {
     for (std::size_t i = 0; i < look.overlay.size(); ++i)
         if (look.overlay[i]) shown.push_back(overlay_names[i]);
     for (const Panel panel : a.latest) latest.push_back(panel_names[static_cast<std::size_t>(panel)]);
+    for (std::size_t i = 0; i < groups; ++i)
+        if (a.open[i]) open.push_back(group_names[i].name);
     json all = {{"scale", look.scale},
                 {"window_px", {look.width_px, look.height_px}},
                 {"mode", session::picture_mode_names[static_cast<std::size_t>(look.mode)]},
@@ -160,6 +183,7 @@ json look_json(const Look& look) {
                 {"half_resolution", look.half_resolution},
                 {"panels", a.panels},
                 {"panels_latest", latest},
+                {"groups_open", open},
                 {"floating", floating}};
     for (std::size_t i = 0; i < columns; ++i)
         all[column_names[i]] = {{"width_px", a.width_px[i]}, {"split", a.split[i]}, {"folded", a.folded[i]}};
@@ -215,7 +239,10 @@ void write_settings(const std::string& config_folder, const Settings& settings) 
         fs::copy_file(path, path + ".damaged", fs::copy_options::overwrite_existing, ignored);
     else if (fs::exists(path, ignored))
         all = io::parse_json(io::read_text(path), path);
-    all.update({{"recent", settings.recent}, {"folder", settings.folder}});
+    json materials = json::array();
+    for (const PackMaterials& m : settings.materials)
+        materials.push_back({{"pack", m.pack}, {"materials", m.materials}, {"rules", m.rules}});
+    all.update({{"recent", settings.recent}, {"folder", settings.folder}, {"materials", materials}});
     all.update(look_json(settings.look));
     const std::string text = all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
     io::AtomicFile file(path);

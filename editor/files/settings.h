@@ -36,6 +36,7 @@ struct Arrangement {
     std::array<float, columns> split{0.6F, 0.55F}; // the upper section's share of a column that stacks two
     std::array<Panel, editor::panels> latest;      // the one that was turned to last comes first
     std::array<FloatingPanel, editor::panels> floating{};
+    std::array<bool, groups> open = first_groups;
 
     Arrangement() {
         for (std::size_t i = 0; i < latest.size(); ++i) latest[i] = static_cast<Panel>(i);
@@ -47,17 +48,17 @@ struct Arrangement {
         std::rotate(latest.begin(), at, at + 1);
     }
     [[nodiscard]] bool floats(Panel panel) const { return floating[static_cast<std::size_t>(panel)].on; }
-    // Of these groups (a bit each) the panel that was turned to last, of those that stand in a column.
-    [[nodiscard]] Panel shown(unsigned groups) const {
+    // Of these sections (a bit each) the panel that was turned to last, of those that stand in a column.
+    [[nodiscard]] Panel shown(unsigned bits) const {
         for (const Panel panel : latest)
-            if ((groups & group_bit(panel)) != 0 && !floats(panel)) return panel;
+            if ((bits & section_bit(panel)) != 0 && !floats(panel)) return panel;
         return latest.front();
     }
-    // Those of these groups that have a panel in a column.
-    [[nodiscard]] unsigned docked(unsigned groups) const {
+    // Those of these sections that have a panel in a column.
+    [[nodiscard]] unsigned docked(unsigned bits) const {
         unsigned some = 0;
         for (const Panel panel : latest)
-            if (!floats(panel)) some |= groups & group_bit(panel);
+            if (!floats(panel)) some |= bits & section_bit(panel);
         return some;
     }
 };
@@ -84,9 +85,17 @@ struct Look {
     friend bool operator==(const Look&, const Look&) = default;
 };
 
+inline constexpr std::size_t most_packs_with_materials = 64;
+struct PackMaterials {
+    std::string pack;             // absolute
+    std::string materials, rules; // as ChooseMaterials has them
+    friend bool operator==(const PackMaterials&, const PackMaterials&) = default;
+};
+
 struct Settings {
-    std::vector<std::string> recent; // packs, the latest first
-    std::string folder;              // that a dialog looked at last
+    std::vector<std::string> recent;      // packs, the latest first
+    std::vector<PackMaterials> materials; // that were chosen, the latest first
+    std::string folder;                   // that a dialog looked at last
     Look look;
     friend bool operator==(const Settings&, const Settings&) = default;
 };

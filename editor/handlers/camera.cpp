@@ -1,6 +1,7 @@
 // The camera: flying, orbiting, jumping, freezing, and along its path.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -145,6 +146,58 @@ void begin_orbit(HandlerContext context) {
     eye.orbit_radius_m = std::max(length(pose.position_m - eye.orbit_centre_m), least_above_m(ground));
 }
 
+namespace {
+
+// The highest ground, about: the best of a grid, then of finer ones around it.
+Vec3 summit_in(const session::Area& area, const session::Ground& ground) {
+    constexpr int side = 48;
+    double x_m = area.x_m, z_m = area.z_m, width_m = area.width_m, depth_m = area.depth_m;
+    Vec3 best{0, -std::numeric_limits<double>::infinity(), 0};
+    for (int round = 0; round < 3; ++round) {
+        for (int i = 0; i <= side; ++i)
+            for (int j = 0; j <= side; ++j) {
+                const double x = std::clamp(x_m + width_m * i / side, area.x_m, area.x_m + area.width_m),
+                             z = std::clamp(z_m + depth_m * j / side, area.z_m, area.z_m + area.depth_m);
+                if (const double y = ground.height_m(x, z); y > best.y) best = {x, y, z};
+            }
+        width_m *= 4.0 / side;
+        depth_m *= 4.0 / side;
+        x_m = best.x - width_m / 2;
+        z_m = best.z - depth_m / 2;
+    }
+    return best;
+}
+
+// Of a terrain that has just been opened: its highest ground in the upper part of the picture, from the side from which
+// there is the most of it to see, and the sun on it: from the north it would be dark.
+session::FreeCamera first_camera(const Scene& scene, const session::Ground& ground) {
+    const session::Area area = ground.start_area();
+    const double longer_m = area.longer_m(), relief_m = std::max(scene.max_m - scene.min_m, 1e-3 * longer_m);
+    const Vec3 summit = summit_in(area, ground);
+    const double away_m = std::clamp(4 * relief_m, std::min(40 * ground.cell_m, 0.45 * longer_m), 0.45 * longer_m);
+    session::FreeCamera camera;
+    double most_m = -std::numeric_limits<double>::infinity();
+    for (const double bearing : {0.0, -0.6, 0.6, -1.2, 1.2}) { // the way it looks, from north
+        const Vec3 at{summit.x - away_m * std::sin(bearing), 0, summit.z + away_m * std::cos(bearing)};
+        if (at.x < area.x_m || at.x > area.x_m + area.width_m || at.z < area.z_m || at.z > area.z_m + area.depth_m)
+            continue;
+        const double below_m = summit.y - ground.height_m(at.x, at.z);
+        if (below_m <= most_m) continue;
+        most_m = below_m;
+        camera.position_m = at;
+        camera.heading = bearing;
+    }
+    if (!(most_m > -std::numeric_limits<double>::infinity())) // it is at the southern rim
+        camera.position_m = {area.x_m + area.width_m / 2, 0, area.z_m + 0.85 * area.depth_m};
+    const double ground_m = ground.height_m(camera.position_m.x, camera.position_m.z);
+    camera.position_m.y = std::max(ground_m + 0.08 * away_m, summit.y - 0.02 * away_m);
+    camera.pitch = -0.16; // the summit lies in the picture's upper half, with some sky
+    camera.speed_m_s = longer_m / 60;
+    return camera;
+}
+
+} // namespace
+
 void start_at_scene(HandlerContext context) {
     State& state = context.state;
     state.scene = context.engine.scene();
@@ -152,18 +205,8 @@ void start_at_scene(HandlerContext context) {
     state.chosen.reset();
     state.graphs = {};
     state.probe.marks = 0; // of another terrain
-    const session::Ground ground = live_ground(context);
-    // From the south, over the terrain's near third, looking at its middle; of a sparse one, whose middle may be empty,
-    // the same over the ground nearest to it.
-    const session::Area area = ground.start_area();
-    const double longer = area.longer_m(), x_m = area.x_m + area.width_m / 2, z_m = area.z_m + 0.85 * area.depth_m;
-    session::FreeCamera camera;
-    camera.position_m = {x_m, ground.height_m(x_m, z_m) + 0.12 * longer, z_m};
-    camera.heading = 0;
-    camera.pitch = -0.35;
-    camera.speed_m_s = longer / 60;
     Eye eye;
-    eye.free = camera;
+    eye.free = first_camera(state.scene, live_ground(context));
     state.eye = eye;
     state.route.play(false);
 }
@@ -189,6 +232,7 @@ void handle(const MoveCamera& c, HandlerContext context) {
     State& state = context.state;
     Eye& eye = state.eye;
     if (!context.engine.is_open()) return;
+    eye.moved = eye.moved || moves(c) || c.speed_steps != 0;
     if (moves(c)) take_from_path(state);
     if (eye.navigation == Navigation::orbit) {
         orbit(c, context);
@@ -308,7 +352,7 @@ void handle(const SavePath& c, HandlerContext context) {
 void handle(const RecordPath& c, HandlerContext context) {
     State& state = context.state;
     if (c.on) take_from_path(state);
-    const bool lost = !c.on && state.route.recording() && state.route.unsaved();
+    const bool lost = !c.on && state.route.recording() && state.route.unsaved_before_recording();
     state.route.record(c.on, state.eye.pose(), path_ground(context));
     if (lost) post_message(state, Severity::warning, "the previous path was not saved; Restore brings it back");
 }

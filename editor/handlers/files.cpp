@@ -62,12 +62,72 @@ void handle(const BrowseFor& c, HandlerContext context) {
     files.browser.look(folder);
 }
 
+// --- Materials.
+
+namespace {
+
+Engine::Layers read_materials(const ChooseMaterials& c, const State& state) {
+    if (c.materials.empty()) return {};
+    const std::string& cache = state.files.standard_folders.cache;
+    const std::string file = c.materials == built_in_materials ? built_in_file(cache) : c.materials;
+    return std::make_shared<const session::GroundLayers>(session::read_ground_layers(file, rules_file(cache, c.rules)));
+}
+
+// Those that were chosen for a pack that is about to be opened.
+void recall_materials(const std::string& pack, HandlerContext context) {
+    State& state = context.state;
+    if (state.materials.of_this_run) return;
+    context.engine.set_layers({});
+    const PackMaterials* const chosen = remembered_materials(pack, state);
+    if (chosen == nullptr) return;
+    try {
+        context.engine.set_layers(read_materials({chosen->materials, chosen->rules}, state));
+    } catch (const std::exception& failure) {
+        post_message(state, Severity::warning, fmt::format("without its materials: {}", failure.what()));
+    }
+}
+
+void warn_of_missing_materials(State& state) {
+    if (state.scene.splat && !state.scene.materials)
+        post_message(state, Severity::warning,
+                     "this pack says which materials lie where, but none are loaded: choose them in Light > Materials");
+}
+
+} // namespace
+
+void handle(const ChooseMaterials& c, HandlerContext context) {
+    State& state = context.state;
+    (void)open_engine(context);
+    const std::string& cache = state.files.standard_folders.cache;
+    std::error_code ignored;
+    if (c.materials == built_in_materials && !fs::exists(built_in_file(cache), ignored)) {
+        write_built_in(cache);
+        context.jobs.start(JobKind::materials, materials_job(built_in_recipes(cache), built_in_file(cache)));
+        state.materials.baking = c;
+        return;
+    }
+    const Engine::Layers before = context.engine.layers();
+    context.engine.set_layers(read_materials(c, state));
+    try {
+        context.engine.reopen(state.document.profile());
+    } catch (...) {
+        context.engine.set_layers(before);
+        throw;
+    }
+    state.scene = context.engine.scene();
+    state.materials = {c.materials, c.rules, false, {}, {}};
+    remember_materials({state.scene.path, c.materials, c.rules}, state);
+    if (!c.materials.empty()) handle(SetKey{find_profile_key("layers.on"), 1, false}, context);
+}
+
 void handle(const OpenFile& c, HandlerContext context) {
     State& state = context.state;
-    switch (file_kind_of(c.path)) {
+    const FileKind kind = file_kind_of(c.path);
+    switch (kind) {
     case FileKind::pack:
         // A frame that waits is seen in a window that shows something already.
         if (!state.headless && state.frame != 0) {
+            recall_materials(c.path, context);
             context.engine.begin_opening(c.path, state);
             state.opening = c.path;
             return;
@@ -78,6 +138,13 @@ void handle(const OpenFile& c, HandlerContext context) {
         if (!context.engine.is_open())
             throw io::Failure(2, fmt::format("{}: this is a camera path; open a terrain for it first", c.path));
         return handle(OpenPath{c.path, c.discard}, context);
+    case FileKind::materials:
+    case FileKind::rules:
+        if (state.interface.dialog == Dialog::open_file) state.interface.dialog = Dialog::none;
+        if (kind == FileKind::materials) return handle(ChooseMaterials{c.path, state.materials.rules}, context);
+        return handle(
+            ChooseMaterials{state.materials.materials.empty() ? built_in_materials : state.materials.materials, c.path},
+            context);
     case FileKind::heights:
         if (state.headless) return bake_beside(c.path, context); // nobody is there to fill in a dialog
         return handle(GiveBakeFile{c.path, BakeField::none, state.interface.dialog == Dialog::bake}, context);
@@ -85,6 +152,7 @@ void handle(const OpenFile& c, HandlerContext context) {
 }
 
 void open_now(const std::string& pack, HandlerContext context) {
+    recall_materials(pack, context);
     context.engine.open(pack, context.state.document.profile());
     show_opened(pack, context);
 }
@@ -94,6 +162,15 @@ void show_opened(const std::string& pack, HandlerContext context) {
     start_at_scene(context);
     remember_pack(pack, context.state);
     State& state = context.state;
+    if (!state.materials.of_this_run) {
+        state.materials = {};
+        const PackMaterials* const chosen = remembered_materials(pack, state);
+        if (chosen != nullptr && context.engine.layers()) {
+            state.materials.materials = chosen->materials;
+            state.materials.rules = chosen->rules;
+        }
+    }
+    warn_of_missing_materials(state);
     std::error_code unknown;
     std::string absolute = fs::absolute(pack, unknown).lexically_normal().string();
     if (absolute == state.bookmarks.pack) return;

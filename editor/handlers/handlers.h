@@ -52,6 +52,7 @@ void show_opened(const std::string& pack, HandlerContext context);
 void bake_beside(const std::string& heights, HandlerContext context);
 void handle(const OpenFile& c, HandlerContext context);
 void handle(const OpenSample& c, HandlerContext context);
+void handle(const ChooseMaterials& c, HandlerContext context);
 
 void handle(const BrowseFor& c, HandlerContext context);
 
@@ -108,6 +109,7 @@ void end_recording(HandlerContext context);
 
 // --- interface
 void handle(const ShowPanel& c, HandlerContext context);
+void handle(const ShowGroup& c, HandlerContext context);
 void handle(const ShowDialog& c, HandlerContext context);
 void handle(const SetSwitch& c, HandlerContext context);
 void handle(const ArrangeColumn& c, HandlerContext context);

@@ -52,6 +52,12 @@ void handle(const ShowPanel& c, HandlerContext context) {
     for (bool& folded : a.folded) folded = false;
 }
 
+void handle(const ShowGroup& c, HandlerContext context) {
+    const auto group = static_cast<std::size_t>(c.group);
+    context.state.interface.arrangement.open[group] = c.on;
+    if (c.on) handle(ShowPanel{group_names[group].panel}, context);
+}
+
 void handle(const SetSwitch& c, HandlerContext context) {
     Interface& i = context.state.interface;
     switch (c.which) {
@@ -197,6 +203,7 @@ void dispatch(const Command& command, HandlerContext context) {
     std::visit(
         Overloaded{
             [&](const ResetProfile&) { state.document.replace({}); },
+            [&](const SetLight& c) { state.document.replace(with_light(state.document.profile(), c.preset)); },
             [&](const CompareProfile& c) {
                 for (std::string& line : state.document.compare(c.path))
                     post_message(state, Severity::warning, std::move(line));

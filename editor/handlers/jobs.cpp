@@ -93,6 +93,10 @@ void handle_job_result(HandlerContext context) {
     if (job.kind == JobKind::tune) apply_tuned(context);
     if (job.run) state.runs.add(job.run);
     if (job.kind == JobKind::bake) take_baked(job.output, context);
+    if (job.kind == JobKind::materials && state.materials.baking) {
+        const Command chosen = *std::exchange(state.materials.baking, std::nullopt);
+        apply(chosen, context);
+    }
 }
 
 // --- Runs that were flown, a rendered picture, bookmarks, and two profiles in one picture.
@@ -196,8 +200,10 @@ void handle(const ComparePictures& c, HandlerContext context) {
     if (c.with == CompareWith::profile && state.document.compared() == nullptr)
         throw Failure(2, "there is no profile to compare with; choose one with File > Compare profiles first");
     state.compared.with = c.with;
-    state.compared.error_px = c.error_px;
+    state.compared.error_px =
+        c.with == CompareWith::half ? 1.7 * state.document.profile().refine.max_error_px : c.error_px;
     state.compared.there = false;
+    state.compared.differing = -1;
 }
 
 } // namespace fjell::editor

@@ -30,8 +30,9 @@
 
 namespace fjell::editor {
 
-enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, picture };
-inline constexpr const char* job_names[] = {"none", "bake", "tune", "benchmark", "export", "preview", "picture"};
+enum class JobKind : std::uint8_t { none, bake, tune, benchmark, snapshot, preview, picture, materials };
+inline constexpr const char* job_names[] = {"none",   "bake",    "tune",    "benchmark",
+                                            "export", "preview", "picture", "materials"};
 
 // What a flight's frame spends its time on; the first three are the method's update, of the recursive one all refining.
 // Their names: limiting_part().

@@ -15,6 +15,7 @@
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
 #include "baker/georeference/open_source.h"
+#include "baker/materials/encode.h"
 #include "baker/synth/synth.h"
 #include "editor/number_text.h"
 #include "fjell/gl/context.h"
@@ -139,6 +140,16 @@ Jobs::Body bake_job(BakePack bake) {
     inputs.push_back(bake.rules);
     io::refuse_overwriting({bake.output}, inputs);
     return [recipe, options = std::move(options)](JobControl& control) { run(recipe, options, control); };
+}
+
+Jobs::Body materials_job(const std::string& recipes, const std::string& output) {
+    return [=](JobControl& control) {
+        constexpr std::uint32_t side = 256; // a quarter of the time, and of the memory
+        yield_to_frames();
+        control.progress("textures", 0, 1);
+        baker::bake_materials(recipes, side, 0, output, "");
+        control.publish([&](JobView& view) { view.output = output; });
+    };
 }
 
 // --- A mesh as glTF: the frame's, taken when the job was made, as a streamed terrain changes under its frame; or one

@@ -25,6 +25,9 @@ namespace fjell::editor {
 // The pack's name beside its heights: mountains.tif becomes mountains.fjell.
 [[nodiscard]] std::string pack_beside(const std::string& input);
 
+// Textures of near ground, from a folder of recipes.
+[[nodiscard]] Jobs::Body materials_job(const std::string& recipes, const std::string& output);
+
 // --- flights that measure
 [[nodiscard]] Jobs::Body tune_job(MeasuredFlightPlan plan, const TuneSettings& settings, const std::string& csv);
 [[nodiscard]] Jobs::Body benchmark_job(MeasuredFlightPlan plan, const std::string& csv);

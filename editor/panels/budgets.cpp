@@ -193,9 +193,8 @@ void draw_not_streamed(const State& state, Commands& commands) {
     ImGui::TextWrapped("The whole terrain is in memory: all of its %s pages were read when it was opened.",
                        count_text(state.scene.pages).text);
     ImGui::Spacing();
-    ImGui::TextWrapped(
-        "To stream it, give the profile fewer page slots than the pack has pages (stream.page_slots in the Tune "
-        "panel), and at least one for each tile. Pages are then read when the view wants them.");
+    ImGui::TextWrapped("To stream it, give the profile fewer page slots than the pack has pages (Tune > Streaming), "
+                       "and at least one for each tile. Pages are then read when the view wants them.");
     const std::uint32_t tiles = state.scene.tiles;
     const std::uint32_t slots = std::max(tiles, state.scene.pages / 2);
     if (slots >= state.scene.pages) return;

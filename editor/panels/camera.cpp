@@ -20,6 +20,7 @@ void draw_name(const Route& route) {
         ui::note("None. Record a flight, add points one by one, or open a file.");
         return;
     }
+    ui::need_glyphs(path);
     ImGui::PushStyleColor(ImGuiCol_Text, route.unsaved() ? ui::warning_colour : ImGui::GetColorU32(ImGuiCol_Text));
     ImGui::TextWrapped("%s%s", route.unsaved() ? "* " : "", name);
     ImGui::PopStyleColor();
@@ -98,7 +99,6 @@ void draw_points(const Route& route, Commands& commands) {
 } // namespace
 
 void draw_path(const State& state, PanelState& own, Commands& commands) {
-    ui::heading("Camera path");
     draw_name(state.route);
     draw_flight(state, own, commands);
     draw_points(state.route, commands);
@@ -271,7 +271,7 @@ void draw_timeline(const State& state, PanelState& own, Commands& commands) {
     ui::end_tip();
 }
 
-// --- Where the camera is, how it moves, the map, and the camera's path.
+// --- Where the camera is, and how it moves.
 
 namespace {
 
@@ -294,7 +294,9 @@ void labelled(const char* label) {
     ImGui::SameLine(6.2F * ImGui::GetFontSize());
 }
 
-void draw_place(const State& state, Commands& commands) {
+} // namespace
+
+void draw_position(const State& state, PanelState&, Commands& commands) {
     const session::FreeCamera& c = state.eye.free;
     PlaceCamera place{c.position_m, c.heading, c.pitch};
     double heading = std::fmod(c.heading / degree + 360, 360), pitch = c.pitch / degree;
@@ -322,7 +324,7 @@ void draw_place(const State& state, Commands& commands) {
     commands.push(place);
 }
 
-void draw_navigation(const State& state, Commands& commands) {
+void draw_navigation(const State& state, PanelState&, Commands& commands) {
     constexpr const char* names[] = {"Fly", "Orbit", "Path"};
     constexpr const char* abouts[] = {
         "W, A, S, D, Q and E move, dragging looks around, the wheel sets the speed (1).",
@@ -353,16 +355,6 @@ void draw_navigation(const State& state, Commands& commands) {
     ui::control("camera", "freeze",
                 "The mesh stays refined and culled for the current camera while you look at it from elsewhere. The "
                 "overview shows both cameras.");
-}
-
-} // namespace
-
-void draw_camera(const State& state, PanelState& own, Commands& commands) {
-    draw_navigation(state, commands);
-    draw_overview(state, own, commands);
-    draw_path(state, own, commands);
-    ui::heading("Position");
-    draw_place(state, commands);
 }
 
 } // namespace fjell::editor

@@ -60,6 +60,7 @@ void draw_recent_packs(const State& state, Commands& commands) {
     ui::heading("Recent packs");
     if (state.interface.recent.empty()) ImGui::TextDisabled("None yet.");
     for (const std::string& pack : state.interface.recent) {
+        ui::need_glyphs(pack);
         ImGui::PushID(&pack);
         if (ImGui::Selectable(file_name(pack))) commands.push(OpenFile{pack});
         ImGui::PopID();
@@ -248,6 +249,7 @@ constexpr Key all_keys[] = {
     {"Profile and program", nullptr},
     {"[  ]", "lower, raise the threshold"},
     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+    {"Ctrl+F", "search the settings"},
     {"Ctrl+O", "open a pack, a DEM, a profile or a camera path"},
     {"Ctrl+S", "save the profile"},
     {"Ctrl+click on a slider", "type a value"},
@@ -302,6 +304,7 @@ void draw_messages(const State& state, PanelState& own, Commands& commands) {
     scroll_by_keys();
     if (state.messages.all.empty()) ImGui::TextUnformatted("No messages yet.");
     for (auto message = state.messages.all.rbegin(); message != state.messages.all.rend(); ++message) {
+        ui::need_glyphs(message->text);
         const int seconds = static_cast<int>(message->at_s);
         char time[24];
         std::snprintf(time, sizeof time, "%d:%02d", seconds / 60, seconds % 60);

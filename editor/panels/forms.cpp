@@ -157,17 +157,6 @@ void go(const std::string& folder, Commands& commands, FileBrowserForm& form) {
     form.name[0] = '\0';
 }
 
-// The end of a text that is too long is what tells; it is shown behind dots.
-void text_from_right(const char* text) {
-    const float room = ImGui::GetContentRegionAvail().x, dots = ImGui::CalcTextSize("...").x;
-    if (ImGui::CalcTextSize(text).x <= room) return ImGui::TextUnformatted(text);
-    while (*text != '\0' && ImGui::CalcTextSize(text).x > room - dots) ++text;
-    while ((static_cast<unsigned char>(*text) & 0xc0) == 0x80) ++text; // not from the middle of a letter
-    ImGui::TextUnformatted("...");
-    ImGui::SameLine(0, 0);
-    ImGui::TextUnformatted(text);
-}
-
 void draw_places(const State& state, Commands& commands, FileBrowserForm& form) {
     const FolderListing& browser = state.files.browser;
     ImGui::BeginDisabled(browser.parent().empty());
@@ -196,12 +185,13 @@ void draw_places(const State& state, Commands& commands, FileBrowserForm& form) 
         ImGui::EndCombo();
     }
     ui::mark("browse", "recent");
-    text_from_right(browser.folder().c_str());
+    ui::path_text(browser.folder());
 }
 
 // True: that file was chosen by a double click.
 bool draw_entry(const FolderListing::Entry& entry, bool first, const State& state, Commands& commands,
                 FileBrowserForm& form) {
+    ui::need_glyphs(entry.name);
     const NumberText bytes = byte_text(static_cast<double>(entry.bytes));
     const char* const size = entry.folder ? "folder" : bytes.text;
     char label[300];
@@ -241,9 +231,11 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
     }
     ImGui::TableSetupColumn("Name", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("Size", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("8.88 MB ").x);
+    const bool focuses = form.focuses == FileBrowserForm::Focus::list && form.of_folder != browser.folder();
     if (!browser.parent().empty()) {
         ImGui::TableNextRow();
         ImGui::TableNextColumn();
+        if (focuses) ImGui::SetKeyboardFocusHere();
         const bool clicked =
             ImGui::Selectable("..", std::strcmp(form.name, "..") == 0,
                               ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick);
@@ -258,6 +250,7 @@ bool draw_list(const State& state, Commands& commands, FileBrowserForm& form, fl
                                : browser.hidden() != 0    ? "no files of this kind here"
                                                           : "this folder is empty");
     }
+    if (focuses) form.focuses = FileBrowserForm::Focus::stays;
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(browser.size()));
     while (clipper.Step())
@@ -276,6 +269,7 @@ bool choose(const State& state, Commands& commands, FileBrowserForm& form) {
     const std::string path = state.files.browser.path_of(form.name);
     std::error_code ignored;
     if (!std::filesystem::is_directory(path, ignored)) return true;
+    form.of_folder = state.files.browser.folder();
     go(path, commands, form);
     return false;
 }
@@ -298,9 +292,13 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     bool chosen = draw_list(state, commands, form, std::max(ImGui::GetContentRegionAvail().y - below, least));
     ImGui::SetNextItemWidth(-1);
     ui::focus_first();
-    chosen = ImGui::InputTextWithHint("##name", "a name or a full path", form.name, sizeof form.name,
-                                      ImGuiInputTextFlags_EnterReturnsTrue) ||
-             chosen;
+    if (form.focuses == FileBrowserForm::Focus::name && form.of_folder != state.files.browser.folder()) {
+        ImGui::SetKeyboardFocusHere();
+        form.focuses = FileBrowserForm::Focus::stays;
+    }
+    const bool entered = ImGui::InputTextWithHint("##name", "a name or a full path", form.name, sizeof form.name,
+                                                  ImGuiInputTextFlags_EnterReturnsTrue);
+    chosen = entered || chosen;
     ui::mark("browse", "name");
     ImGui::BeginDisabled(form.name[0] == '\0');
     chosen = ui::button(button, true) || chosen;
@@ -315,6 +313,7 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     bool all = state.files.browser.all();
     if (ImGui::Checkbox("All files", &all)) commands.push(BrowseAllKinds{all});
     ui::control("browse", "all", "Lists files of other kinds as well.");
+    if (chosen) form.focuses = entered ? FileBrowserForm::Focus::name : FileBrowserForm::Focus::list;
     return chosen && choose(state, commands, form);
 }
 

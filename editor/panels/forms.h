@@ -59,6 +59,9 @@ struct FileBrowserForm {
     Dialog of = Dialog::none; // this dialog
     bool nested = false;      // over another dialog, which stays
     bool cancelled = false;   // of such a one: its button was pressed
+    // What has the keyboard in a folder that has just been gone to, as in the one before.
+    enum class Focus : std::uint8_t { stays, list, name } focuses = Focus::stays;
+    std::string of_folder; // the one before
 };
 // A dialog that opens starts again, with that name in it.
 void begin_file_browser(FileBrowserForm& form, const State& state, const char* name);

@@ -162,7 +162,7 @@ void draw_auto_tune(const State& state, PanelState& own, Commands& commands) {
     const JobView& shown = state.job.kind == JobKind::tune ? state.job : state.tuned;
     draw_tune_result(state, shown, commands);
     fields::outcome(state, JobKind::tune);
-    draw_tune_curve(shown, std::max(ImGui::GetContentRegionAvail().y, 16 * ImGui::GetFontSize()));
+    draw_tune_curve(shown, 16 * ImGui::GetFontSize());
 }
 
 void draw_benchmark(const State& state, PanelState& own, Commands& commands) {
@@ -185,11 +185,8 @@ void draw_benchmark(const State& state, PanelState& own, Commands& commands) {
 
 // --- Bookmarks, and pictures rendered beside the frame: larger than the window, or one for each frame of the path.
 
-namespace {
-
 void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
     auto& name = own.bookmark_name;
-    ui::heading("Bookmarks");
     const float add = ImGui::CalcTextSize("Add").x + 2 * ImGui::GetStyle().FramePadding.x;
     ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - add - ImGui::GetStyle().ItemSpacing.x);
     const bool entered =
@@ -205,6 +202,7 @@ void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
     char mark[24];
     for (const Bookmark& b : state.bookmarks.all) {
         if (b.pack != state.bookmarks.pack) continue;
+        ui::need_glyphs(b.name);
         ImGui::PushID(static_cast<int>(index));
         if (ImGui::SmallButton("x")) commands.push(RemoveBookmark{index});
         std::snprintf(mark, sizeof mark, "remove.%zu", index);
@@ -223,7 +221,6 @@ void draw_bookmarks(const State& state, PanelState& own, Commands& commands) {
 
 void draw_render(const State& state, PanelState& own, Commands& commands) {
     RenderForm& form = own.render;
-    ui::heading("Render");
     fields::suggest(form.file, form.made_for, state, ".png");
     fields::path("Picture", "render", "path", form.file, "a file that ends in .png", "Where the PNG is written.");
     fields::whole("Width, px", "render", "width", form.width, "The picture's size; the window's size does not matter.");
@@ -239,13 +236,6 @@ void draw_render(const State& state, PanelState& own, Commands& commands) {
             RenderPicture{form.file, static_cast<std::uint32_t>(form.width), static_cast<std::uint32_t>(form.height)});
     if (fields::runs(state, JobKind::picture)) fields::cancel("render", commands);
     fields::outcome(state, JobKind::picture);
-}
-
-} // namespace
-
-void draw_pictures(const State& state, PanelState& own, Commands& commands) {
-    draw_bookmarks(state, own, commands);
-    draw_render(state, own, commands);
 }
 
 } // namespace fjell::editor

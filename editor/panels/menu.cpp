@@ -59,8 +59,10 @@ void window_keys(const State& state, Commands& commands) {
 void draw_recent(const State& state, Commands& commands) {
     const bool any = !state.interface.recent.empty();
     if (ImGui::BeginMenu("Open recent", any)) {
-        for (const std::string& pack : state.interface.recent)
+        for (const std::string& pack : state.interface.recent) {
+            ui::need_glyphs(pack);
             if (ImGui::MenuItem(pack.c_str())) commands.push(OpenFile{pack});
+        }
         ImGui::EndMenu();
     }
     ui::mark("menu", "recent");
@@ -205,6 +207,7 @@ void draw_view_menu(const State& state, Commands& commands) {
 
 // What is edited, and whether it is saved, on the bar's right.
 void draw_profile_name(const State& state, Commands& commands) {
+    ui::need_glyphs(state.files.profile_name);
     const char* const name = state.files.profile_name.c_str();
     const float width = ImGui::CalcTextSize(name).x + ImGui::GetStyle().WindowPadding.x;
     const float at = ImGui::GetWindowWidth() - width;
@@ -237,7 +240,7 @@ void release_held(const State& state, Commands& commands) {
 
 } // namespace
 
-void draw_shortcuts(const State& state, Commands& commands) {
+void draw_shortcuts(const State& state, PanelState& own, Commands& commands) {
     release_held(state, commands);
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput || io.KeyAlt || io.KeySuper || is_modal(state.interface.dialog)) return;
@@ -252,6 +255,10 @@ void draw_shortcuts(const State& state, Commands& commands) {
     if (pressed('Y', true)) commands.push(Redo{});
     if (pressed('O', false)) commands.push(ShowDialog{Dialog::open_file});
     if (pressed('S', false)) io.KeyShift ? commands.push(ShowDialog{Dialog::save_profile}) : save(state, commands);
+    if (pressed('F', false)) {
+        commands.push(ShowPanel{Panel::tune});
+        own.search_begins = true;
+    }
     if (pressed('Q', false)) commands.push(Quit{});
 }
 
@@ -285,8 +292,8 @@ void draw_menu(const State& state, PanelState& own, Commands& commands) {
     menu("camera", draw_camera_menu);
     menu("view", draw_view_menu);
     menu("tools", [open](const State& s, Commands& c) {
-        item("tune", "Auto-tune", "", open, c, ShowPanel{Panel::auto_tune});
-        item("benchmark", "Benchmark", "", open, c, ShowPanel{Panel::benchmark});
+        item("tune", "Auto-tune", "", open, c, ShowGroup{Group::auto_tune_threshold, true});
+        item("benchmark", "Benchmark", "", open, c, ShowGroup{Group::auto_tune_benchmark, true});
         ImGui::Separator();
         item("cancel-job", "Cancel the job", "", s.job.running, c, CancelJob{});
     });

@@ -28,11 +28,14 @@ struct Frame {
     }
 };
 
-// As wide as the column, as high as the terrain is deep; no more than half of what the column shows.
+// As wide as the column, as high as the terrain is deep; no higher than there is room below, and than half of what the
+// column shows.
 ImVec2 overview_size(const Scene& scene) {
     const ImVec2 room = ImGui::GetContentRegionAvail();
+    const float below = ImGui::GetWindowPos().y + ImGui::GetWindowHeight() - ImGui::GetCursorScreenPos().y -
+                        2 * ImGui::GetFrameHeightWithSpacing();
     const float aspect = std::clamp(static_cast<float>(scene.depth_m() / scene.width_m()), 0.05F, 20.0F);
-    const float most = std::max(0.5F * ImGui::GetWindowHeight(), 6 * ImGui::GetFontSize());
+    const float most = std::max(std::min(0.5F * ImGui::GetWindowHeight(), below), 12 * ImGui::GetFontSize());
     const float width = std::max(std::min(room.x, most / aspect), 1.0F);
     return {width, std::max(width * aspect, 1.0F)};
 }
@@ -158,7 +161,6 @@ void mark_points(const Frame& frame, const Route& route) {
 
 void draw_overview(const State& state, PanelState& own, Commands& commands) {
     const Scene& scene = state.scene;
-    ui::heading("Overview");
     Frame frame;
     frame.size = overview_size(scene);
     frame.from = ImGui::GetCursorScreenPos();

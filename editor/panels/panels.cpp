@@ -18,11 +18,11 @@ namespace {
 constexpr float strip_px = 10, folded_strip_px = 14, stacked_from_px = 860;
 // Two columns, each as wide as by default, leave the picture two thirds.
 constexpr float two_columns_from_px = 1880;
-constexpr unsigned upper_groups = 5; // the first of the left column's, and of the right one's
+constexpr unsigned upper_sections = 5; // the first of the left column's, and of the right one's
 constexpr float least_view_share = 0.3F;
 
-// groups: of the panels that stand there; those that float need no room.
-ColumnLayout column_at(std::size_t side, const Rect& room, unsigned groups, const Interface& i) {
+// bits: of the panels that stand there; those that float need no room.
+ColumnLayout column_at(std::size_t side, const Rect& room, unsigned bits, const Interface& i) {
     const auto s = static_cast<float>(i.scale);
     const Arrangement& a = i.arrangement;
     ColumnLayout c;
@@ -34,18 +34,18 @@ ColumnLayout column_at(std::size_t side, const Rect& room, unsigned groups, cons
     c.strip = {left ? room.x + width : room.x, room.y, strip, room.height};
     if (c.folded) return c;
     const float x = left ? room.x : room.x + strip;
-    const bool both = (groups & left_groups) != 0 && (groups & right_groups) != 0;
-    const unsigned upper = groups & (both ? left_groups : upper_groups);
-    if (room.height < stacked_from_px * s || upper == 0 || upper == groups) {
+    const bool both = (bits & left_sections) != 0 && (bits & right_sections) != 0;
+    const unsigned upper = bits & (both ? left_sections : upper_sections);
+    if (room.height < stacked_from_px * s || upper == 0 || upper == bits) {
         c.sections = 1;
-        c.section[0] = {{x, room.y, width, room.height}, groups};
+        c.section[0] = {{x, room.y, width, room.height}, bits};
         return c;
     }
     c.sections = 2;
     const float gap = 0.6F * strip_px * s, above = std::floor((room.height - gap) * a.split[side]);
     c.section[0] = {{x, room.y, width, above}, upper};
     c.split = {x, room.y + above, width, gap};
-    c.section[1] = {{x, room.y + above + gap, width, room.height - above - gap}, groups & ~upper};
+    c.section[1] = {{x, room.y + above + gap, width, room.height - above - gap}, bits & ~upper};
     return c;
 }
 
@@ -64,17 +64,17 @@ Layout layout(float width, float height, const Interface& i) {
     l.view = {0, top, std::max(width, 1.0F), rest};
     const Arrangement& a = i.arrangement;
     if (!a.panels) return l;
-    const unsigned all = a.docked(left_groups | right_groups);
-    const bool two = width >= two_columns_from_px * s && (all & left_groups) != 0 && (all & right_groups) != 0;
-    const unsigned groups[columns] = {two ? all & left_groups : all, two ? all & right_groups : 0};
+    const unsigned all = a.docked(left_sections | right_sections);
+    const bool two = width >= two_columns_from_px * s && (all & left_sections) != 0 && (all & right_sections) != 0;
+    const unsigned bits[columns] = {two ? all & left_sections : all, two ? all & right_sections : 0};
     const float most = (1 - least_view_share) * width / (two ? 2 : 1);
     float taken[columns] = {};
     for (std::size_t side = 0; side < columns; ++side) {
-        if (groups[side] == 0) continue; // all of its panels float
+        if (bits[side] == 0) continue; // all of its panels float
         taken[side] =
             std::floor(a.folded[side] ? folded_strip_px * s : std::min(a.width_px[side] * s + strip_px * s, most));
         const Rect room{side == 0 ? 0 : width - taken[side], top, taken[side], rest};
-        l.column[side] = column_at(side, room, groups[side], i);
+        l.column[side] = column_at(side, room, bits[side], i);
     }
     l.view.x = taken[0];
     l.view.width = std::max(width - taken[0] - taken[1], 1.0F);
@@ -89,17 +89,44 @@ namespace fjell::editor {
 
 namespace {
 
-struct PanelEntry {
-    const char* title;
+constexpr const char* titles[] = {"Tune", "View", "Cost", "Auto-tune", "Pictures and paths", "Light"};
+static_assert(std::size(titles) == panels, "a panel was added: title it");
+
+struct GroupContents {
     void (*draw)(const State&, PanelState&, Commands&);
-    bool of_terrain; // nothing to be shown without one
+    bool of_terrain = true; // nothing to be shown without one
 };
-constexpr PanelEntry entries[] = {
-    {"Tune", draw_tune, false},          {"Camera", draw_camera, true}, {"View", draw_picture, false},
-    {"Pictures", draw_pictures, true},   {"Time", draw_time, true},     {"Budgets", draw_budgets, true},
-    {"Streaming", draw_streaming, true}, {"Levels", draw_levels, true}, {"Auto-tune", draw_auto_tune, false},
-    {"Benchmark", draw_benchmark, false}};
-static_assert(std::size(entries) == panels, "a panel was added: draw and title it");
+template <Group group>
+void draw_keys_of(const State& state, PanelState& own, Commands& commands) {
+    draw_profile_keys(group, state, own, commands);
+}
+constexpr GroupContents contents[] = {{draw_keys_of<Group::tune_refinement>, false},
+                                      {draw_keys_of<Group::tune_budgets>, false},
+                                      {draw_keys_of<Group::tune_streaming>, false},
+                                      {draw_keys_of<Group::tune_screen>, false},
+                                      {draw_keys_of<Group::tune_advanced>, false},
+                                      {draw_modes, false},
+                                      {draw_overlays, false},
+                                      {draw_compare_picture},
+                                      {draw_navigation},
+                                      {draw_overview},
+                                      {draw_position},
+                                      {draw_scale, false},
+                                      {draw_budgets},
+                                      {draw_time},
+                                      {draw_streaming},
+                                      {draw_levels},
+                                      {draw_auto_tune, false},
+                                      {draw_benchmark, false},
+                                      {draw_path},
+                                      {draw_bookmarks},
+                                      {draw_render},
+                                      {draw_light_presets, false},
+                                      {draw_keys_of<Group::light_sun>, false},
+                                      {draw_keys_of<Group::light_air>, false},
+                                      {draw_keys_of<Group::light_ground>, false},
+                                      {draw_materials, false}};
+static_assert(std::size(contents) == groups, "a group was added: draw it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.
 void draw_tabs(const ui::Section& section, Panel shown, const State& state, Commands& commands) {
@@ -107,8 +134,8 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
     bool first = true;
     for (int i = 0; i < panels; ++i) {
         const auto panel = static_cast<Panel>(i);
-        if ((section.groups & group_bit(panel)) == 0 || state.interface.arrangement.floats(panel)) continue;
-        const float width = ImGui::CalcTextSize(entries[i].title).x + 2 * ImGui::GetStyle().FramePadding.x;
+        if ((section.bits & section_bit(panel)) == 0 || state.interface.arrangement.floats(panel)) continue;
+        const float width = ImGui::CalcTextSize(titles[i]).x + 2 * ImGui::GetStyle().FramePadding.x;
         if (!first) {
             ImGui::SameLine(0, 0.5F * ImGui::GetStyle().ItemSpacing.x);
             if (ImGui::GetCursorPosX() + width > right) ImGui::NewLine();
@@ -117,7 +144,7 @@ void draw_tabs(const ui::Section& section, Panel shown, const State& state, Comm
         const bool on = panel == shown;
         if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
         const keyboard::TabStops stop(on); // the row is one stop; arrows move in it
-        if (ImGui::Button(entries[i].title)) commands.push(ShowPanel{panel});
+        if (ImGui::Button(titles[i])) commands.push(ShowPanel{panel});
         ui::mark("panel", panel_names[i]);
         if (!on) ImGui::PopStyleColor();
         draw_detaching(panel, section.rect, state, commands);
@@ -133,14 +160,14 @@ Panel neighbour(const ui::Section& section, Panel of, int way, const Arrangement
     for (int step = 0; step < panels; ++step) {
         i = (i + way + panels) % panels;
         const auto panel = static_cast<Panel>(i);
-        if ((section.groups & group_bit(panel)) != 0 && !arrangement.floats(panel)) return panel;
+        if ((section.bits & section_bit(panel)) != 0 && !arrangement.floats(panel)) return panel;
     }
     return of;
 }
 
 void draw_section(const char* name, const ui::Section& section, const State& state, PanelState& own,
                   Commands& commands) {
-    const Panel shown = state.interface.arrangement.shown(section.groups);
+    const Panel shown = state.interface.arrangement.shown(section.bits);
     ui::begin_column(name, section.rect, key_flags(state) | ImGuiWindowFlags_NoScrollbar);
     draw_tabs(section, shown, state, commands);
     // The scroll bar has its room always, in the column's margin, and stands off what it scrolls.
@@ -149,8 +176,7 @@ void draw_section(const char* name, const ui::Section& section, const State& sta
     ImGui::SetNextWindowContentSize({width - style.ScrollbarSize - style.WindowPadding.x / 2, 0});
     keyboard::Pane pane(state);
     // Each where it was scrolled to.
-    ImGui::BeginChild(entries[static_cast<int>(shown)].title, {width, 0}, false,
-                      key_flags(state) | ImGuiWindowFlags_NavFlattened);
+    ImGui::BeginChild(title_of(shown), {width, 0}, false, key_flags(state) | ImGuiWindowFlags_NavFlattened);
     pane.began();
     if (const int way = pane.turns(); way != 0)
         commands.push(ShowPanel{neighbour(section, shown, way, state.interface.arrangement)});
@@ -227,15 +253,28 @@ void draw_column(std::size_t side, const ui::ColumnLayout& column, const State& 
 
 void draw_panel(Panel panel, const State& state, PanelState& own, Commands& commands) {
     const keyboard::TabStops stops;
-    const PanelEntry& entry = entries[static_cast<int>(panel)];
-    if (entry.of_terrain && !state.scene.open())
-        ImGui::TextWrapped("No terrain is open.");
-    else
-        entry.draw(state, own, commands);
+    if (panel == Panel::tune && draw_search(state, own, commands)) return;
+    for (std::size_t i = 0; i < groups; ++i) {
+        const GroupName& group = group_names[i];
+        if (group.panel != panel) continue;
+        const bool open = state.interface.arrangement.open[i];
+        ImGui::SetNextItemOpen(open);
+        const bool shown = ImGui::CollapsingHeader(group.label);
+        ui::mark("group", group.name);
+        if (shown != open) commands.push(ShowGroup{static_cast<Group>(i), shown});
+        if (!shown) continue;
+        ImGui::PushID(group.name);
+        if (contents[i].of_terrain && !state.scene.open())
+            ui::note("No terrain is open.");
+        else
+            contents[i].draw(state, own, commands);
+        ImGui::Spacing();
+        ImGui::PopID();
+    }
 }
 
 const char* title_of(Panel panel) {
-    return entries[static_cast<int>(panel)].title;
+    return titles[static_cast<int>(panel)];
 }
 
 ImGuiWindowFlags key_flags(const State& state) {
@@ -247,7 +286,7 @@ void draw_panels(const State& state, PanelState& own, Commands& commands) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const ui::Layout layout = ui::layout(display.x, display.y, state.interface);
     keyboard::begin_panels(state, commands);
-    draw_shortcuts(state, commands);
+    draw_shortcuts(state, own, commands);
     if (layout.menu_height > 0) draw_menu(state, own, commands);
     for (std::size_t side = 0; side < columns; ++side) draw_column(side, layout.column[side], state, own, commands);
     draw_floating(state, layout, own, commands);
@@ -392,10 +431,22 @@ void draw_detaching(Panel panel, const ui::Rect& column, const State& state, Com
 // --- The line at the bottom: the newest message, and the figures that matter most; what has no room is left out, the
 // least important first.
 
+const char* exhausted_budget(std::uint32_t exhausted) {
+    constexpr struct {
+        std::uint32_t bit;
+        const char* name;
+    } budgets[] = {{session::exhausted_vertices, "vertices"}, {session::exhausted_triangles, "triangles"},
+                   {session::exhausted_indices, "indices"},   {session::exhausted_page_slots, "page slots"},
+                   {session::exhausted_items, "work items"},  {session::exhausted_time, "time"}};
+    for (const auto& budget : budgets)
+        if ((exhausted & budget.bit) != 0) return budget.name;
+    return "";
+}
+
 namespace {
 
 struct Part {
-    char text[64] = "";
+    char text[96] = "";
     ImU32 colour = 0;
     int importance = 0; // 1 goes last
     const char* name = "";
@@ -409,22 +460,19 @@ Part threshold_part(const State& state) {
               "The error bound of the mesh now, and the reason if it is not the requested threshold."};
     constexpr std::uint32_t lasting = session::exhausted_vertices | session::exhausted_indices |
                                       session::exhausted_triangles | session::exhausted_page_slots;
-    const char* why = "";
+    char why[48] = "";
     if ((e.exhausted & lasting) != 0) {
         part.colour = ui::bad;
-        why = (e.exhausted & session::exhausted_vertices) != 0    ? "vertices exhausted"
-              : (e.exhausted & session::exhausted_triangles) != 0 ? "triangles exhausted"
-              : (e.exhausted & session::exhausted_indices) != 0   ? "indices exhausted"
-                                                                  : "page slots exhausted";
+        std::snprintf(why, sizeof why, "%s exhausted", exhausted_budget(e.exhausted));
     } else if (e.streamed && !e.stream.converged) {
         part.colour = ui::warning_colour;
-        why = "pages missing";
+        std::snprintf(why, sizeof why, "pages missing");
     } else if (!e.converged) {
         part.colour = ui::warning_colour;
-        why = (e.exhausted & session::exhausted_items) != 0  ? "lags: work items exhausted"
-              : (e.exhausted & session::exhausted_time) != 0 ? "lags: time exhausted"
-              : e.morphing > 0                               ? "morphing"
-                                                             : "lags";
+        if (const char* const budget = exhausted_budget(e.exhausted); *budget != '\0')
+            std::snprintf(why, sizeof why, "lags: %s exhausted", budget);
+        else
+            std::snprintf(why, sizeof why, "%s", e.morphing > 0 ? "morphing" : "lags");
     }
     if (e.error_bound_px >= 1e6)
         std::snprintf(part.text, sizeof part.text, "error unbounded, %s", why);
@@ -489,6 +537,7 @@ void drop_least(Parts& parts, std::size_t& n) {
 // One line of it, cut with dots where it is too long; a click shows all messages.
 void draw_message(const State& state, float room, Commands& commands) {
     const Message& newest = state.messages.all.back();
+    ui::need_glyphs(newest.text);
     const ImVec2 from = ImGui::GetCursorScreenPos();
     const float em = ImGui::GetFontSize();
     if (ImGui::InvisibleButton("message", {std::max(room, em), em})) commands.push(ShowDialog{Dialog::messages});

@@ -21,7 +21,7 @@ namespace fjell::editor::ui {
 // the picture keeps two thirds of it; a narrower one has one, and a tall one stacks two sections in a column.
 struct Section {
     Rect rect;
-    unsigned groups = 0; // group_bit() of the panels that it may show
+    unsigned bits = 0; // section_bit() of the panels that it may show
 };
 struct ColumnLayout {
     bool there = false;
@@ -141,6 +141,8 @@ struct PanelState {
     CsvForm benchmark;
     RenderForm render;
     char bookmark_name[61] = "";
+    char search[61] = "";       // of the settings
+    bool search_begins = false; // its field gets the keyboard
     TypingField typing;
     double compared_px = 4;    // the threshold that was compared last
     float messages_height = 0; // of the list
@@ -151,7 +153,7 @@ struct PanelState {
 // Everything of a frame: menu, columns, status line, the picture's area and whatever dialog is open.
 void draw_panels(const State& state, PanelState& own, Commands& commands);
 
-// One panel's contents, and what it is called.
+// One panel's groups, and what it is called.
 void draw_panel(Panel panel, const State& state, PanelState& own, Commands& commands);
 [[nodiscard]] const char* title_of(Panel panel);
 // The keyboard is the camera's unless it was given to the panels: flags of a panel's window.
@@ -163,7 +165,7 @@ void draw_detaching(Panel panel, const ui::Rect& column, const State& state, Com
 
 void draw_menu(const State& state, PanelState& own, Commands& commands);
 // Keys that do what the menu has.
-void draw_shortcuts(const State& state, Commands& commands);
+void draw_shortcuts(const State& state, PanelState& own, Commands& commands);
 void draw_status(const State& state, const ui::Layout& layout, Commands& commands);
 // Within the status line: what the job that runs is at, and a button that stops it; then on the same line.
 void draw_job_status(const State& state, Commands& commands);
@@ -175,11 +177,23 @@ void draw_probe(const State& state, const ui::Rect& view);
 // What the probe's plate leaves of the picture, for what else is written at its top.
 [[nodiscard]] ui::Rect beside_probe(const State& state, const ui::Rect& view);
 
-// Inside a column.
-void draw_tune(const State& state, PanelState& own, Commands& commands);
-void draw_camera(const State& state, PanelState& own, Commands& commands);
-void draw_picture(const State& state, PanelState& own, Commands& commands);
-void draw_pictures(const State& state, PanelState& own, Commands& commands);
+// Above a panel's groups: a field, and what is found instead of the groups. False: nothing is looked for.
+[[nodiscard]] bool draw_search(const State& state, PanelState& own, Commands& commands);
+
+// Inside a group.
+void draw_profile_keys(Group group, const State& state, PanelState& own, Commands& commands);
+void draw_navigation(const State& state, PanelState& own, Commands& commands);
+void draw_overview(const State& state, PanelState& own, Commands& commands);
+void draw_position(const State& state, PanelState& own, Commands& commands);
+void draw_modes(const State& state, PanelState& own, Commands& commands);
+void draw_overlays(const State& state, PanelState& own, Commands& commands);
+void draw_compare_picture(const State& state, PanelState& own, Commands& commands);
+void draw_scale(const State& state, PanelState& own, Commands& commands);
+void draw_light_presets(const State& state, PanelState& own, Commands& commands);
+void draw_materials(const State& state, PanelState& own, Commands& commands);
+void draw_path(const State& state, PanelState& own, Commands& commands);
+void draw_bookmarks(const State& state, PanelState& own, Commands& commands);
+void draw_render(const State& state, PanelState& own, Commands& commands);
 void draw_time(const State& state, PanelState& own, Commands& commands);
 void draw_budgets(const State& state, PanelState& own, Commands& commands);
 void draw_streaming(const State& state, PanelState& own, Commands& commands);
@@ -196,17 +210,15 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size);
 // under it the vertices; over the width of the window and that height in pixels. ImPlot is no package of Debian 12's.
 void draw_tune_curve(const JobView& job, float height);
 
-// Inside the view panel; and over the picture.
-void draw_compare_picture(const State& state, PanelState& own, Commands& commands);
+// Over the picture.
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands);
 
-// Inside the camera panel.
-void draw_overview(const State& state, PanelState& own, Commands& commands);
-void draw_path(const State& state, PanelState& own, Commands& commands);
-// Inside that: the path over its time.
+// Inside the group of the camera path: the path over its time.
 void draw_timeline(const State& state, PanelState& own, Commands& commands);
 void draw_path_edits(const State& state, Commands& commands); // below the list of points
 
+// The budget that keeps a mesh from its threshold, as the status line has it: "vertices"; empty: none.
+[[nodiscard]] const char* exhausted_budget(std::uint32_t exhausted);
 // A graph over the frames that are shown: a click on it chooses one, a drag over it zooms.
 void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> lines, const State& state,
                          Commands& commands);

@@ -149,8 +149,39 @@ void second_column(int i) {
     if (i % 2 != 0) ImGui::SameLine(0.5F * ImGui::GetContentRegionMax().x);
 }
 
-void draw_scale(const State& state, Commands& commands) {
-    ui::heading("Interface");
+} // namespace
+
+const char* label_of(session::PictureMode mode) {
+    return modes[static_cast<std::size_t>(mode)].label;
+}
+
+const char* label_of(Overlay overlay) {
+    return overlay_choices[static_cast<std::size_t>(overlay)].label;
+}
+
+void draw_modes(const State& state, PanelState&, Commands& commands) {
+    for (int i = 0; i < session::picture_modes; ++i) {
+        const auto mode = static_cast<session::PictureMode>(i);
+        second_column(i);
+        if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
+        ui::control("mode", session::picture_mode_names[i], modes[i].about);
+    }
+    ui::note(modes[static_cast<int>(state.interface.mode)].about);
+    const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
+    if (state.scene.open() && !hidden) draw_legend(state);
+}
+
+void draw_overlays(const State& state, PanelState&, Commands& commands) {
+    for (int i = 0; i < overlays; ++i) {
+        bool on = state.interface.overlay[static_cast<std::size_t>(i)];
+        second_column(i);
+        if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
+        ui::control("overlay", overlay_names[i], overlay_choices[i].about);
+    }
+    if (state.scene.open()) explain_overlays(state);
+}
+
+void draw_scale(const State& state, PanelState&, Commands& commands) {
     constexpr double scales[] = {0.75, 1, 1.25, 1.5, 2, 2.5, 3};
     constexpr const char* names[] = {"75%", "100%", "125%", "150%", "200%", "250%", "300%"};
     for (std::size_t i = 0; i < std::size(scales); ++i) {
@@ -167,58 +198,26 @@ void draw_scale(const State& state, Commands& commands) {
     }
 }
 
-} // namespace
-
-const char* label_of(session::PictureMode mode) {
-    return modes[static_cast<std::size_t>(mode)].label;
-}
-
-const char* label_of(Overlay overlay) {
-    return overlay_choices[static_cast<std::size_t>(overlay)].label;
-}
-
-void draw_picture(const State& state, PanelState& own, Commands& commands) {
-    ui::heading("Picture mode (M: next)");
-    for (int i = 0; i < session::picture_modes; ++i) {
-        const auto mode = static_cast<session::PictureMode>(i);
-        second_column(i);
-        if (ImGui::RadioButton(modes[i].label, state.interface.mode == mode)) commands.push(SetPictureMode{mode});
-        ui::control("mode", session::picture_mode_names[i], modes[i].about);
-    }
-    ui::note(modes[static_cast<int>(state.interface.mode)].about);
-    const bool hidden = state.shows(Overlay::error) && state.heights_share >= 1;
-    if (state.scene.open() && !hidden) draw_legend(state);
-    ui::heading("Overlays");
-    for (int i = 0; i < overlays; ++i) {
-        bool on = state.interface.overlay[static_cast<std::size_t>(i)];
-        second_column(i);
-        if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
-        ui::control("overlay", overlay_names[i], overlay_choices[i].about);
-    }
-    if (state.scene.open()) explain_overlays(state);
-    if (state.scene.open()) draw_compare_picture(state, own, commands);
-    draw_scale(state, commands);
-}
-
 // --- Two profiles in one picture: what is compared, and the divider between them.
 
 namespace {
 
 void draw_choice(const State& state, PanelState& own, Commands& commands) {
     const ComparedPicture& c = state.compared;
-    constexpr const char* labels[] = {"off", "threshold", "profile"};
-    for (int i = 0; i < 3; ++i) {
+    constexpr const char *labels[] = {"off", "threshold", "half the triangles", "profile"},
+                         *abouts[] = {
+                             "The profile alone.", "This profile at another threshold, in the same picture.",
+                             "This profile at the threshold that draws half the triangles, in the same picture.",
+                             "The profile chosen with File > Compare profiles, in the same picture."};
+    for (int i = 0; i < 4; ++i) {
         const auto with = static_cast<CompareWith>(i);
-        if (i > 0) ImGui::SameLine();
+        second_column(i);
         const bool can = with != CompareWith::profile || state.document.compared() != nullptr;
         ImGui::BeginDisabled(!can);
         if (ImGui::RadioButton(labels[i], c.with == with)) commands.push(ComparePictures{with, own.compared_px});
         ImGui::EndDisabled();
         ui::control("compare-picture", compare_with_names[i],
-                    i == 0   ? "The profile alone."
-                    : i == 1 ? "This profile at another threshold, in the same picture."
-                    : can    ? "The profile chosen with File > Compare profiles, in the same picture."
-                             : "First choose a profile with File > Compare profiles.");
+                    can ? abouts[i] : "First choose a profile with File > Compare profiles.");
     }
     if (c.with != CompareWith::threshold) return;
     double px = c.error_px;
@@ -239,41 +238,101 @@ ui::Rect side_plate(const char* text, bool right_aligned, float x, const ui::Rec
     return {std::max(std::min(wanted, most), least), room.y + 0.6F * em, width, size.y + 0.5F * em};
 }
 
-void draw_side(ImDrawList& list, const ui::Rect& at, const char* text) {
+void draw_side(ImDrawList& list, const ui::Rect& at, const char* text, ImU32 colour) {
     const float em = ImGui::GetFontSize();
     list.AddRectFilled({at.x, at.y}, {at.x + at.width, at.y + at.height}, IM_COL32(12, 14, 18, 205), 0.25F * em);
-    list.AddText({at.x + 0.5F * em, at.y + 0.25F * em}, IM_COL32_WHITE, text);
+    list.AddText({at.x + 0.5F * em, at.y + 0.25F * em}, colour, text);
+}
+
+// "laptop.toml", what was asked of it and kept, and what it took.
+struct Side {
+    char text[256] = "";
+    ImU32 colour = IM_COL32_WHITE;
+};
+
+Side side_of(const char* name, double asked_px, double kept_px, std::uint32_t exhausted, std::uint32_t triangles) {
+    Side side;
+    char kept[32] = "unbounded";
+    if (kept_px < 1e6) std::snprintf(kept, sizeof kept, "%.3g px", kept_px);
+    const char* const budget = exhausted_budget(exhausted);
+    std::snprintf(side.text, sizeof side.text, "%.60s\n%.3g px asked, %s kept%s%s%s\n%s triangles", name, asked_px,
+                  kept, *budget != '\0' ? ",\n" : "", budget, *budget != '\0' ? " exhausted" : "",
+                  count_text(triangles).text);
+    if (kept_px > 1.001 * asked_px) side.colour = ui::warning_colour;
+    return side;
+}
+
+// How many pixels differ, and in the picture of the difference what its colours say.
+void tell_difference(const State& state, const ui::Rect& view, ImDrawList& list) {
+    const ComparedPicture& c = state.compared;
+    if (c.differing < 0) return;
+    const float em = ImGui::GetFontSize();
+    char text[64];
+    std::snprintf(text, sizeof text, "%.*f%% of the pixels differ visibly", c.differing < 0.1 ? 2 : 1,
+                  100 * c.differing);
+    constexpr struct {
+        ImU32 colour;
+        const char* text;
+    } steps[] = {{IM_COL32(0, 0, 0, 255), "0"},
+                 {IM_COL32(38, 77, 204, 255), "11"},
+                 {IM_COL32(245, 214, 51, 255), "21"},
+                 {IM_COL32(255, 255, 255, 255), "32 of 255 and more"}};
+    const bool legend = c.view == CompareView::difference;
+    float width = ImGui::CalcTextSize(text).x, row = 0;
+    for (const auto& step : steps) row += 1.6F * em + ImGui::CalcTextSize(step.text).x;
+    if (legend) width = std::max(width, row);
+    const float height = (legend ? 2.9F : 1.5F) * em;
+    const ImVec2 at{view.x + view.width / 2 - width / 2, view.y + view.height - height - 3 * em};
+    list.AddRectFilled({at.x - 0.5F * em, at.y - 0.25F * em}, {at.x + width + 0.5F * em, at.y + height - 0.25F * em},
+                       IM_COL32(12, 14, 18, 205), 0.25F * em);
+    list.AddText(at, IM_COL32_WHITE, text);
+    if (!legend) return;
+    float x = at.x;
+    const float y = at.y + 1.4F * em;
+    for (const auto& step : steps) {
+        list.AddRectFilled({x, y}, {x + em, y + em}, step.colour);
+        list.AddRect({x, y}, {x + em, y + em}, ui::quiet);
+        list.AddText({x + 1.2F * em, y}, IM_COL32_WHITE, step.text);
+        x += 1.6F * em + ImGui::CalcTextSize(step.text).x;
+    }
+}
+
+const char* name_of_other(const State& state) {
+    const ComparedPicture& c = state.compared;
+    if (c.with == CompareWith::half) return "half the triangles";
+    if (c.with == CompareWith::threshold) return "another threshold";
+    const std::string& path = state.document.compared_path();
+    return path.empty() ? "as it was saved" : file_name(path);
 }
 
 void name_sides(const State& state, const ui::Rect& view, float x) {
     const ComparedPicture& c = state.compared;
-    const Profile* const other = state.document.compared();
-    const double px = c.with == CompareWith::profile && other != nullptr ? other->refine.max_error_px : c.error_px;
-    char mine[64], theirs[64];
-    std::snprintf(mine, sizeof mine, "%.3g px, %s triangles", state.document.profile().refine.max_error_px,
-                  count_text(state.measures.last().triangles_drawn).text);
+    const session::FrameEntry& e = state.measures.last();
+    const Side mine = side_of(state.files.profile_name.c_str(), state.document.profile().refine.max_error_px,
+                              e.error_bound_px, e.exhausted, e.triangles_drawn);
+    Side theirs;
     if (c.there)
-        std::snprintf(theirs, sizeof theirs, "%.3g px, %s triangles", px, count_text(c.triangles).text);
+        theirs = side_of(name_of_other(state), c.asked_px, c.kept_px, c.exhausted, c.triangles);
     else
-        std::snprintf(theirs, sizeof theirs, "%.3g px: opening", px);
+        std::snprintf(theirs.text, sizeof theirs.text, "%.60s\nopening", name_of_other(state));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     ui::Rect room = beside_probe(state, view);
-    if (room.height < 9 * em) return;       // the probe's plate and others at the bottom take all there is
+    if (room.height < 12 * em) return;      // the probe's plate and others at the bottom take all there is
     if (state.eye.frozen) room.y += 2 * em; // below the plate that says so
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
-    const ui::Rect left = side_plate(mine, true, x, room);
-    ui::Rect right = side_plate(theirs, false, x, room);
+    const ui::Rect left = side_plate(mine.text, true, x, room);
+    ui::Rect right = side_plate(theirs.text, false, x, room);
     if (right.x < left.x + left.width) right.y += left.height + 0.3F * em;
-    draw_side(list, left, mine);
-    draw_side(list, right, theirs);
+    draw_side(list, left, mine.text, mine.colour);
+    draw_side(list, right, theirs.text, theirs.colour);
+    tell_difference(state, view, list);
     list.PopClipRect();
 }
 
 } // namespace
 
 void draw_compare_picture(const State& state, PanelState& own, Commands& commands) {
-    ui::heading("Compare in the picture");
     draw_choice(state, own, commands);
     if (state.compared.with == CompareWith::nothing) return;
     constexpr const char* labels[] = {"side by side", "difference"};

@@ -137,15 +137,12 @@ void draw_hover(ImDrawList& list, const TunePoint& p, const Axes& time, const Ax
 } // namespace
 
 void draw_tune_curve(const JobView& job, float height) {
+    if (job.curve.empty()) return ui::note("The curve appears here, flight by flight.");
     const float width = ImGui::GetContentRegionAvail().x, font = ImGui::GetFontSize();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::InvisibleButton("curve", {std::max(width, 1.0F), std::max(height, 1.0F)});
     ui::mark("job", "curve");
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    if (job.curve.empty()) {
-        list.AddText({at.x, at.y + height / 2}, ui::quiet, "The curve appears here, flight by flight.");
-        return;
-    }
     // From the top: a legend, the times, a legend, the vertices, labels of the thresholds, their name.
     const float left = at.x + font * 3.2F, right = at.x + width - font * 0.8F;
     const float plots = std::max(height - font * 5.5F, 20.0F), split = at.y + font * 1.4F + plots * 0.62F;
@@ -397,7 +394,7 @@ void draw_heat_choice(const State& state, Commands& commands) {
             commands.push(SetHeat{static_cast<Heat>(i)});
         ui::control(
             "heat", heat_names[i],
-            "Colours the latest run's path on the overview in the Camera panel. Blue is fast or exact, red is the "
+            "Colours the latest run's path on the overview (View > Overview). Blue is fast or exact, red is the "
             "run's p99 time or its threshold, white is above that.");
     }
 }

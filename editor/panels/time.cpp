@@ -183,7 +183,7 @@ void draw_measured_graph(ui::Graph graph, std::initializer_list<ui::GraphLine> l
     const ui::GraphInput input = ui::graph(graph, lines);
     if (input.clicked < m.ring(Series::frame_us).size()) {
         commands.push(ChooseFrame{true, input.clicked});
-        commands.push(ShowPanel{Panel::time});
+        commands.push(ShowGroup{Group::cost_time, true});
     }
     const std::size_t size = m.ring(Series::frame_us).size();
     if (input.oldest == ui::no_frame || input.newest >= size) return; // there are no frames yet

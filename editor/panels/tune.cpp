@@ -8,10 +8,14 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <initializer_list>
+#include <iterator>
+#include <utility>
 
 #include <strings.h>
 
 #include "editor/number_text.h"
+#include "editor/panels/forms.h"
 #include "editor/panels/panels.h"
 #include "session/methods/method.h"
 
@@ -238,23 +242,82 @@ bool cost_text(const ProfileKey& key, const State& state, char* to, std::size_t 
     return false;
 }
 
+namespace {
+
+// Of light, by what else is chosen.
+struct LightCondition {
+    const char* names; // each between spaces
+    bool (*idle)(const State&, const gl::LightSettings&);
+    const char* why;
+};
+constexpr LightCondition light_conditions[] = {
+    {" azimuth_deg elevation_deg ",
+     [](const State&, const gl::LightSettings& light) { return light.sun == gl::SunBy::time; },
+     "only with the sun by direction"},
+    {" latitude_deg longitude_deg year month day hour_utc ",
+     [](const State&, const gl::LightSettings& light) { return light.sun == gl::SunBy::direction; },
+     "only with the sun by time"},
+    {" ev100 ", [](const State&, const gl::LightSettings& light) { return light.exposure == gl::Exposure::automatic; },
+     "only with a fixed exposure"},
+    {" shadows ",
+     [](const State& state, const gl::LightSettings&) { return state.scene.open() && !state.scene.horizons; },
+     "this pack was baked without horizons"},
+    {" water_level_m ", [](const State&, const gl::LightSettings& light) { return !light.water; }, "only with water"},
+};
+
+const char* why_light_idle(const ProfileKey& key, const State& state) {
+    const std::string_view name = key.name;
+    for (const LightCondition& c : light_conditions) {
+        const std::string_view names = c.names;
+        const std::size_t at = names.find(name);
+        if (at != std::string_view::npos && names[at - 1] == ' ' && names[at + name.size()] == ' ' &&
+            c.idle(state, state.document.profile().light))
+            return c.why;
+    }
+    return nullptr;
+}
+
+} // namespace
+
 const char* why_idle(const ProfileKey& key, const State& state) {
     const Profile& profile = state.document.profile();
     switch (key.used_by) {
     case UsedBy::any: break;
     case UsedBy::incremental:
-        if (session::facts_of(profile).keys != key.used_by) return "for the incremental method only.";
+        if (session::facts_of(profile).keys != key.used_by) return "only with the incremental method";
         break;
     case UsedBy::recursive:
-        if (session::facts_of(profile).keys != key.used_by) return "for the recursive method only.";
+        if (session::facts_of(profile).keys != key.used_by) return "only with the recursive method";
         break;
     case UsedBy::streaming: // page_slots decides whether anything is streamed: it counts always
         if (!state.scene.streamed && !is(key, "stream", "page_slots"))
-            return "for streaming only: a pack is streamed when it has more pages than the profile has page slots.";
+            return "only when streaming: a pack with more pages than page slots";
         break;
     }
-    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "for morph \"time\" only.";
-    return nullptr;
+    if (is(key, "refine", "morph_s") && profile.cut.morph != Morph::time) return "only with morph \"time\"";
+    if (std::strcmp(key.table, "light") == 0) return why_light_idle(key, state);
+    if (std::strcmp(key.table, "layers") != 0) return nullptr;
+    if (!state.scene.materials) return "only with materials";
+    if (is(key, "layers", "splat") && !state.scene.splat) return "this pack was baked without splat maps";
+    return !profile.layers.on && !is(key, "layers", "on") ? "only with materials on" : nullptr;
+}
+
+Group group_of(const ProfileKey& key) {
+    if (key.used_by == UsedBy::recursive) return Group::tune_advanced;
+    constexpr struct {
+        const char* table;
+        Group group;
+    } tables[] = {{"refine", Group::tune_refinement},
+                  {"budget", Group::tune_budgets},
+                  {"stream", Group::tune_streaming},
+                  {"view", Group::tune_screen},
+                  {"layers", Group::light_materials}};
+    for (const auto& t : tables)
+        if (std::strcmp(key.table, t.table) == 0) return t.group;
+    // Light, in the order in which a profile has it.
+    static const ProfileKey *const air = find_profile_key("light.air"), *const ground =
+                                                                            find_profile_key("light.detail");
+    return &key < air ? Group::light_sun : &key < ground ? Group::light_air : Group::light_ground;
 }
 
 namespace {
@@ -296,7 +359,7 @@ void tip(const Row& row) {
                             key.most * unit.share, *unit.name != '\0' ? " " : "", unit.name);
     (void)std::snprintf(text, sizeof text, "%s\n\n%s%s%s%s%s", key.about, range,
                         unit.share != 1 ? "Shown in milliseconds; a profile's file has microseconds.\n" : "",
-                        rebuilds(key.rebuild), row.idle != nullptr ? "\n\nNot used now: " : "",
+                        rebuilds(key.rebuild), row.idle != nullptr ? "\n\nNo effect now: " : "",
                         row.idle != nullptr ? row.idle : "");
     ImGui::TextUnformatted(text);
     ui::end_tip();
@@ -399,12 +462,14 @@ void draw_flag(const Row& row) {
 }
 
 // What it costs now, and what the compared profile has instead.
-void draw_notes(const Row& row) {
+void draw_notes(const Row& row, const char* said) {
     char text[160];
     ImGui::PushStyleColor(ImGuiCol_Text, ui::quiet);
     ImGui::PushTextWrapPos(0);
-    if (row.idle == nullptr && row.state.scene.open() && cost_text(row.key, row.state, text, sizeof text))
-        ImGui::TextUnformatted(text);
+    const bool says = row.idle != nullptr && row.idle != said;
+    if (says) (void)std::snprintf(text, sizeof text, "No effect: %s.", row.idle);
+    if (says || (row.idle == nullptr && row.state.scene.open() && cost_text(row.key, row.state, text, sizeof text)))
+        ui::wrapped(text);
     ImGui::PopStyleColor();
     const Profile* const compared = row.state.document.compared();
     if (compared != nullptr && row.key.get(*compared) != row.value) {
@@ -420,7 +485,9 @@ void draw_notes(const Row& row) {
     ImGui::PopTextWrapPos();
 }
 
-void draw_key(const ProfileKey& key, const State& state, TypingField& typing, Commands& commands) {
+// Returns why it has no effect; said: that of the key above, which need not be said again.
+const char* draw_key(const ProfileKey& key, const State& state, TypingField& typing, Commands& commands,
+                     const char* said = nullptr) {
     Row row(key, state, typing, commands);
     ImGui::PushID(&key);
     ImGui::BeginDisabled(row.idle != nullptr);
@@ -431,20 +498,142 @@ void draw_key(const ProfileKey& key, const State& state, TypingField& typing, Co
     case KeyKind::flag: draw_flag(row); break;
     case KeyKind::choice: draw_choices(row); break;
     }
-    draw_notes(row);
+    draw_notes(row, said);
     ImGui::EndDisabled();
     ImGui::PopID();
     ImGui::Spacing();
+    return row.idle;
+}
+
+// Whether each word of what is looked for begins, or is in, one of the texts; in small letters or large.
+bool matches(const char* wanted, std::initializer_list<const char*> texts) {
+    for (const char* at = wanted; *at != '\0';) {
+        char word[sizeof PanelState::search];
+        std::size_t n = 0;
+        while (*at == ' ') ++at;
+        while (*at != ' ' && *at != '\0') word[n++] = *at++;
+        word[n] = '\0';
+        if (!std::ranges::any_of(texts, [&](const char* text) { return strcasestr(text, word) != nullptr; }))
+            return false;
+    }
+    return true;
 }
 
 } // namespace
 
-void draw_tune(const State& state, PanelState& own, Commands& commands) {
-    for (const ProfileTable& table : profile_tables()) {
-        ui::heading(table.label);
-        for (const ProfileKey& key : profile_keys())
-            if (std::strcmp(key.table, table.name) == 0) draw_key(key, state, own.typing, commands);
+void draw_profile_keys(Group group, const State& state, PanelState& own, Commands& commands) {
+    const char* idle = nullptr;
+    for (const ProfileKey& key : profile_keys())
+        if (group_of(key) == group) idle = draw_key(key, state, own.typing, commands, idle);
+}
+
+// --- Search, over the profile's keys and over all groups.
+
+bool draw_search(const State& state, PanelState& own, Commands& commands) {
+    if (std::exchange(own.search_begins, false)) ImGui::SetKeyboardFocusHere();
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    ImGui::InputTextWithHint("##search", "Search all settings (Ctrl+F)", own.search, sizeof own.search,
+                             ImGuiInputTextFlags_AutoSelectAll);
+    ui::control("tune", "search", "Part of a name, of a key, or of what it does. Empty: all groups.");
+    ImGui::Spacing();
+    const char* const wanted = own.search + std::strspn(own.search, " ");
+    if (*wanted == '\0') return false;
+    bool found = false;
+    for (std::size_t i = 0; i < groups; ++i) {
+        const GroupName& group = group_names[i];
+        bool any = false;
+        for (const ProfileKey& key : profile_keys()) {
+            if (group_of(key) != static_cast<Group>(i) ||
+                !matches(wanted, {key.label, key.table, key.name, key.about, group.label}))
+                continue;
+            if (!std::exchange(any, true)) ui::heading(group.label);
+            (void)draw_key(key, state, own.typing, commands);
+        }
+        found = found || any;
+        if (any || group.panel == Panel::tune || !matches(wanted, {group.label, title_of(group.panel)})) continue;
+        found = true;
+        char text[64];
+        (void)std::snprintf(text, sizeof text, "%s > %s", title_of(group.panel), group.label);
+        if (ImGui::Selectable(text)) commands.push(ShowGroup{static_cast<Group>(i), true});
+        ui::control("found", group.name, "Unfolds this group in its panel.");
     }
+    if (!found) ui::note("Nothing of that name.");
+    return true;
+}
+
+// --- Light at once.
+
+void draw_light_presets(const State& state, PanelState&, Commands& commands) {
+    constexpr const char *labels[] = {"Relief", "Morning", "Noon", "Evening", "Dusk", "Haze"},
+                         *abouts[] = {"The sun from the upper left, in clear air: relief is read as on a map.",
+                                      "A low sun in the east, a clear day.",
+                                      "A high sun in the south, a clear day.",
+                                      "A low sun in the west, and warm light.",
+                                      "The sun below the horizon: the sky alone gives light.",
+                                      "A high sun in thick air."};
+    static_assert(std::size(labels) == std::size(light_preset_names), "a preset was added: say what it is");
+    const Profile& profile = state.document.profile();
+    for (std::size_t i = 0; i < std::size(labels); ++i) {
+        if (i > 0) ui::beside(labels[i]);
+        const auto preset = static_cast<LightPreset>(i);
+        const bool on = same(profile, with_light(profile, preset));
+        if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
+        if (ImGui::Button(labels[i])) commands.push(SetLight{preset});
+        ui::control("light", light_preset_names[i], abouts[i]);
+        if (!on) ImGui::PopStyleColor();
+    }
+}
+
+namespace {
+
+void draw_shares(const State& state) {
+    const auto shares = state.materials.under.all();
+    if (shares.empty()) return;
+    ui::heading("Under the camera");
+    for (const GroundShares::Share& s : shares) ui::row(s.name.c_str(), "%.0f%%", 100 * s.share);
+}
+
+} // namespace
+
+void draw_materials(const State& state, PanelState& own, Commands& commands) {
+    const MaterialsInUse& in_use = state.materials;
+    const bool can = state.scene.open() && !state.job.running;
+    const auto button = [&](const char* label, const char* name, bool on, const ChooseMaterials& choice,
+                            const char* about) {
+        if (!on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_FrameBg));
+        if (ui::panel_button(label, "materials", name, can, about)) commands.push(choice);
+        if (!on) ImGui::PopStyleColor();
+    };
+    if (state.scene.splat && in_use.materials.empty()) {
+        ImGui::PushStyleColor(ImGuiCol_Text, ui::warning_colour);
+        ImGui::TextWrapped("This pack says which materials lie where. Choose what they are drawn with.");
+        ImGui::PopStyleColor();
+        ui::mark("materials", "missing");
+    }
+    button("None", "none", in_use.materials.empty(), {}, "The ground as it was baked.");
+    ui::beside("Built-in");
+    button(
+        "Built-in", built_in_materials, in_use.materials == built_in_materials, {built_in_materials, in_use.rules},
+        "Rock, scree, gravel, soil, sand, grass, forest floor, snow and ice. Baked at their first use, in a minute.");
+    ui::beside("File...");
+    if (ui::panel_button("File...", "materials", "file", can,
+                         "A file that fjell-bake materials has made, or one of rules. Or drop it onto the window."))
+        commands.push(ShowDialog{Dialog::open_file});
+    if (!in_use.materials.empty() && in_use.materials != built_in_materials) ui::path_text(in_use.materials);
+    if (!in_use.materials.empty() && !(state.scene.splat && state.document.profile().layers.splat)) {
+        ImGui::AlignTextToFramePadding();
+        ImGui::TextUnformatted("Rules");
+        for (const char* rules : built_in_rules) {
+            ui::beside(rules);
+            button(rules, rules, in_use.rules == rules, {in_use.materials, rules}, "Where each material lies.");
+        }
+        const bool own_file = std::ranges::find(built_in_rules, in_use.rules) == std::end(built_in_rules);
+        if (own_file && !in_use.rules.empty()) ui::path_text(in_use.rules);
+        if (in_use.rules.empty()) ui::note("This pack has no splat maps: without rules no material lies anywhere.");
+    }
+    if (fields::runs(state, JobKind::materials)) ui::note("The built-in materials are being baked.");
+    draw_shares(state);
+    draw_profile_keys(Group::light_materials, state, own, commands);
 }
 
 } // namespace fjell::editor

@@ -34,7 +34,9 @@ void write_value(const ProfileKey& key, double value, char* to, int size);
 
 // False: there is nothing to say of that key. Allocates nothing.
 [[nodiscard]] bool cost_text(const ProfileKey& key, const State& state, char* to, std::size_t size);
-// Why the key does not count now; null: it does.
+// Why the key has no effect now; null: it has.
 [[nodiscard]] const char* why_idle(const ProfileKey& key, const State& state);
+// Where its control is.
+[[nodiscard]] Group group_of(const ProfileKey& key);
 
 } // namespace fjell::editor

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
-#include <filesystem>
 
 namespace fjell::editor::ui {
 
 namespace {
 
-// Debian's fonts-dejavu-core; without it ImGui's own bitmap font, which is legible at any scale too.
-constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr double font_px = 14;
 
 constexpr double tip_rest_s = 0.45;
@@ -61,11 +58,7 @@ void apply_style(double scale) {
     ImFontAtlas* const fonts = ImGui::GetIO().Fonts;
     fonts->Clear();
     const auto pixels = static_cast<float>(font_px * scale);
-    std::error_code ignored;
-    if (std::filesystem::exists(font_file, ignored) && fonts->AddFontFromFileTTF(font_file, pixels) != nullptr) return;
-    ImFontConfig own;
-    own.SizePixels = static_cast<float>(13 * scale);
-    fonts->AddFontDefault(&own);
+    add_fonts(*fonts, pixels);
 }
 
 void mark(const char* group, const char* name) {
@@ -227,9 +220,48 @@ void right_text(const char* text, ImU32 colour) {
     ImGui::PopStyleColor();
 }
 
+void path_text(const std::string& path) {
+    need_glyphs(path);
+    const float room = ImGui::GetContentRegionAvail().x;
+    const char *from = path.c_str(), *const end = from + path.size();
+    const bool cut = ImGui::CalcTextSize(from, end).x > room;
+    const float dots = ImGui::CalcTextSize("...").x;
+    // A UTF-8 character's later bytes are not shown without its first.
+    while (cut && from < end && (ImGui::CalcTextSize(from, end).x + dots > room || (*from & 0xC0) == 0x80)) ++from;
+    if (cut) {
+        ImGui::TextUnformatted("...");
+        ImGui::SameLine(0, 0);
+    }
+    ImGui::TextUnformatted(from, end);
+    tip(path.c_str());
+}
+
+void wrapped(const char* text) {
+    const float room = ImGui::GetContentRegionAvail().x, line = ImGui::GetTextLineHeight();
+    const ImVec2 from = ImGui::GetCursorScreenPos();
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    const ImU32 colour = ImGui::GetColorU32(ImGuiCol_Text);
+    float width = 0, y = from.y;
+    // A line ends at the last space before it would be too long, and nowhere else: 1,234 stays one number.
+    for (const char* at = text; *at != '\0'; y += line) {
+        const char *end = at, *next = at;
+        for (const char* to = at;; ++to) {
+            if (*to != ' ' && *to != '\n' && *to != '\0') continue;
+            if (end != at && ImGui::CalcTextSize(at, to).x > room) break;
+            end = to;
+            next = *to == '\0' ? to : to + 1;
+            if (*to != ' ') break;
+        }
+        list.AddText({from.x, y}, colour, at, end);
+        width = std::max(width, ImGui::CalcTextSize(at, end).x);
+        at = next;
+    }
+    ImGui::Dummy({width, std::max(y - from.y, line)});
+}
+
 void note(const char* text) {
     ImGui::PushStyleColor(ImGuiCol_Text, quiet);
-    ImGui::TextWrapped("%s", text);
+    wrapped(text);
     ImGui::PopStyleColor();
 }
 
@@ -239,8 +271,10 @@ void row(const char* label, const char* format, ...) {
     va_start(arguments, format);
     std::vsnprintf(value, sizeof value, format, arguments);
     va_end(arguments);
+    const float room = ImGui::GetContentRegionAvail().x;
     ImGui::TextUnformatted(label);
-    ImGui::SameLine(0, 0);
+    // A number is never cut: where there is too little room beside the label it has a line of its own.
+    if (ImGui::CalcTextSize(label).x + ImGui::CalcTextSize(value).x <= room) ImGui::SameLine(0, 0);
     right_text(value, ImGui::GetColorU32(ImGuiCol_Text));
 }
 

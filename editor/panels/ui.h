@@ -11,6 +11,7 @@
 #include <imgui.h>
 
 #include "editor/command.h"
+#include "editor/panels/fonts.h"
 #include "editor/state.h"
 #include "fjell/gl/palette.h"
 
@@ -57,6 +58,7 @@ struct Context {
     Resting resting;
     int keyboard_at = -2; // frame in which the keyboard was at a button
     Panes panes;
+    Glyphs glyphs;
 };
 [[nodiscard]] Context& context();
 void mark(const char* group, const char* name);
@@ -92,7 +94,11 @@ void beside(const char* label);
 void focus_first();
 void heading(const char* text);
 void right_text(const char* text, ImU32 colour); // at the right of the room that is left
-void note(const char* text);                     // quiet, in as many lines as it takes
+// A file's path in one line: where it is too long its end is shown, after dots; all of it is the tip.
+void path_text(const std::string& path);
+// In as many lines as it takes; they end at spaces alone.
+void wrapped(const char* text);
+void note(const char* text); // quiet, in as many lines as it takes
 // "label   value" over the width of the column, the value on its right.
 void row(const char* label, const char* format, ...) IM_FMTARGS(2);
 

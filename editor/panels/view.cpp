@@ -477,6 +477,9 @@ void write_over(const State& state, const ui::Rect& view) {
         plate(view, 0, 1, IM_COL32_WHITE, text);
     } else if (eye.navigation == Navigation::orbit) {
         plate(view, 0, 1, IM_COL32_WHITE, "Orbit (1 to fly)");
+    } else if (!eye.moved && state.route.points().empty() && state.interface.dialog == Dialog::none) {
+        plate(view, 0.5F, 1, IM_COL32_WHITE,
+              "W A S D: fly   Drag: look around   Wheel: speed   Home: all of it   Tab: panels   F1: all keys");
     }
     list.PopClipRect();
 }

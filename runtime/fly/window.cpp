@@ -29,7 +29,10 @@ constexpr const char* help =
     "wheel     speed                            [ ]   threshold\n"
     "P         along the path, on and off       M     next picture: shaded, wireframe, levels,\n"
     "                                                 tiles, mips, residency, distance\n"
-    "F1        this list                        Esc   quit\n";
+    "F1        keys in the title, and this list  Esc   quit\n";
+constexpr const char* keys_in_title =
+    "Fjell - W A S D Q E: fly - drag: look - wheel: speed - [ ]: threshold - M: picture - "
+    "P: path - Esc: quit - F1: figures";
 constexpr double radians_a_pixel = 0.003;
 constexpr double title_seconds = 0.25;
 
@@ -37,7 +40,7 @@ constexpr double title_seconds = 0.25;
 struct Input {
     int mode_steps = 0, threshold_steps = 0;
     double wheel = 0, drag_x = 0, drag_y = 0, mouse_x = 0, mouse_y = 0;
-    bool toggle_path = false, dragging = false;
+    bool toggle_path = false, dragging = false, keys_shown = false;
 };
 
 Input& input_of(GLFWwindow* window) {
@@ -54,7 +57,8 @@ void on_key(GLFWwindow* window, int key, int, int action, int) {
     if (key == GLFW_KEY_M) ++input.mode_steps;
     if (key == GLFW_KEY_P) input.toggle_path = !input.toggle_path;
     if (key == GLFW_KEY_F1) {
-        fmt::print(stderr, "{}", help); // standard output may be taken by --json -
+        input.keys_shown = !input.keys_shown;
+        if (input.keys_shown) fmt::print(stderr, "{}", help); // standard output may be taken by --json -
     }
 }
 
@@ -138,8 +142,10 @@ public:
 
 private:
     void take_input() {
-        const Input input = std::exchange(
-            input_, Input{.mouse_x = input_.mouse_x, .mouse_y = input_.mouse_y, .dragging = input_.dragging});
+        const Input input = std::exchange(input_, Input{.mouse_x = input_.mouse_x,
+                                                        .mouse_y = input_.mouse_y,
+                                                        .dragging = input_.dragging,
+                                                        .keys_shown = input_.keys_shown});
         mode_ = static_cast<PictureMode>((static_cast<int>(mode_) + input.mode_steps) % picture_modes);
         profile_.refine.max_error_px = std::clamp(profile_.refine.max_error_px * std::pow(1.25, input.threshold_steps),
                                                   ranges::least_threshold_px, ranges::most_threshold_px);
@@ -202,6 +208,12 @@ private:
         shown_seconds_ += seconds;
         ++shown_frames_;
         if (shown_seconds_ < title_seconds) return;
+        if (input_.keys_shown) {
+            glfwSetWindowTitle(window_->handle(), keys_in_title);
+            shown_seconds_ = 0;
+            shown_frames_ = 0;
+            return;
+        }
         const bool wanting = (entry.exhausted & (session::exhausted_vertices | session::exhausted_indices |
                                                  session::exhausted_triangles)) != 0;
         const bool missing = entry.missing_px > entry.error_px_requested;

@@ -261,6 +261,26 @@ void Renderer::State::set_layers(const View& view, const DrawOptions& now, Frame
         std::min(half, most_m / (cells * spacing_z_m)));
 }
 
+// The sky's light as the eye takes it in, and the light of sunlit ground. Film for daylight makes a clear sky's light
+// navy, where the eye adapts; and slopes lie among other slopes, not on a plain: of what they see below the horizon
+// most is lit. Where the ground hides the sky, other ground is seen in its place (block.bounce).
+void Renderer::State::set_ambient(const SkyLight& ground, double sun_y, FrameBlock& block) const {
+    constexpr float adapted = 0.55f, ground_albedo = 0.25f;
+    const auto eased = [](Rgb c) {
+        const float grey = luminance(c);
+        return c * (1 - adapted) + Rgb{grey, grey, grey} * adapted;
+    };
+    // Slopes that face a low sun are lit more than level ground is.
+    const double facing = std::clamp(0.7 * sun_y + 0.2, 0.0, 0.8);
+    const Rgb lit =
+        (ground.ambient[0] + ground.ambient[1] * 0.5f + ground.sun * static_cast<float>(facing / pi)) * ground_albedo;
+    const Rgb bounce{1.08f * lit.r, lit.g, 0.86f * lit.b};
+    put(block.ambient[0], eased(ground.ambient[0]) + bounce * 0.5f);
+    put(block.ambient[1], eased(ground.ambient[1]) - bounce * 0.4f);
+    put(block.ambient[2], eased(ground.ambient[2]));
+    put(block.bounce, bounce);
+}
+
 void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameBlock& block) const {
     const LightSettings& light = now.light;
     const Sky& tables = lighting.sky;
@@ -276,7 +296,7 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
     put(block.sun_low, sun_at(tables, low_m * shrunk, sun.y), low_m - eye_m);
     put(block.sun_high, sun_at(tables, high_m * shrunk, sun.y), 1 / (high_m - low_m));
     const SkyLight at_eye = light_at(tables, altitude), ground = light_at(tables, low_m * shrunk);
-    for (std::size_t i = 0; i < 3; ++i) put(block.ambient[i], ground.ambient[i]);
+    set_ambient(ground, sun.y, block);
     for (std::size_t i = 0; i < 5; ++i) put(block.source[i], at_eye.source[i]);
     put(block.sky_simple[0], at_eye.horizon);
     put(block.sky_simple[1], at_eye.zenith);
@@ -297,13 +317,16 @@ void Renderer::State::set_light(const View& view, const DrawOptions& now, FrameB
     put(block.film, exposure_of(light, ground, sun.y) * (filmic ? 2.0 : 1.0), filmic ? 1 : 0, light.dither ? 1 : 0,
         std::fmod(now.time_s, 4096.0));
     const bool wet = light.water && eye_m > light.water_level_m;
-    put(block.water, light.water_level_m - eye_m, wet ? 1 : 0, 0, 0);
+    // Heights are stored to half a quantum, and both of them reach the shader as floats.
+    const double same_m = 0.5 * static_cast<double>(header.quantum_m) +
+                          0x1p-21 * std::max(std::abs(eye_m), std::abs(light.water_level_m));
+    constexpr double shore_m = 0.15; // so deep that the surface is all there
+    put(block.water, light.water_level_m - eye_m, wet ? 1 : 0, same_m, shore_m);
     put(block.water_tint, 0.30 * shrunk, 0.075 * shrunk, 0.05 * shrunk, 0);
     // A metre below the lowest ground, or the sea.
     const double around_m = std::min((wet ? light.water_level_m : low_m) - eye_m, -1.0);
     put(block.backdrop, wet ? Rgb{0.012f, 0.045f, 0.06f} : Rgb{0.17f, 0.155f, 0.125f}, around_m);
-    put(block.to_rim, view.eye_m.x, (header.columns - 1) * spacing_x_m - view.eye_m.x, view.eye_m.z,
-        (header.rows - 1) * spacing_z_m - view.eye_m.z);
+    put(block.surround, 1 / (surround_fade_diagonals * diagonal_m), 0, 0, 0);
     set_noise(view, block, shrunk);
     set_layers(view, now, block);
     set_shadow(sun, block);

@@ -125,7 +125,28 @@ void store_mip(const Format& format, unsigned texture, std::uint32_t mip, std::u
                                   format.format, static_cast<GLsizei>(bytes), blocks);
 }
 
-void load_all(const Pack& pack, const Format& format, MapArrays& arrays) {
+// Keeps the largest of these mips, largest first, that has 32 texels a side or fewer, or 8 where tiles are many.
+void keep_rim(std::span<const std::byte> blocks, std::uint32_t side_log2, std::uint32_t mips, std::uint32_t tile,
+              Maps& maps) {
+    if (tile >= maps.rim.size()) return;
+    RimColours& rim = maps.rim[tile];
+    const std::uint32_t most_log2 = maps.rim.size() > 256 ? 3 : 5;
+    for (std::uint32_t log2 = side_log2; mips > 0; --log2, --mips) {
+        const std::size_t bytes = mip_bytes(formats[0], 1u << log2);
+        if (log2 > most_log2 || log2 <= rim.side_log2) {
+            blocks = blocks.subspan(bytes);
+            continue;
+        }
+        rim.rgb.resize((std::size_t{3} << log2) << log2);
+        if (decode_colour(blocks.first(bytes), 1u << log2, rim.rgb).ok()) {
+            rim.side_log2 = static_cast<std::uint8_t>(log2);
+            ++maps.rim_changes;
+        }
+        return;
+    }
+}
+
+void load_all(const Pack& pack, const Format& format, MapArrays& arrays, Maps& maps) {
     const std::uint32_t log2 = arrays.slots.top_log2;
     std::vector<std::byte> blocks;
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
@@ -139,6 +160,7 @@ void load_all(const Pack& pack, const Format& format, MapArrays& arrays) {
                      std::to_string(mip) + " (" + status.field + "): " + message(status.code));
             store_mip(format, arrays.texture(log2), mip, tile, 0, format.across * side, format.across * side,
                       blocks.size(), blocks.data());
+            if (&arrays == &maps.kind[0]) keep_rim(blocks, log2 - mip, 1, tile, maps);
         }
     }
     for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile)
@@ -222,8 +244,9 @@ void make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapO
         }
         if (own.top_log2 > max_texture_log2) fail(std::string(formats[kind].option) + ": top_log2 is out of range");
         check_slots(formats[kind], own, pack_log2[kind], pack.tile_count(), streamed);
+        if (kind == 0) maps.rim.resize(pack.tile_count());
         make_arrays(formats[kind], own, pack.tile_count(), streamed, maps.anisotropy, arrays, maps.bytes);
-        if (!streamed) load_all(pack, formats[kind], arrays);
+        if (!streamed) load_all(pack, formats[kind], arrays, maps);
     }
 }
 
@@ -237,6 +260,7 @@ void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, 
         const auto kind = static_cast<std::uint32_t>(command.map);
         if (command.from_log2 != 0) copy_mips(command, formats[kind], maps.kind[kind]);
         store_blocks(command, formats[kind], maps.kind[kind], ring);
+        if (kind == 0) keep_rim(command.blocks, command.side_log2, command.upload_mips, command.tile, maps);
         bytes += command.blocks.size();
     }
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);

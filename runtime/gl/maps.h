@@ -36,11 +36,19 @@ struct MapArrays {
     }
 };
 
+// A coarse mip of the colours of a tile on the terrain's rim, for the ground around it.
+struct RimColours {
+    std::uint8_t side_log2 = 0; // 0: not loaded
+    std::vector<std::uint8_t> rgb;
+};
+
 struct Maps {
-    MapArrays kind[map_kinds]; // by MapKind
-    bool all_there = true;     // whole packs, drawn as they are: shaders need not look at tiles
-    float anisotropy = 1;      // samples along the steep direction, as the driver grants them
-    std::uint64_t bytes = 0;   // on the GPU
+    MapArrays kind[map_kinds];   // by MapKind
+    std::vector<RimColours> rim; // one a tile; empty without colours
+    std::uint64_t rim_changes = 0;
+    bool all_there = true;   // whole packs, drawn as they are: shaders need not look at tiles
+    float anisotropy = 1;    // samples along the steep direction, as the driver grants them
+    std::uint64_t bytes = 0; // on the GPU
 };
 
 struct MapOptions {

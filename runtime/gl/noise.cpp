@@ -35,11 +35,13 @@ std::uint8_t code(float value) {
 
 std::vector<std::uint8_t> make_noise() {
     constexpr int n = noise_side;
-    std::vector<float> soft(std::size_t{n} * n), ridged(soft.size());
+    std::vector<float> soft(std::size_t{n} * n), ridged(soft.size()), relief(soft.size());
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const auto at = static_cast<std::size_t>(y * n + x);
             constexpr float shares[] = {0.75f, 0.75f, 0.55f, 0.4f, 0.3f}; // little of the first, whose cells would show
+            // Of slopes the finest would be the steepest, and look like fur.
+            constexpr float lumps[] = {1.0f, 0.8f, 0.5f, 0.26f, 0.13f};
             for (std::uint32_t cells = 8, octave = 0; cells <= 128; cells *= 2, ++octave) {
                 const float share = shares[octave];
                 const float scale = static_cast<float>(cells) / n;
@@ -47,14 +49,14 @@ std::vector<std::uint8_t> make_noise() {
                                                (static_cast<float>(y) + 0.5f) * scale, cells, octave);
                 soft[at] += share * h;
                 ridged[at] += share * (0.25f - std::abs(h));
+                relief[at] += lumps[octave] * (0.5f * h - 0.5f * (0.25f - std::abs(h)));
             }
         }
     std::vector<std::uint8_t> texels;
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
             const auto height = [&](int dx, int dy) {
-                const auto at = static_cast<std::size_t>(((y + dy + n) % n) * n + (x + dx + n) % n);
-                return 0.5f * soft[at] - 0.5f * ridged[at];
+                return relief[static_cast<std::size_t>(((y + dy + n) % n) * n + (x + dx + n) % n)];
             };
             const auto at = static_cast<std::size_t>(y * n + x);
             texels.push_back(code(0.5f + 4 * 0.25f * (height(1, 0) - height(-1, 0))));

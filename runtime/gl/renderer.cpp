@@ -96,6 +96,15 @@ void Renderer::State::make_sky_program() {
                                 std::string(light_shader()) + sky_fragment_shader()});
 }
 
+void Renderer::State::prepare_surround() {
+    surround.follow(terrain, maps);
+    Program& program = surround.program[light_bits & light_air];
+    if (program.get() == 0)
+        program =
+            make_program({"surround", light_defines(light_bits & light_air) + common_shader(), surround_vertex_shader(),
+                          "", std::string(light_shader()) + surround_fragment_shader()});
+}
+
 void Renderer::State::make_buffers() {
     mesh.vertices = make_buffer(std::size_t{options.vertices} * sizeof(MeshVertex));
     mesh.indices = make_buffer(std::size_t{options.indices} * sizeof(std::uint32_t));
@@ -258,6 +267,7 @@ void Renderer::State::prepare(const DrawOptions& now) {
     lighting.follow(now.light, light_bits);
     make_program_of(now);
     make_sky_program();
+    if (draws_surround(now)) prepare_surround();
     if (now.mode == Mode::residency) residency.follow(terrain);
 }
 
@@ -332,6 +342,9 @@ void Renderer::State::draw_picture(const DrawData& data, unsigned primitive, con
         glBindVertexArray(empty_array.get());
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
+    if (!draws_surround(now)) return;
+    glUseProgram(surround.program[light_bits & light_air].get());
+    surround.draw();
 }
 
 void Renderer::draw(const MeshView& mesh, const View& view, const DrawOptions& options, const Target& target) {
@@ -395,6 +408,7 @@ void Renderer::rehearse(const DrawOptions& options, const Target& target) {
 void Renderer::leave_context() {
     state_->terrain_array = VertexArray();
     state_->empty_array = VertexArray();
+    state_->surround.leave_context();
     glFinish(); // what another context reads then is there
 }
 

@@ -28,6 +28,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 rounding;
     vec4 sun_low, sun_high;
     vec4 ambient[3];
+    vec4 bounce;
     vec4 source[5];
     vec4 sky_simple[3];
     vec4 air[2];
@@ -36,7 +37,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 water, water_tint;
     vec4 backdrop_at;
     vec4 noise_scale, noise_at;
-    vec4 to_rim;
+    vec4 surround;
     vec4 layers_at, layers;
     vec4 shadow_plane, splat, shadow;
     vec4 relief;

@@ -36,24 +36,26 @@ struct FrameBlock {
     // Light: linear rgb of a sun of irradiance 1 above the air (lighting.h); heights in metres above the eye.
     float sun_low[4], sun_high[4]; // at the terrain's lowest and highest place; the lowest; 1 / their difference
     float ambient[3][4];           // SkyLight::ambient
+    float bounce[4];               // what ground in place of sky adds: the ground around, of a white surface
     float source[5][4];            // SkyLight::source
     float sky_simple[3][4];        // of the simple air: horizon, zenith, glow around the sun
     float air[2][4];               // extinction at the eye [1/m], Rayleigh's and Mie's; 1 / height [1/m]
     float sun_level[4]; // the sun's azimuth as a unit vector, x and z; the sky table's slice and share of the next
     float film[4];      // exposure; 1: filmic; 1: dithered; time [s]
-    float water[4], water_tint[4]; // level, 1 where it is seen; extinction in water [1/m]
-    float backdrop[4];             // ground around the terrain: rgb; height
-    float noise_scale[4];          // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
-    float noise_at[4];             // of the eye, from where the noise repeats [m]
-    float to_rim[4];               // from the eye to the terrain's rim: west, east, north, south [m]
-    float layers_at[4];            // of the eye, from where materials repeat [m]; 1: one mip a read
-    float layers[4];               // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
-    float shadow_plane[4];         // column and row of the horizon map's planes on both sides of the sun's azimuth
+    float water[4]; // level [m]; 1 where it is seen; what is no further from the level is on it [m]; shore's depth [m]
+    float water_tint[4];   // extinction in water [1/m]
+    float backdrop[4];     // ground around the terrain: rgb; height
+    float noise_scale[4];  // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
+    float noise_at[4];     // of the eye, from where the noise repeats [m]
+    float surround[4];     // of the ground around the terrain that is seen, 1/m by which it falls by e
+    float layers_at[4];    // of the eye, from where materials repeat [m]; 1: one mip a read
+    float layers[4];       // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
+    float shadow_plane[4]; // column and row of the horizon map's planes on both sides of the sun's azimuth
     float splat[4];  // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south
     float shadow[4]; // share of the second; sine of half the penumbra; texels a side of mip 0; mips
     float relief[4]; // contours a metre, 0: none; 1: slopes; 1: hatching of broken bounds
 };
-static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 29) * 16 &&
+static_assert(sizeof(FrameBlock) == 64 + 10 * 16 + (max_triangle_levels + 1 + 2 * max_cut_views + 6 + 30) * 16 &&
                   offsetof(FrameBlock, tile) == 208,
               "FrameBlock is uploaded: change the block `Frame` in shaders.cpp with it");
 

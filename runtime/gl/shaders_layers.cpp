@@ -116,6 +116,38 @@ void names_of_map(vec2 at, vec2 dx, vec2 dy, out vec4 names[4]) {
     }
 }
 
+#ifdef LAKES
+// Straight from texel to texel a shore has the texels' corners. Where it runs, the share of water is a quadratic
+// B-spline of the finest mip's, and straight again over the last texel before a tile's border, where both tiles read the
+// same texel. wet: the share that names_of_map() gave.
+float shore_of_map(vec2 at, vec2 dx, vec2 dy, float wet) {
+    float mip = 0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-9));
+#ifdef ALL_THERE
+    ivec2 map = ivec2(surface.block, 0);
+#else
+    ivec2 map = tile_block[surface.block].splat;
+    mip = max(mip, finest_mip(3));
+    if (tile_block[surface.block].splat_mip > 0) mip = 1.0;
+#endif
+    float last = splat.x - 1.0;
+    vec2 place = clamp(at, 0.0, 1.0) * last, here = clamp(min(place, last - place), 0.0, 1.0);
+    float curved = min(here.x, here.y) * (1.0 - smoothstep(0.3, 1.0, mip));
+    vec2 middle = clamp(round(place), 1.0, last - 1.0), f = place - middle;
+    vec2 before = 0.5 * (0.5 - f) * (0.5 - f), after = 0.5 * (0.5 + f) * (0.5 + f), centre = 1.0 - before - after;
+    float share = 0.0;
+    int taps = curved > 0.0 && map.y >= 0 && wet > 0.02 && wet < 0.98 ? 9 : 0;
+    for (int tap = 0; tap < taps; ++tap) {
+        ivec2 beside = ivec2(tap % 3, tap / 3);
+        uvec4 texel = texelFetch(splat_map[map.y], ivec3(ivec2(middle) + beside - 1, map.x), 0);
+        vec2 nearness = vec2(beside.x == 0 ? before.x : beside.x == 1 ? centre.x : after.x,
+                             beside.y == 0 ? before.y : beside.y == 1 ? centre.y : after.y);
+        vec4 weight = vec4(texel & 255u) * (nearness.x * nearness.y / 255.0);
+        share += dot(weight, vec4(equal(texel >> 8u, uvec4(rules.y))));
+    }
+    return taps > 0 ? mix(wet, share, curved) : wet;
+}
+#endif
+
 // Noise moves places in the map, so that its texels do not show.
 vec2 swayed(vec2 in_tile, vec2 patches) { return in_tile + (clamp(patches * 2.4 - 0.7, 0.0, 1.0) - 0.5) * splat.zw; }
 
@@ -248,7 +280,7 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
         vec4 far_names[4];
         in_tile = swayed(in_tile, textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw);
         names_of_map(in_tile, texel_x, texel_y, far_names);
-        wet = far_names[rules.y >> 2][rules.y & 3];
+        wet = shore_of_map(in_tile, texel_x, texel_y, far_names[rules.y >> 2][rules.y & 3]);
 #endif
         return wet;
     }
@@ -258,25 +290,30 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
     // footprint's long axis is taken for shorter than it is.
     if (maps.z < 1.5) {
         float x = length(dx), y = length(dy), least = min(x, y);
-        float kept = mix(0.75, 0.35, near);
+        float kept = mix(0.9, 0.7, near);
         dx *= max(least, kept * x) / max(x, 1e-9);
         dy *= max(least, kept * y) / max(y, 1e-9);
-    }
-    // A software driver is given one mip a read: noise hides where the next one begins.
-    if (layers_at.w > 0.0) {
-        float mip = exp2(fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5);
-        dx *= mip;
-        dy *= mip;
     }
     vec2 patches = textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw;
     float spots = textureGrad(noise_map, at.xz / 64.0, dx.xz / 64.0, dy.xz / 64.0).z;
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
+    // A software driver is given one mip a read: noise hides where the next one begins. The ground's own, not the
+    // picture's, or the ground would change from frame to frame.
+    if (layers_at.w > 0.0) {
+        float mip = exp2(noises.y - 0.5);
+        dx *= mip;
+        dy *= mip;
+    }
     ivec3 material;
     vec3 share;
 #ifdef SPLAT
     vec4 names[4];
-    names_of_map(swayed(in_tile, patches), texel_x, texel_y, names);
+    in_tile = swayed(in_tile, patches);
+    names_of_map(in_tile, texel_x, texel_y, names);
     fade *= strongest_of_map(names, noises, material, share, wet);
+#ifdef LAKES
+    wet = shore_of_map(in_tile, texel_x, texel_y, wet);
+#endif
     if (fade <= 0.0) return wet;
 #else
     strongest_rules(surface.position.y + eye.z + eye.w, degrees(acos(clamp(map_normal.y, 0.0, 1.0))), noises, material,
@@ -301,7 +338,8 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
         material = material.yzx;
         share = vec3(share.yz, 0.0);
     } while (share.x > least_share);
-    float top = max(max(now.reach, before.reach), first.reach) - 0.15;
+    // From afar, where no stone is seen, they mix by their shares.
+    float top = max(max(now.reach, before.reach), first.reach) - mix(0.6, 0.15, near);
     vec3 weight = max(vec3(now.reach, before.reach, first.reach) - top, 0.0);
     weight /= weight.x + weight.y + weight.z;
     vec3 colour = weight.x * now.colour + weight.y * before.colour + weight.z * first.colour;

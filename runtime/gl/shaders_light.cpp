@@ -75,20 +75,24 @@ vec3 on_water(vec3 below, vec3 direction, vec3 normal, float calm, float rise) {
     vec3 mirrored = reflect(direction, normal);
     vec3 reflected = sky_radiance(vec3(mirrored.x, abs(mirrored.y), mirrored.z));
     vec3 half_way = normalize(sun.xyz - direction);
-    float power = mix(60.0, 400.0, calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
+    float power = 140.0 * exp2(2.7 * calm), off = 1.0 - max(dot(half_way, -direction), 0.0), off2 = off * off;
     float glint = (power + 8.0) * 0.0398 * pow(max(dot(half_way, normal), 0.0), power);
     return mix(below, reflected, fresnel) +
            sun_at(rise) * (glint * max(sun.y, 0.0) * (0.02 + 0.98 * off2 * off2 * off));
 }
 
-// The level ground or sea that lies around the terrain and under it, at the lowest height: no horizon is a knife's edge.
+// What level ground fades into: the brightest of the sky, so that nothing lies between the two.
+vec3 far_air(vec3 direction) { return sky_radiance(vec3(direction.x, 0.0, direction.z)); }
+
+// The level ground or sea that lies under the terrain, at the lowest height: what is seen through holes, and beyond the
+// ground around it.
 vec3 backdrop(vec3 direction) {
     float down = max(-direction.y, 1e-6), metres = -backdrop_at.w / down;
     vec3 lit = backdrop_at.rgb * (sun_at(backdrop_at.w) * (0.31831 * max(sun.y, 0.0)) + sky_light(vec3(0.0, 1.0, 0.0)));
     if (water.y > 0.0) lit = on_water(lit, direction, vec3(0.0, 1.0, 0.0), 0.0, backdrop_at.w);
     if (haze.x <= 0.0) return lit;
-    vec3 far = mix(sky_radiance(vec3(direction.x, 0.0, direction.z)), haze_source(direction), smoothstep(0.0, 0.1, down));
-    return mix(far, lit, through_air(metres, backdrop_at.w));
+    float seen = water.y > 0.0 ? 1.0 : exp(-0.5 * metres * surround.x);
+    return mix(far_air(direction), lit, seen * through_air(metres, backdrop_at.w));
 }
 
 // Exposure; S. Hill's fit of the ACES curve (BakingLab, 2016), whose matrices let bright colours pale; half an 8-bit step of noise (J. Jimenez, Interleaved Gradient
@@ -122,10 +126,11 @@ layout(binding = 17) uniform sampler2D noise_map;
 // 17 times finer and turned by 28 degrees, so that no two scales line up; whole numbers keep what repeats repeating.
 const mat2 finer = mat2(15.0, 8.0, -8.0, 15.0);
 
-// Roughens what a map's texels, as large as a cell, leave smooth: steep ground more than level ground, snow less than
-// rock, from three sides where it is steep. Mips fade the finer scales out with the distance. The coarsest, as wide as
-// texels, would never end, and show as blotches: it fades where a texel is a few pixels. So nothing pops, and far ground is as it was baked.
-void add_detail(inout vec3 base, inout vec3 normal) {
+// Roughens what a map's texels, as large as a cell, leave smooth: steep ground more than level ground, from three sides
+// where it is steep. Mips fade the finer scales out with the distance. The coarsest, as wide as texels, would never end,
+// and show as blotches: it fades where a texel is a few pixels. So nothing pops, and far ground is as it was baked. Snow
+// has what wind makes of it instead: long low waves, bluish in their hollows, and grains that glitter nearby.
+void add_detail(inout vec3 base, inout vec3 normal, float snow, out float glitter) {
     vec3 at = (surface.position + noise_at.xyz) * noise_scale.x; // from the corner of the eye's cell
     vec3 dx = dFdx(surface.position), dy = dFdy(surface.position);
     float coarse = smoothstep(2.0, 9.0, noise_scale.z * inversesqrt(sqrt(max(dot(dx, dx) * dot(dy, dy), 1e-20))));
@@ -136,30 +141,40 @@ void add_detail(inout vec3 base, inout vec3 normal) {
     side.xz *= smoothstep(0.9, 0.75, normal.y); // sides count from 26 degrees on
     side = max(side / (side.x + side.y + side.z) - 0.05, 0.0);
     side /= side.x + side.y + side.z;
-    float rough = smoothstep(0.03, 0.35, 1.0 - normal.y);
-    rough *= 1.0 - 0.6 * smoothstep(0.35, 0.75, luminance(base));
+    float rough = smoothstep(0.03, 0.35, 1.0 - normal.y) * (1.0 - 0.35 * snow);
     vec2 shade = vec2(0.0); // soft, ridged
     vec3 bump = vec3(0.0);
     vec3 left = side;
+    float grain = 0.0;
     // A loop that ends with its condition: a software driver goes through every branch.
     do {
         // On cliffs noise is stretched downwards, as gullies are.
         bool above = left.y > 0.0, east = left.x > 0.0;
         mat2x3 plane = above ? mat2x3(1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-                     : east  ? mat2x3(0.0, 0.0, 1.0, 0.0, 0.4, 0.0)
-                             : mat2x3(1.0, 0.0, 0.0, 0.0, 0.4, 0.0);
+                     : east  ? mat2x3(0.0, 0.0, 1.0, 0.0, 0.6, 0.0)
+                             : mat2x3(1.0, 0.0, 0.0, 0.0, 0.6, 0.0);
         float share = above ? left.y : east ? left.x : left.z;
         vec2 place = at * plane, along = dx * plane, across = dy * plane;
         vec4 all = coarse * (textureGrad(noise_map, place, along, across) - 0.5);
         place = finer * place, along = finer * along, across = finer * across;
         all += textureGrad(noise_map, place, along, across) - 0.5;
-        all += 0.8 * (textureGrad(noise_map, finer * place, finer * along, finer * across) - 0.5);
+        vec4 fine = textureGrad(noise_map, finer * place, finer * along, finer * across) - 0.5;
+        all += 0.8 * fine;
+        grain += share * fine.z;
         shade += share * all.zw;
         bump += plane * (share * all.xy);
         left = above ? vec3(left.x, 0.0, left.z) : east ? vec3(0.0, 0.0, left.z) : vec3(0.0);
     } while (left.x + left.y + left.z > 0.0);
-    base *= clamp(1.0 + mix(0.6 * shade.x, 1.1 * shade.y, rough), 0.3, 1.9);
-    normal = normalize(normal - mix(0.5, 2.0, rough) * (bump - normal * dot(bump, normal)));
+    const mat2 wind = mat2(4.0, 15.0, -1.0, 3.75); // four times as long as wide
+    vec4 drift = textureGrad(noise_map, wind * at.xz, wind * dx.xz, wind * dy.xz) - 0.5;
+    base *= clamp(1.0 + mix(0.6 * shade.x, 0.75 * shade.y, rough) * (1.0 - 0.8 * snow), 0.3, 1.9);
+    base *= 1.0 + snow * vec3(0.42, 0.30, 0.12) * drift.w;
+    // Where a map's texel is half snow, patches are: as much in all as before.
+    base += vec3(0.6, 0.62, 0.66) * (clamp(snow + 6.0 * snow * (1.0 - snow) * shade.y, 0.0, 1.0) - snow);
+    bump = mix(bump, vec3(0.7 * bump.x + 0.6 * drift.x, bump.y, 0.7 * bump.z - 0.16 * drift.x), snow);
+    normal = normalize(normal - mix(0.5, 1.4, rough) * (bump - normal * dot(bump, normal)));
+    // A threshold is not filtered by mips: grains are seen where a texel of the finest scale covers pixels.
+    glitter = snow * smoothstep(0.22, 0.36, grain) * clamp(2.0 - 2.0 * 289.0 * 256.0 * max(length(dx), length(dy)), 0.0, 1.0);
 }
 #endif
 
@@ -170,7 +185,7 @@ vec3 wave_normal(vec3 at, out float calm) {
     vec2 first = texture(noise_map, place * noise_scale.y + film.w * vec2(0.021, 0.013)).xy;
     vec2 second = texture(noise_map, place.yx * (noise_scale.y * 0.25) - film.w * vec2(0.006, 0.004)).xy;
     vec2 slope = first + second - 1.0;
-    calm = clamp(1.0 - 8.0 * noise_scale.y * length(fwidth(at.xz)), 0.0, 1.0); // waves finer than a pixel: a wider glint
+    calm = clamp(0.5 - 0.25 * log2(max(8.0 * noise_scale.y * length(fwidth(at.xz)), 1e-6)), 0.0, 1.0);
     return normalize(vec3(-0.22 * slope.x, 1.0, -0.22 * slope.y));
 }
 
@@ -179,7 +194,7 @@ vec3 body_of_water(float rise) {
     return vec3(0.012, 0.045, 0.06) * (sun_at(rise) * max(sun.y, 0.0) * 0.31831 + sky_light(vec3(0.0, 1.0, 0.0)));
 }
 
-// A lake that the splat map knows: how deep it is nobody knows, so no ground shows through.
+// A lake that the splat map knows: how deep it is nobody knows, so ground shows through at its shore alone.
 vec3 on_lake(vec3 direction, float rise) {
     float calm;
     vec3 normal = wave_normal(surface.position, calm);
@@ -233,13 +248,16 @@ vec2 horizon_here() {
 
 // The ground's colour as the eye's film gets it. base: diffuse, of which no more light leaves than comes.
 vec3 shaded(vec3 base, vec3 normal) {
+    float steep = length(normal.xz);
     float squared = dot(surface.position, surface.position), inverse = inversesqrt(squared), metres = squared * inverse;
     vec3 direction = surface.position * inverse;
 #ifdef LAYERS
     vec3 map = base, map_normal = normal;
 #endif
+    // Light goes through snow a little: its shaded side begins softly.
+    float snow = smoothstep(0.25, 0.65, min(min(base.r, base.g), base.b)), glitter = 0.0;
 #ifdef DETAIL
-    add_detail(base, normal);
+    add_detail(base, normal, snow, glitter);
 #endif
 #ifdef LAYERS
     // Nearby a strong colour of the map only leans on a material's own: soil under an orange image is not orange.
@@ -250,35 +268,33 @@ vec3 shaded(vec3 base, vec3 normal) {
                             metres);
 #endif
     float rise = surface.position.y;
-    float sunlit = 0.31831 * max(dot(normal, sun.xyz), 0.0), sky_seen = 1.0;
+    float facing = dot(normal, sun.xyz), sky_seen = 1.0;
+    float sunlit = 0.31831 * max(mix(facing, 0.9 * facing + 0.1, snow), 0.0) * (1.0 + 3.0 * glitter);
 #ifdef SHADOWS
     vec2 horizon = horizon_here();
     sunlit *= smoothstep(horizon.x - shadow.y, horizon.x + shadow.y, sun.y);
     sky_seen = horizon.y;
 #endif
-    vec3 colour = base * (sun_at(rise) * sunlit + sky_light(normal) * sky_seen);
+    vec3 colour = base * (sun_at(rise) * sunlit + mix(bounce.rgb, sky_light(normal), sky_seen));
 #ifdef LAKES
-    // A shore is sharper than the map's texels are.
-    colour = mix(colour, on_lake(direction, rise), smoothstep(0.4, 0.6, lake));
+    // A shore is sharper than the map's texels are, and wet.
+    float lake_soft = max(0.02, fwidth(lake));
+    colour *= 1.0 - 0.4 * smoothstep(0.36, 0.48, lake);
+    colour = mix(colour, on_lake(direction, rise), smoothstep(0.5 - lake_soft, 0.5 + lake_soft, lake) * mix(0.75, 1.0, smoothstep(0.5, 0.62, lake)));
 #endif
 #ifdef WATER
-    if (water.y > 0.0 && rise < water.x) {
-        float to_surface = water.x / direction.y;
-        colour = under_water(colour, direction, metres - to_surface, water.x - rise, water.x);
-        metres = to_surface;
-        rise = water.x;
+    float depth = water.x - rise;
+    if (water.y > 0.0 && depth > -0.5) {
+        colour *= mix(0.6, 1.0, clamp(-2.0 * depth, 0.0, 1.0)); // a wet shore
+        float unknown = smoothstep(2.0 * water.z, water.z, abs(depth)) * smoothstep(0.02, 0.006, steep);
+        float to_surface = water.x / direction.y, cover = max(clamp(depth / (water.w + 1.5 * fwidth(rise)), 0.0, 1.0), unknown);
+        vec3 wet = under_water(colour, direction, max(metres - to_surface, 0.0) + 100.0 * unknown, max(depth, 0.0), water.x);
+        colour = mix(colour, wet, cover);
+        metres = mix(metres, to_surface, cover);
+        rise = mix(rise, water.x, cover);
     }
 #endif
-    if (haze.x > 0.0) {
-        colour = mix(haze_source(direction), colour, through_air(metres, rise));
-        // The terrain's rim fades into what lies behind it, over a twelfth of its distance.
-        vec2 inside = min(to_rim.xz + surface.position.xz, to_rim.yw - surface.position.xz);
-        float rim = min(inside.x, inside.y) * 12.0;
-        if (rim < metres) {
-            vec3 behind = direction.y < 0.0 ? backdrop(direction) : sky_radiance(direction); // as the sky is drawn
-            colour = mix(behind, colour, smoothstep(0.0, 1.0, rim * inverse));
-        }
-    }
+    if (haze.x > 0.0) colour = mix(haze_source(direction), colour, through_air(metres, rise));
     return picture(colour);
 }
 )";

@@ -14,6 +14,7 @@
 #include "gl/objects.h"
 #include "gl/scatter.h"
 #include "gl/shaders.h"
+#include "gl/surround.h"
 #include "gl/terrain_textures.h"
 
 namespace fjell::gl {
@@ -49,6 +50,7 @@ struct Renderer::State {
     MorphFrame morph_frame; // of the cut uploaded last
     VertexArray terrain_array, empty_array;
     Lighting lighting;
+    Surround surround;
     Layers ground_layers;
     unsigned light_bits = 0; // of the draw
     // By Mode, wireframe, borders, all_there() and, of the shaded mode, the light's variant; made at first use.
@@ -77,6 +79,10 @@ struct Renderer::State {
     }
     void make_program_of(const DrawOptions& now);
     void make_sky_program();
+    [[nodiscard]] static bool draws_surround(const DrawOptions& now) {
+        return now.sky && now.lit && now.haze && now.mode == Mode::shaded;
+    }
+    void prepare_surround();
     void make_buffers();
     void make_arrays();
     [[nodiscard]] std::size_t range_capacity() const;
@@ -94,6 +100,7 @@ struct Renderer::State {
     FrameBlock make_frame(const View& view, const DrawOptions& now) const;
     void set_error(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_light(const View& view, const DrawOptions& now, FrameBlock& block) const;
+    void set_ambient(const SkyLight& ground, double sun_y, FrameBlock& block) const;
     void set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const;
     void set_shadow(const Vec3& sun, FrameBlock& block) const;
     void set_noise(const View& view, FrameBlock& block, double shrunk) const;

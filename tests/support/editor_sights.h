@@ -19,6 +19,9 @@ inline std::vector<Sight> panels_and_dialogs() {
     std::vector<Sight> sights;
     for (const char* panel : editor::panel_names)
         sights.push_back({std::string("panel:") + panel, {std::string("panel ") + panel}});
+    for (const editor::GroupName& group : editor::group_names)
+        if (!group.opens)
+            sights.push_back({std::string("group:") + group.name, {std::string("group ") + group.name + " on"}});
     for (const char* dialog : editor::dialog_names)
         sights.push_back({std::string("dialog:") + dialog, {std::string("dialog ") + dialog}});
     return sights;
@@ -36,12 +39,12 @@ inline std::vector<std::string> flown_runs(const std::string& folder, int frames
 inline const std::vector<std::string> compared_picture{"compare-picture 20", "wait"};
 inline std::vector<Sight> overlays_in_turn() {
     std::vector<Sight> sights{
-        {"runs", {"panel benchmark"}},
+        {"runs", {"panel auto-tune"}},
         {"runs:place", {"run-place 0 0.5", "play-path on"}},
-        {"heat", {"panel camera", "heat time"}},
+        {"heat", {"group view.map on", "heat time"}},
         {"probe", {"interface probe on", "probe 0.5 0.9"}},
         {"marks", {"mark 500 500", "mark 1500 900"}},
-        {"compared:split", {"compare-view split", "panel show"}},
+        {"compared:split", {"compare-view split", "group view.compare on"}},
         {"compared:difference", {"compare-view difference"}},
     };
     Sight all{"everything", {"compare-view split", "panel tune"}};

@@ -310,6 +310,16 @@ void EditorWindow::send(const std::string& what, const char* counter, std::uint6
     settle();
 }
 
+void EditorWindow::between_frames(const std::vector<std::string>& what, const char* counter, std::uint64_t events) {
+    const std::uint64_t before = input_[counter];
+    signal(SIGSTOP);
+    for (const std::string& words : what) xdotool(words);
+    signal(SIGCONT);
+    (void)until_or_end("what was done between two frames",
+                       [&](const nlohmann::json& s) { return s["input"][counter] >= before + events; });
+    settle();
+}
+
 void EditorWindow::move(double x, double y) {
     const int column = static_cast<int>(x), row = static_cast<int>(y);
     const std::string what = "mousemove " + std::to_string(column) + " " + std::to_string(row);

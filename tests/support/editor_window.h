@@ -82,6 +82,9 @@ public:
     // Presses the key until the keyboard's focus is at that control, as many times as a window may have controls.
     void go_to(const std::string& mark, const std::string& by = "Tab");
     void wheel(int notches); // up is positive
+    // Words for xdotool, while the editor draws no frame: so all of it lies between two of its frames. Returns when so
+    // many events of that kind have been counted.
+    void between_frames(const std::vector<std::string>& what, const char* counter, std::uint64_t events);
     void resize(std::uint32_t width, std::uint32_t height);
 
     [[nodiscard]] bool runs();

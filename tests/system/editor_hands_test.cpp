@@ -115,8 +115,9 @@ TEST_CASE("two clicks with the probe mark two places and the profile between the
 
 TEST_CASE("a drag along the timeline seeks as it goes, and a press on a point's mark selects that point") {
     if (skipped()) return;
-    Hand hand({"--path", FJELL_SOURCE_DIR "/content/paths/flythrough.json", "--do", "panel camera", "--do",
-               "float camera on", "--do", "place-panel camera 240 40 400 860"}); // where all of the timeline is seen
+    Hand hand({"--path", FJELL_SOURCE_DIR "/content/paths/flythrough.json", "--do", "panel pictures", "--do",
+               "float pictures on", "--do",
+               "place-panel pictures 240 40 400 860"}); // where all of the timeline is seen
     EditorWindow& editor = hand.editor;
     const json before = hand.settled();
     const gl::Image first = hand.display.picture();

@@ -134,7 +134,7 @@ TEST_CASE("Tab comes to every control of a dialog and of a panel, and back to wh
         std::set<std::string> groups;
     };
     editor.key("F6");
-    for (int turned = 0; editor.state()["interface"]["left"] != "show"; ++turned) {
+    for (int turned = 0; editor.state()["interface"]["left"] != "view"; ++turned) {
         REQUIRE(turned < 5);
         editor.key("ctrl+Next");
     }

@@ -86,6 +86,93 @@ TEST_CASE("beyond the divider the picture is that of the other threshold, before
     CHECK(wrong == 0);
 }
 
+TEST_CASE("two profiles in a picture are compared by number: what each kept, and how many pixels differ visibly") {
+    const Studies s;
+    const json other = s.after({"wait", "screenshot fine.png terrain", "set refine.max_error_px 40", "wait",
+                                "screenshot coarse.png terrain", "undo", "compare-picture 40", "wait"},
+                               2);
+    const gl::Image fine = s.picture("fine.png"), coarse = s.picture("coarse.png");
+    std::size_t visible = 0;
+    for (std::size_t i = 0; i < fine.rgb.size(); i += 3) {
+        int most = 0;
+        for (std::size_t c = i; c < i + 3; ++c) most = std::max(most, std::abs(fine.rgb[c] - coarse.rgb[c]));
+        visible += most >= 4;
+    }
+    const double share = static_cast<double>(visible) / (fine.width * fine.height);
+    CHECK(share > 0.01);
+    CHECK(other["compared_picture"]["differing"].get<double>() == Approx(share).margin(1e-9));
+    CHECK(other["compared_picture"]["asked_px"] == 40);
+    CHECK(other["compared_picture"]["kept_px"] <= 40);
+    CHECK(other["compared_picture"]["exhausted"].empty());
+    CHECK(s.after({"compare-picture 2", "wait"}, 2)["compared_picture"]["differing"] == 0);
+    // Of a profile that is short of vertices what it kept is told, not what was asked.
+    spit(s.folder / "small.toml", "[budget]\nvertices = 3000\n[refine]\nmax_error_px = 1\n");
+    const json small = s.after({"compare small.toml", "compare-picture profile", "wait"}, 2)["compared_picture"];
+    CHECK(small["asked_px"] == 1);
+    CHECK(small["kept_px"] > 1.5);
+    CHECK(small["exhausted"] == json({"vertices"}));
+}
+
+TEST_CASE("a picture is compared with half its triangles") {
+    const Studies s;
+    const json state = s.after({"compare-picture half", "wait"}, 2);
+    const json& half = state["compared_picture"];
+    const double all = state["measures"]["triangles_drawn"];
+    CHECK(2 * half["triangles"].get<double>() == Approx(all).epsilon(0.02));
+    CHECK(half["asked_px"] > 2);
+    CHECK(half["kept_px"].get<double>() <= half["asked_px"].get<double>() * 1.001);
+}
+
+TEST_CASE("materials are chosen for a pack, show in its picture, and are told by their shares under the camera") {
+    const Studies s;
+    const Run made = run_in(s.folder.path, FJELL_BIN_DIR "/fjell-bake materials " FJELL_SOURCE_DIR
+                                                         "/content/materials -o m.fjell-materials --size 16");
+    REQUIRE(made.code == 0);
+    const json state = s.after({"camera 15000 4000 15000 0 -60", "wait", "screenshot bare.png terrain",
+                                "materials m.fjell-materials nordic", "set layers.distance_m 100000", "wait",
+                                "screenshot materials.png terrain"});
+    CHECK(state["materials"]["rules"] == "nordic");
+    CHECK(state["profile"]["layers.on"] == true);
+    double all = 0;
+    for (const auto& under : state["materials"]["under"].items()) all += under.value().get<double>();
+    CHECK(all == Approx(1).margin(0.05));
+    const gl::Image bare = s.picture("bare.png"), with = s.picture("materials.png");
+    CHECK(differing(bare, with, 0, bare.width) > bare.width * bare.height / 4);
+    CHECK(s.code == 0);
+    const json none = s.after({"materials m.fjell-materials nordic", "materials none", "wait"});
+    CHECK(none["materials"]["materials"] == "");
+    CHECK(none["materials"]["under"].empty());
+    // Of a file that is none the ground stays as it was.
+    spit(s.folder / "no.fjell-materials", "FJELLMAT");
+    const json kept = s.after({"materials m.fjell-materials nordic", "materials no.fjell-materials", "wait"});
+    CHECK(kept["materials"]["materials"] == "m.fjell-materials");
+    CHECK(s.code == 1);
+}
+
+TEST_CASE("a pack that says which materials lie where warns while there are none to draw") {
+    const TemporaryFolder folder;
+    const Run baked =
+        run_in(folder.path, FJELL_BIN_DIR
+               "/fjell-bake " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o a.fjell --tile 64 "
+               "--layers " FJELL_SOURCE_DIR "/content/materials/splat/alpine.json --splat quarter");
+    INFO(baked.err);
+    REQUIRE(baked.code == 0);
+    REQUIRE(run_in(folder.path, FJELL_BIN_DIR "/fjell-bake materials " FJELL_SOURCE_DIR
+                                              "/content/materials -o m.fjell-materials --size 16")
+                .code == 0);
+    const Run opened = run_in(folder.path, no_pixels + FJELL_BIN_DIR
+                                               "/fjell-editor a.fjell --headless --size 480x320 --do 'dump bare.json' "
+                                               "--do 'materials m.fjell-materials' --do wait --do 'dump with.json'");
+    CHECK(opened.code == 0);
+    CHECK(opened.err.find("Light > Materials") != std::string::npos);
+    CHECK(json::parse(slurp(folder / "bare.json"))["materials"]["under"].empty());
+    const json with = json::parse(slurp(folder / "with.json"))["materials"]["under"];
+    double all = 0;
+    for (const auto& under : with.items()) all += under.value().get<double>();
+    CHECK(all > 0.5);
+    CHECK(all <= 1.001);
+}
+
 TEST_CASE("a path in the picture goes on beyond the divider, and is no difference between two profiles") {
     const Studies s;
     (void)s.after({"camera 3000 5000 15000 90 -10",

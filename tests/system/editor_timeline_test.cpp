@@ -40,8 +40,8 @@ struct PathWindow {
 
     static std::vector<std::string> arguments(const TemporaryFolder& home) {
         spit(home / "zigzag.json", zigzag);
-        return {small_pack(),         "--size", "1000x840",     "--scale", "0.7", "--path",
-                home / "zigzag.json", "--do",   "panel camera", "--do",    "home"};
+        return {small_pack(),         "--size", "1000x840",       "--scale", "0.7", "--path",
+                home / "zigzag.json", "--do",   "panel pictures", "--do",    "home"};
     }
     // The middle of what has that mark. What is in the picture can be taken while the pointer is there.
     [[nodiscard]] std::array<double, 2> middle(const std::string& mark) {

@@ -1,6 +1,8 @@
 // The real window, driven as by hand. Every process has its own X server, so cases may run side by side.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -135,12 +137,91 @@ TEST_CASE("a number is typed beside the slider: one out of range is clamped with
     for (int i = 0; i < 2; ++i) editor.key("ctrl+z");
 }
 
+TEST_CASE(
+    "between two slow frames nothing is lost: two redos, a click where it was made, letters for its field alone") {
+    if (no_windows()) return;
+    SmallTerrain& terrain = SmallTerrain::shared(Pixels::unseen);
+    EditorWindow& editor = terrain.editor;
+    const json before = editor.until("a picture", converged);
+    const double first = before["profile"]["refine.max_error_px"];
+    for (const char* px : {"5", "6"}) terrain.enter("refine.max_error_px", px);
+    for (int i = 0; i < 2; ++i) editor.key("ctrl+z");
+    CHECK(editor.state()["profile"]["refine.max_error_px"] == first);
+    editor.between_frames({"key ctrl+y", "key ctrl+y"}, "keys", 8);
+    CHECK(editor.state()["profile"]["refine.max_error_px"] == 6);
+    // Letters are shortcuts of the picture: M turns to another mode, F freezes, 3 looks for a path.
+    const Place field = editor.place("field.refine.max_error_px");
+    const auto at = [](double x, double y) {
+        return "mousemove " + std::to_string(static_cast<int>(x)) + " " + std::to_string(static_cast<int>(y));
+    };
+    const Place view = view_of(before);
+    editor.between_frames({at(field.x + field.width / 2, field.y + field.height / 2), "mousedown 1", "mouseup 1",
+                           at(view.x + view.width / 2, view.y + view.height / 2), "key --clearmodifiers ctrl+a",
+                           "type --delay 0 3.5mf", "key BackSpace", "key BackSpace", "key Return"},
+                          "characters", 5);
+    const json after =
+        editor.until("the value", [](const json& s) { return s["profile"]["refine.max_error_px"] == 3.5; });
+    CHECK(after["interface"]["mode"] == before["interface"]["mode"]);
+    CHECK(after["camera"]["frozen"] == false);
+    CHECK_FALSE(has_message(after, "error", "path"));
+    // Two clicks, on different panels' tabs: the later one is what is shown.
+    const Place view_tab = editor.place("panel.view"), tune_tab = editor.place("panel.tune");
+    std::vector<std::string> clicks;
+    for (const Place& tab : {view_tab, tune_tab})
+        clicks.insert(clicks.end(), {at(tab.x + 3, tab.y + 3), "mousedown 1", "mouseup 1"});
+    clicks.push_back(at(view.x + 9, view.y + 9));
+    editor.between_frames(clicks, "buttons", 4);
+    CHECK(editor.state()["interface"]["left"] == "tune");
+    for (int i = 0; i < 3; ++i) editor.key("ctrl+z");
+    editor.until("as it was", [&](const json& s) { return s["profile"]["refine.max_error_px"] == first; });
+}
+
+TEST_CASE("groups fold and unfold by hand and are remembered, and the search shows what is looked for alone") {
+    if (no_windows()) return;
+    const TemporaryFolder home;
+    const std::vector<std::string> arguments{small_pack(), "--size", "600x400", "--scale", half_scale};
+    {
+        EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
+        editor.until("a picture", converged);
+        const auto has = [&](const char* mark) { return editor.state()["marks"].contains(mark); };
+        CHECK(has("refine.max_error_px"));
+        CHECK_FALSE(has("refine.metric")); // for the recursive method alone: advanced
+        editor.click("group.tune.refinement");
+        CHECK_FALSE(has("refine.max_error_px"));
+        editor.click("group.tune.budgets");
+        editor.click("group.tune.screen");
+        CHECK(has("view.fov_deg"));
+        // Ctrl+F, and letters go into its field: neither the camera's keys nor a shortcut.
+        editor.key("ctrl+f");
+        editor.type("metric");
+        CHECK(has("refine.metric.isotropic"));
+        CHECK_FALSE(has("view.fov_deg"));
+        CHECK_FALSE(has("group.tune.screen"));
+        const json found = editor.state();
+        CHECK(found["interface"]["mode"] == "shaded"); // M is of another
+        for (int i = 0; i < 6; ++i) editor.key("BackSpace");
+        editor.type("contour");
+        editor.key("Escape");
+        editor.key("ctrl+q");
+        CHECK(editor.exit_code() == 0);
+    }
+    EditorWindow editor(display(), home.path, arguments, Pixels::unseen);
+    const json next = editor.until("a picture", converged);
+    const auto is_open = [&](const char* name) {
+        const json& open = next["interface"]["groups"];
+        return std::find(open.begin(), open.end(), name) != open.end();
+    };
+    CHECK_FALSE(is_open("tune.refinement"));
+    CHECK(is_open("tune.screen"));
+    CHECK(next["messages"].empty());
+}
+
 TEST_CASE("clicks turn to panels, pictures and overlays, which show in the picture and nowhere else") {
     if (no_windows()) return;
     SmallTerrain& terrain = SmallTerrain::shared(Pixels::drawn);
     EditorWindow& editor = terrain.editor;
-    editor.click("panel.show");
-    json state = editor.until("the panel", [](const json& s) { return s["interface"]["left"] == "show"; });
+    editor.click("panel.view");
+    json state = editor.until("the panel", [](const json& s) { return s["interface"]["left"] == "view"; });
     const Place view = view_of(state);
     editor.move(view.x + view.width / 2, view.y + view.height / 2); // no tip over the picture
     gl::Image before = terrain.screen.picture();
@@ -192,10 +273,13 @@ TEST_CASE("keys and the mouse move the camera, but not while a number is typed o
         return s["camera"]["position_m"][static_cast<std::size_t>(i)].get<double>();
     };
     editor.move(x, y);
-    const json forward = editor.hold("w", "a metre of flight", [&](const json& s) { // which looks north, where -z is
-        return position(s, 2) < position(before, 2) - 1;
-    });
-    CHECK(position(forward, 0) == Approx(position(before, 0)).margin(0.01));
+    const auto flown = [&](const json& s, int i) { return position(s, i) - position(before, i); };
+    const json forward =
+        editor.hold("w", "a metre of flight", [&](const json& s) { return std::hypot(flown(s, 0), flown(s, 2)) > 1; });
+    // Where it looks: clockwise from north, where -z is.
+    const double heading = before["camera"]["heading_rad"], far_m = std::hypot(flown(forward, 0), flown(forward, 2));
+    CHECK(flown(forward, 0) == Approx(far_m * std::sin(heading)).margin(0.01));
+    CHECK(flown(forward, 2) == Approx(-far_m * std::cos(heading)).margin(0.01));
     editor.wheel(3);
     const json faster = editor.until("more speed", [&](const json& s) {
         return s["camera"]["speed_m_s"].get<double>() > 1.5 * before["camera"]["speed_m_s"].get<double>();
@@ -333,7 +417,7 @@ TEST_CASE("a dialog has the keyboard, nothing beneath it reacts, and escape clos
     editor.until("the keys", shows_dialog("keys"));
     editor.key("Escape");
     const json before = editor.until("no dialog", shows_dialog("none"));
-    const Place panel = editor.place("panel.show");
+    const Place panel = editor.place("panel.view");
     editor.key("ctrl+o");
     editor.until("the file dialog", shows_dialog("open"));
     editor.click_at(panel.x + panel.width / 2, panel.y + panel.height / 2);
@@ -385,11 +469,11 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
         editor.until("a folded column", [&](const json& s) { return view_of(s).width > view.width; });
         editor.resize(640, 330);
         editor.click_at(3, y); // unfolded
-        const Place tab = editor.place("panel.time");
+        const Place tab = editor.place("panel.cost");
         editor.drag_at(tab.x + tab.width / 2, tab.y + tab.height / 2, 420, 60);
         last = editor.until("a floating panel", [](const json& s) {
-            return s["interface"]["floating"].contains("time") && s["marks"].contains("floating.time") &&
-                   !s["marks"].contains("panel.time");
+            return s["interface"]["floating"].contains("cost") && s["marks"].contains("floating.cost") &&
+                   !s["marks"].contains("panel.cost");
         });
         editor.click("handle.left-column");
         last = editor.until("a folded column", [&](const json& s) { return view_of(s).width > view.width; });
@@ -401,10 +485,10 @@ TEST_CASE("panels hide, fold and are resized by hand, and the next run looks as 
     for (const char* key : {"columns", "floating", "window_px", "view_px", "mode"})
         CHECK(next["interface"][key] == last["interface"][key]);
     editor.click("handle.left-column");
-    const Place title = editor.place("floating.time"); // it is dropped back into its column
+    const Place title = editor.place("floating.cost"); // it is dropped back into its column
     editor.drag_at(title.x + title.width / 2, title.y + title.height / 2, 60, 160);
     editor.until("a tab again",
-                 [](const json& s) { return s["interface"]["floating"].empty() && s["marks"].contains("panel.time"); });
+                 [](const json& s) { return s["interface"]["floating"].empty() && s["marks"].contains("panel.cost"); });
     CHECK(next["messages"].empty());
 }
 
@@ -450,7 +534,7 @@ TEST_CASE("an editor at rest draws nothing, and what moves in its panels alone d
     EditorWindow& editor = terrain.editor;
     editor.until("a picture", converged);
     const json at_rest = editor.until("rest", [](const json& s) { return s["rested_s"] > 0.05; });
-    editor.click("panel.camera");
+    editor.click("panel.view");
     editor.key("F1");
     const json after = editor.until("the keys", shows_dialog("keys"));
     CHECK(after["frame"] > at_rest["frame"]);
@@ -466,7 +550,7 @@ TEST_CASE("a click on the overview jumps there") {
     if (no_windows()) return;
     SmallTerrain& terrain = SmallTerrain::shared(Pixels::unseen);
     EditorWindow& editor = terrain.editor;
-    editor.click("panel.camera");
+    editor.click("panel.view");
     const json before = editor.until("the overview", [](const json& s) { return s["marks"].contains("map.overview"); });
     const Place overview = editor.place("map.overview");
     editor.click_at(overview.x + 0.25 * overview.width, overview.y + 0.75 * overview.height);
@@ -509,7 +593,9 @@ TEST_CASE("a drag over a graph zooms and holds it, a click on it reports a frame
     SmallTerrain terrain(Pixels::unseen, "600x600");
     EditorWindow& editor = terrain.editor;
     editor.until("a converged mesh", converged);
-    editor.click("panel.time");
+    editor.click("panel.cost");
+    editor.click("group.cost.budgets"); // folded
+    editor.click("group.cost.time");
     editor.hold("d", "some measured frames", [](const json& s) { return s["measures"]["recorded"] > 24; });
     editor.until("a converged mesh", converged);
     editor.drag("graph.update", 0.6, 0.3); // no frame is there yet

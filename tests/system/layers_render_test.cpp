@@ -152,11 +152,13 @@ TEST_CASE("shaders lay rules as layer_shares() does", "[picture]") {
             if (!(metres < 1000)) continue;
             std::array<double, 3> shares{};
             gl::layer_shares(rules, view.eye_m.y + to.y, degrees, 0.5, 0.5, shares);
-            // Without relief what shows most covers what shows 0.15 less.
+            // Without relief what shows most covers what shows 0.15 less, from 160 m on 0.6.
+            const double far = std::clamp((metres / 160 - 0.3) / 0.7, 0.0, 1.0),
+                         covers = 0.15 + 0.45 * far * far * (3 - 2 * far);
             const double top = *std::max_element(shares.begin(), shares.end());
             double all = 0, rgb[3] = {};
             for (std::size_t i = 0; i < 3; ++i) {
-                const double weight = shares[i] < 0.12 ? 0 : std::max(shares[i] - (top - 0.15), 0.0);
+                const double weight = shares[i] < 0.12 ? 0 : std::max(shares[i] - (top - covers), 0.0);
                 all += weight;
                 for (std::size_t c = 0; c < 3; ++c) rgb[c] += weight * static_cast<double>(colours[i][c]);
             }

@@ -148,8 +148,10 @@ TEST_CASE("a tile in a smaller array looks as its mips do in the pack's own size
             streamed.refine(kind, tile, tail_log2 + (tile * 7 + kind) % (streamed.top(kind) - tail_log2 + 1));
         }
     streamed.show();
+    const gl::DrawOptions ground{.sky = false}; // around it colours come from whatever mip there is
     for (const View& view : {streamed.scene.camera(0.5, 0.9, 150, 0, -5), map_from_above(streamed.scene, 6000)}) {
-        const Picture drawn = streamed.scene.draw(mesh.view(), view), whole = streamed.reference(mesh, view);
+        const Picture drawn = streamed.scene.draw(mesh.view(), view, ground),
+                      whole = streamed.reference(mesh, view, ground);
         // uv times another power of two rounds alike, but a level counted from another mip 0 does not: a step of the
         // weight between two mips, 1/256 of their contrast, and another for rounding the result.
         CHECK(largest_step(drawn.colour, whole.colour) <= 2);
@@ -269,13 +271,14 @@ TEST_CASE("a tile whose maps have not come is drawn as rock, and its neighbours 
     Streamed streamed(relief_ground(129, mountain_relief), 6);
     const OwnMesh mesh = full_resolution(streamed.scene.loaded.terrain);
     const View view = map_from_above(streamed.scene, 3000);
-    const Picture nothing = streamed.scene.draw(mesh.view(), view); // before any call
+    const gl::DrawOptions ground{.sky = false}; // what goes on around has colours of all tiles
+    const Picture nothing = streamed.scene.draw(mesh.view(), view, ground); // before any call
     streamed.load_all();
     streamed.show();
-    const Picture all = streamed.scene.draw(mesh.view(), view);
+    const Picture all = streamed.scene.draw(mesh.view(), view, ground);
     streamed.shown[0][3] = streamed.shown[1][3] = streamed.shown[2][3] = {};
     streamed.show();
-    const Picture three = streamed.scene.draw(mesh.view(), view);
+    const Picture three = streamed.scene.draw(mesh.view(), view, ground);
     std::size_t mixed = 0, bare = 0;
     for (std::uint32_t y = 0; y < height_px; ++y)
         for (std::uint32_t x = 0; x < width_px; ++x) {

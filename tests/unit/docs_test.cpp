@@ -330,6 +330,12 @@ TEST_CASE("the index of the documents lists every page, every picture is shown, 
         INFO(picture.path().filename());
         CHECK(all.find("pictures/" + picture.path().filename().string() + ")") != std::string::npos);
     }
+    for (const auto& picture : fs::directory_iterator(root / "docs/pictures")) { // docs/pictures.py makes it again
+        const std::string name = picture.path().filename().string();
+        INFO(name);
+        if (picture.path().extension() != ".svg" && name != "experiments-rivals.jpg") // which ./dev experiments draws
+            CHECK(std::regex_search(all, std::regex("<!-- makes " + name + "[ \n]")));
+    }
     const std::string readme = slurp(root / "README.md");
     CHECK(std::ranges::count(readme, '\n') < 110);
 }

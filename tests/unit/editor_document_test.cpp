@@ -30,10 +30,6 @@ const fjell::ProfileKey& key_of(const char* name) {
     return *key;
 }
 
-bool same(const fjell::Profile& a, const fjell::Profile& b) {
-    return fjell::differing_keys(a, b).empty();
-}
-
 // What a document promises, without its economies: every profile there was, in full.
 struct Model {
     std::vector<fjell::Profile> past, future;
@@ -150,8 +146,7 @@ private:
         document.open(file->first);
         const fjell::Profile read = fjell::read_profile(file->first);
         REQUIRE(same(read, file->second));
-        model.change_to(read);
-        model.saved = read;
+        model = {{}, {}, read, read}; // undo ends where the file was opened
     }
     void replace() {
         const fjell::Profile other = random_() % 2 == 0 ? fjell::Profile{} : with({}, key_of("refine.max_error_px"), 3);
@@ -215,6 +210,24 @@ TEST_CASE("an open that an engine refuses leaves the file that was there before"
     CHECK(document.heading().empty());
     CHECK_FALSE(document.unsaved());
     CHECK(document.undo_steps() == 0);
+}
+
+TEST_CASE("undo ends where a file was opened: what was before is never saved under its name") {
+    const TemporaryFolder folder;
+    spit(folder / "laptop.toml", "[refine]\nmax_error_px = 4.0\n");
+    Document document;
+    document.set(key_of("refine.max_error_px"), 9, false);
+    document.open(folder / "laptop.toml");
+    CHECK(document.undo_steps() == 0);
+    document.undo();
+    CHECK(document.profile().refine.max_error_px == 4);
+    CHECK_FALSE(document.unsaved());
+    document.set(key_of("refine.max_error_px"), 5, false);
+    document.undo();
+    CHECK(document.profile().refine.max_error_px == 4);
+    CHECK(document.redo_steps() == 1);
+    document.open(folder / "laptop.toml");
+    CHECK(document.redo_steps() == 0);
 }
 
 TEST_CASE("what was saved before an engine refused it is saved still") {
@@ -336,6 +349,10 @@ TEST_CASE("restored changes are one step away from the file they were made to, o
     CHECK(document.profile().refine.max_error_px == 9);
     CHECK(document.saved().refine.max_error_px == 3);
     CHECK(document.heading() == "Mine.");
+    document.undo(); // to what the file has
+    CHECK(document.profile().refine.max_error_px == 3);
+    CHECK_FALSE(document.unsaved());
+    CHECK(document.undo_steps() == 0);
     Document gone;
     gone.restore(changed, folder / "gone.toml");
     CHECK(gone.unsaved());

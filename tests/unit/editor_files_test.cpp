@@ -52,11 +52,13 @@ TEST_CASE("settings are read as they were written, and damaged ones are the defa
     settings.recent = {"/a/b.fjell", "/c \"d\".fjell"};
     settings.folder = "/a";
     settings.look = {1.5, 1700, 900, {}, session::PictureMode::levels, {true, false, false, true}, false};
-    settings.look.arrangement.turn_to(Panel::budgets);
+    settings.look.arrangement.turn_to(Panel::cost);
     settings.look.arrangement.folded[1] = true;
     settings.look.arrangement.width_px[0] = 411;
     settings.look.arrangement.split[1] = 0.25F;
     settings.look.arrangement.panels = false;
+    settings.look.arrangement.open[2] = !settings.look.arrangement.open[2];
+    settings.materials = {{"/a/b.fjell", "built-in", "alpine"}, {"/c.fjell", "/m.fjell-materials", ""}};
     settings.look.arrangement.floating[3] = {true, -12, 40.5F, 300, 200};
     write_settings(folder / "config", settings);
     CHECK(read() == settings);
@@ -95,6 +97,14 @@ TEST_CASE("a key of the settings that means nothing costs that key alone, and an
     CHECK(problem.empty());
     CHECK(settings.look.scale == 2);
     CHECK(settings.look.arrangement == Arrangement{});
+    // Panels as they were before there were groups.
+    spit(
+        file,
+        R"({"panels_latest": ["time", "camera"], "floating": {"levels": {"on": true, "x_px": 1, "y_px": 2, "width_px": 300, "height_px": 200}}})");
+    settings = read_settings(folder / "config", problem);
+    CHECK(problem.empty());
+    CHECK(settings.look.arrangement.latest.front() == Panel::cost);
+    CHECK(settings.look.arrangement.floats(Panel::cost));
     spit(file, R"({"recent": [], "colours": {"night": true}})");
     write_settings(folder / "config", settings);
     CHECK(slurp(file).find("night") != std::string::npos);

@@ -1,11 +1,13 @@
 // Where panels and picture are in windows of all sizes, and what the commands that move them do.
 #include <catch2/catch.hpp>
 
+#include <string>
 #include <vector>
 
 #include "editor/command.h"
 #include "editor/handlers/handlers.h"
 #include "editor/panels/panels.h"
+#include "editor/panels/tune.h"
 
 using namespace fjell::editor;
 using ui::Rect;
@@ -35,14 +37,14 @@ std::vector<Rect> places(const ui::Layout& l) {
     return all;
 }
 
-unsigned groups_of(const ui::Layout& l) {
-    unsigned groups = 0;
+unsigned sections_of(const ui::Layout& l) {
+    unsigned bits = 0;
     for (const ui::ColumnLayout& c : l.column)
         for (int i = 0; c.there && i < c.sections; ++i) {
-            CHECK((groups & c.section[i].groups) == 0); // no panel twice
-            groups |= c.section[i].groups;
+            CHECK((bits & c.section[i].bits) == 0); // no panel twice
+            bits |= c.section[i].bits;
         }
-    return groups;
+    return bits;
 }
 
 struct Size {
@@ -71,7 +73,7 @@ TEST_CASE("at any size, scale and arrangement nothing overlaps, all of it is in 
                         CHECK(all[a].y + all[a].height <= size.height - l.status_height + 0.01F);
                         for (std::size_t b = a + 1; b < all.size(); ++b) CHECK_FALSE(overlap(all[a], all[b]));
                     }
-                    if (!folded) CHECK(groups_of(l) == (left_groups | right_groups));
+                    if (!folded) CHECK(sections_of(l) == (left_sections | right_sections));
                     CHECK(l.view.width >= 0.29F * size.width);
                 }
 }
@@ -114,12 +116,12 @@ TEST_CASE("commands hide, fold, resize and turn to panels, and a panel that is a
     CHECK_FALSE(i.arrangement.panels);
     run("interface picture-only on");
     CHECK(i.picture_only);
-    run("panel budgets");
+    run("panel cost");
     CHECK(i.arrangement.panels);
     CHECK_FALSE(i.picture_only);
     CHECK_FALSE(i.arrangement.folded[0]);
-    CHECK(i.arrangement.shown(right_groups) == Panel::budgets);
-    CHECK(i.arrangement.shown(left_groups) == Panel::tune);
+    CHECK(i.arrangement.shown(right_sections) == Panel::cost);
+    CHECK(i.arrangement.shown(left_sections) == Panel::tune);
     run("interface panel-keys on");
     CHECK(i.panel_keys);
     run("interface panels off"); // nobody would see where the keys go
@@ -137,37 +139,126 @@ TEST_CASE("panels float and come back, and columns give the room of those that f
     const Arrangement& a = state.interface.arrangement;
     const auto at = [&](float width, float height) { return ui::layout(width, height, state.interface); };
     run("interface panels off");
-    run("float time on");
-    CHECK(a.floats(Panel::time));
+    run("float cost on");
+    CHECK(a.floats(Panel::cost));
     CHECK(a.panels); // it is seen
-    CHECK(a.shown(left_groups | right_groups) != Panel::time);
-    run("place-panel time 40 50 300 400");
-    CHECK(a.floating[static_cast<std::size_t>(Panel::time)] == FloatingPanel{true, 40, 50, 300, 400});
-    run("float time off");
-    CHECK(a.shown(right_groups) == Panel::time); // turned to where it belongs
+    CHECK(a.shown(left_sections | right_sections) != Panel::cost);
+    run("place-panel cost 40 50 300 400");
+    CHECK(a.floating[static_cast<std::size_t>(Panel::cost)] == FloatingPanel{true, 40, 50, 300, 400});
+    run("float cost off");
+    CHECK(a.shown(right_sections) == Panel::cost); // turned to where it belongs
     state.interface.view_x_px = 300;
     state.interface.view_y_px = 20;
-    for (const char* panel : {"budgets", "streaming"}) run((std::string("float ") + panel + " on").c_str());
-    const FloatingPanel &one = a.floating[static_cast<std::size_t>(Panel::budgets)],
-                        &two = a.floating[static_cast<std::size_t>(Panel::streaming)];
+    for (const char* panel : {"auto-tune", "light"}) run((std::string("float ") + panel + " on").c_str());
+    const FloatingPanel &one = a.floating[static_cast<std::size_t>(Panel::auto_tune)],
+                        &two = a.floating[static_cast<std::size_t>(Panel::light)];
     CHECK(one.x_px > 300); // over the picture, where no hand has put them
     CHECK(one.y_px > 20);
     CHECK(two.x_px > one.x_px + 20); // and each can be taken by its title
     CHECK(two.y_px > one.y_px + 20);
-    run("float time on");
-    CHECK(a.floating[static_cast<std::size_t>(Panel::time)] == FloatingPanel{true, 40, 50, 300, 400}); // where it was
-    run("float time off");
+    run("float cost on");
+    CHECK(a.floating[static_cast<std::size_t>(Panel::cost)] == FloatingPanel{true, 40, 50, 300, 400}); // where it was
+    run("float cost off");
     const ui::Layout tall = at(1920, 1080);
-    CHECK(tall.column[1].sections == 1); // the lower one's panels are elsewhere
-    CHECK((groups_of(tall) & group_bit(Panel::budgets)) == 0);
-    for (const Panel panel : {Panel::time, Panel::levels, Panel::auto_tune, Panel::benchmark})
-        run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
+    CHECK(tall.column[1].sections == 1); // the lower one's panel is elsewhere
+    CHECK((sections_of(tall) & section_bit(Panel::auto_tune)) == 0);
+    run("float cost on");
     CHECK_FALSE(at(1920, 1080).column[1].there);
     CHECK(at(1920, 1080).column[0].there);
-    for (const Panel panel : {Panel::tune, Panel::camera, Panel::show, Panel::pictures})
+    for (const Panel panel : {Panel::tune, Panel::view, Panel::pictures})
         run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
     CHECK(at(1280, 720).view.width == 1280);
     CHECK_THROWS(parse_command("place-panel time 1 1 2 2"));
+}
+
+TEST_CASE(
+    "six panels hold all groups: one that is unfolded turns to its panel, and former panels' names lead to groups") {
+    State state;
+    Engine engine;
+    Jobs jobs;
+    const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
+    const Arrangement& a = state.interface.arrangement;
+    const auto is_open = [&](Group group) { return a.open[static_cast<std::size_t>(group)]; };
+    CHECK(panels == 6);
+    CHECK_FALSE(is_open(Group::tune_advanced)); // for the few
+    CHECK_FALSE(is_open(Group::cost_time));
+    run("panel time");
+    CHECK(is_open(Group::cost_time));
+    CHECK(a.shown(right_sections) == Panel::cost);
+    run("group view.position on");
+    CHECK(is_open(Group::view_position));
+    CHECK(a.shown(left_sections) == Panel::view);
+    run("panel tune");
+    run("group view.position off");
+    CHECK_FALSE(is_open(Group::view_position));
+    CHECK(a.shown(left_sections) == Panel::tune); // who folds stays
+    CHECK_THROWS(parse_command("panel sound"));
+    CHECK_THROWS(parse_command("group cost.sound on"));
+}
+
+TEST_CASE("every key of the profile has its group; those of the recursive method alone are advanced") {
+    for (const fjell::ProfileKey& key : fjell::profile_keys()) {
+        INFO(key.table << "." << key.name);
+        CHECK((group_of(key) == Group::tune_advanced) == (key.used_by == fjell::UsedBy::recursive));
+    }
+    const auto group = [](const char* name) { return group_of(*fjell::find_profile_key(name)); };
+    CHECK(group("refine.max_error_px") == Group::tune_refinement);
+    CHECK(group("light.hour_utc") == Group::light_sun);
+    CHECK(group("light.dither") == Group::light_air);
+    CHECK(group("light.water") == Group::light_ground);
+    CHECK(group("layers.tint") == Group::light_materials);
+}
+
+TEST_CASE("what has no effect says why: the sun's place, the exposure, water, shadows without horizons, materials") {
+    State state;
+    Engine engine;
+    Jobs jobs;
+    const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
+    const auto why = [&](const char* name) {
+        const char* const text = why_idle(*fjell::find_profile_key(name), state);
+        return std::string(text != nullptr ? text : "");
+    };
+    CHECK(why("light.azimuth_deg") == "");
+    CHECK(why("light.day") == "only with the sun by time");
+    run("set light.sun time");
+    CHECK(why("light.azimuth_deg") == "only with the sun by direction");
+    CHECK(why("light.day") == "");
+    CHECK(why("light.ev100") == "only with a fixed exposure");
+    run("set light.exposure fixed");
+    CHECK(why("light.ev100") == "");
+    CHECK(why("light.water_level_m") == "only with water");
+    CHECK(why("layers.tint") == "only with materials");
+    state.scene.materials = true;
+    CHECK(why("layers.tint") == "");
+    run("set layers.on false");
+    CHECK(why("layers.tint") == "only with materials on");
+    CHECK(why("layers.on") == "");
+    CHECK(why("light.shadows") == ""); // nothing is open
+    state.scene.path = "a.fjell";
+    CHECK(why("light.shadows") == "this pack was baked without horizons");
+    state.scene.horizons = true;
+    CHECK(why("light.shadows") == "");
+}
+
+TEST_CASE("a preset of light is one step, and changes nothing but light") {
+    State state;
+    Engine engine;
+    Jobs jobs;
+    const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
+    run("set refine.max_error_px 7");
+    for (const char* preset : light_preset_names) {
+        run((std::string("light ") + preset).c_str());
+        for (const fjell::ProfileKey* key : fjell::differing_keys(state.document.profile(), {}))
+            CHECK((key->table == std::string("light") || key->name == std::string("max_error_px")));
+    }
+    run("set light.sun time");
+    const std::size_t steps = state.document.undo_steps();
+    run("light evening");
+    CHECK(state.document.undo_steps() == steps + 1);
+    CHECK(state.document.profile().light.elevation_deg == 9);
+    run("undo");
+    CHECK(state.document.profile().light.sun == fjell::gl::SunBy::time);
+    CHECK_THROWS(parse_command("light disco"));
 }
 
 TEST_CASE("graphs are held while they show some of the frames only, and show all of them when they go on") {

@@ -46,7 +46,7 @@ session::Ground slope() {
     return ground;
 }
 
-Vec3 position(const session::ControlPoint& p) {
+Vec3 point_position(const session::ControlPoint& p) {
     return {p[0], p[1], p[2]};
 }
 
@@ -117,18 +117,18 @@ TEST_CASE("a point that is dragged keeps its height above the ground, and the wh
     const std::vector<session::ControlPoint> before = route.points();
     for (const double x : {200.0, 300.0, 600.0}) route.place(0, x, 250, true, slope());
     route.place(0, 640, 260, false, slope());
-    CHECK(position(route.points()[0]).x == 640);
-    CHECK(position(route.points()[0]).y == Approx(0.5 * 640 + 30)); // 80 m over ground of 50 m at first
-    CHECK(position(route.points()[0]).z == 260);
+    CHECK(point_position(route.points()[0]).x == 640);
+    CHECK(point_position(route.points()[0]).y == Approx(0.5 * 640 + 30)); // 80 m over ground of 50 m at first
+    CHECK(point_position(route.points()[0]).z == 260);
     CHECK(route.points()[1] == before[1]);
     route.restore();
     CHECK(route.points() == before);
     route.place(0, 5000, -5, false, slope());
-    CHECK(position(route.points()[0]).x == 1000); // the rim
-    CHECK(position(route.points()[0]).z == 0);
+    CHECK(point_position(route.points()[0]).x == 1000); // the rim
+    CHECK(point_position(route.points()[0]).z == 0);
     route.place(1, 10, 10, false, slope()); // another step
     route.restore();
-    CHECK(position(route.points()[0]).x == 1000);
+    CHECK(point_position(route.points()[0]).x == 1000);
     CHECK_THROWS_AS(route.place(2, 0, 0, false, slope()), io::Failure);
 }
 
@@ -163,4 +163,26 @@ TEST_CASE("verbs of studies become their commands, and refuse what is out of ran
     for (const char* line : {"render", "render a.png sideways", "render a.png width=8", "divider 1.5", "heat warm",
                              "compare-picture -1", "run-place 0 2", "place-point 0 1"})
         CHECK_THROWS_AS(parse_command(line), io::Failure);
+}
+
+TEST_CASE("a distant point that is added to a path of a fixed time gets the time that its distance needs") {
+    Route route = two_points();
+    route.set_seconds(10, slope());
+    const double way_m = length(point_position(route.points()[1]) - point_position(route.points()[0]));
+    const double speed_m_s = way_m / route.seconds();
+    route.select(1);
+    route.add({{500 + 20 * way_m, 300, 400}, {1, 0, 0}, {0, 1, 0}}, slope());
+    CHECK(route.requested_seconds() == Approx(10 * 21));
+    CHECK(route.seconds() == Approx(21 * way_m / speed_m_s).epsilon(0.02));
+}
+
+TEST_CASE("the first recording replaces nothing; a later one would replace what was not saved") {
+    Route route;
+    route.record(true, {{100, 80, 100}, {0, 0, -1}, {0, 1, 0}}, slope());
+    for (int i = 1; i < 5; ++i) (void)route.follow({{100.0 + 50 * i, 80, 100}, {0, 0, -1}, {0, 1, 0}}, 1);
+    CHECK(route.unsaved()); // an editor that ends would lose it
+    CHECK_FALSE(route.unsaved_before_recording());
+    route.record(false, {{400, 80, 100}, {0, 0, -1}, {0, 1, 0}}, slope());
+    route.record(true, {{100, 80, 100}, {0, 0, -1}, {0, 1, 0}}, slope());
+    CHECK(route.unsaved_before_recording());
 }

@@ -451,7 +451,7 @@ TEST_CASE("how the window looks is kept once it has come to rest, but not what t
         frame(editor, 5);
         CHECK(kept() == Look{}); // nothing has changed
         editor.run("column left width 400");
-        editor.run("panel levels");
+        editor.run("panel light");
         frame(editor, 6);
         frame(editor, 6.5);
         CHECK(kept() == Look{}); // it may still be dragged
@@ -468,7 +468,7 @@ TEST_CASE("how the window looks is kept once it has come to rest, but not what t
     CHECK(kept().width_px == 700);
     Editor next;
     start_persistence(next.state, true);
-    CHECK(next.state.interface.arrangement.shown(left_groups | right_groups) == Panel::levels);
+    CHECK(next.state.interface.arrangement.shown(left_sections | right_sections) == Panel::light);
     CHECK(next.state.interface.mode == session::PictureMode::wire);
     Editor script;
     start_persistence(script.state, false); // a script's pictures are those of everybody
