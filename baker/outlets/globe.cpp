@@ -13,7 +13,8 @@ namespace fjell::baker {
 namespace {
 
 constexpr double radian = std::numbers::pi / 180;
-constexpr double squashed = (globe_polar_radius_m / globe_radius_m) * (globe_polar_radius_m / globe_radius_m); // 1 - e^2
+constexpr double squashed =
+    (globe_polar_radius_m / globe_radius_m) * (globe_polar_radius_m / globe_radius_m); // 1 - e^2
 
 OGRSpatialReference wgs84() {
     OGRSpatialReference crs;
@@ -45,8 +46,7 @@ double distance_m(const GlobePlace& a, const GlobePlace& b) {
 
 GlobePlace up_at(LonLat at) {
     const double c = std::cos(at.latitude * radian);
-    return {c * std::cos(at.longitude * radian), c * std::sin(at.longitude * radian),
-            std::sin(at.latitude * radian)};
+    return {c * std::cos(at.longitude * radian), c * std::sin(at.longitude * radian), std::sin(at.latitude * radian)};
 }
 
 GlobePlace on_globe(LonLat at, double height_m) {
@@ -155,12 +155,13 @@ GlobePlace SamplePlaces::at(double column, double row) const {
     const Along x = along(column / step_x_, nodes_x_), y = along(row / step_y_, nodes_y_);
     GlobePlace sum{};
     for (std::int32_t j = 0; j < 4; ++j) {
-        const GlobePlace* const node = &nodes_[static_cast<std::size_t>(y.first + j) * static_cast<std::size_t>(nodes_x_) +
-                                              static_cast<std::size_t>(x.first)];
+        const GlobePlace* const node =
+            &nodes_[static_cast<std::size_t>(y.first + j) * static_cast<std::size_t>(nodes_x_) +
+                    static_cast<std::size_t>(x.first)];
         for (std::size_t axis = 0; axis < 3; ++axis)
-            sum[axis] += y.weight[static_cast<std::size_t>(j)] *
-                         (x.weight[0] * node[0][axis] + x.weight[1] * node[1][axis] + x.weight[2] * node[2][axis] +
-                          x.weight[3] * node[3][axis]);
+            sum[axis] +=
+                y.weight[static_cast<std::size_t>(j)] * (x.weight[0] * node[0][axis] + x.weight[1] * node[1][axis] +
+                                                         x.weight[2] * node[2][axis] + x.weight[3] * node[3][axis]);
     }
     return sum;
 }

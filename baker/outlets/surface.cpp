@@ -14,8 +14,8 @@ namespace {
 
 constexpr float no_ground = std::numeric_limits<float>::quiet_NaN();
 constexpr double largest_block = 1.0 / 64; // of a block, in boxes
-constexpr double widest_m = 250e3;     // blocks beyond this bend too much to be judged by their corners
-constexpr double polar_cap = 89;       // longitudes mean little from here on
+constexpr double widest_m = 250e3;         // blocks beyond this bend too much to be judged by their corners
+constexpr double polar_cap = 89;           // longitudes mean little from here on
 
 } // namespace
 
@@ -125,8 +125,7 @@ template <typename Take>
 bool GroundSurface::visit(const Visit& v, int level, std::int32_t x, std::int32_t y, const Take& take) const {
     const HeightRange range = range_of(level, x, y);
     if (!(range.low <= range.high)) return true;
-    const std::int32_t x0 = x << level, y0 = y << level,
-                       x1 = std::min(x0 + (1 << level), source_.columns) - 1,
+    const std::int32_t x0 = x << level, y0 = y << level, x1 = std::min(x0 + (1 << level), source_.columns) - 1,
                        y1 = std::min(y0 + (1 << level), source_.rows) - 1;
     const GlobePlace place = places_.at((x0 + x1) / 2.0, (y0 + y1) / 2.0);
     const LonLat at = lon_lat_of(place);
@@ -140,8 +139,7 @@ bool GroundSurface::visit(const Visit& v, int level, std::int32_t x, std::int32_
         for (const auto& [cx, cy] : {std::pair{x0, y0}, {x1, y0}, {x0, y1}, {x1, y1}}) {
             const GlobePlace corner = places_.at(cx, cy);
             const LonLat c = lon_lat_of(corner);
-            reach_m = std::max(
-                reach_m, std::hypot(corner[0] - place[0], corner[1] - place[1], corner[2] - place[2]));
+            reach_m = std::max(reach_m, std::hypot(corner[0] - place[0], corner[1] - place[1], corner[2] - place[2]));
             farthest = std::max(farthest, std::abs(c.latitude));
             da = std::max(da, std::abs(near_longitude(c.longitude, at.longitude) - at.longitude) / width);
             db = std::max(db, std::abs(c.latitude - at.latitude) / height);
@@ -171,8 +169,12 @@ void GroundSurface::collect(const DegreeBox& box, double tolerance_m, std::vecto
     const auto take = [&](double a, double b, double da, double db, const HeightRange& range, const GlobePlace& place,
                           LonLat at) {
         const GlobePlace up = up_at(at);
-        ground.push_back({static_cast<float>(a), static_cast<float>(b), static_cast<float>(da), static_cast<float>(db),
-                          range.low, range.high,
+        ground.push_back({static_cast<float>(a),
+                          static_cast<float>(b),
+                          static_cast<float>(da),
+                          static_cast<float>(db),
+                          range.low,
+                          range.high,
                           {static_cast<float>(place[0] - middle[0]), static_cast<float>(place[1] - middle[1]),
                            static_cast<float>(place[2] - middle[2])},
                           {static_cast<float>(up[0]), static_cast<float>(up[1]), static_cast<float>(up[2])}});

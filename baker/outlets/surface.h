@@ -20,11 +20,11 @@ struct HeightRange {
 // Ground in a tile: a sample, or a block of them as a rectangle and a range of heights. Any mesh that is nowhere
 // farther than e from the whole of it is nowhere farther than e from its samples.
 struct Ground {
-    float u, v;           // its middle: 0 to 1 from west to east and from south to north
-    float du, dv;         // half of its size; 0: a sample
-    float low, high;      // metres
-    float place[3];       // of its middle at height 0, from the tile's, in metres
-    float up[3];          // there
+    float u, v;      // its middle: 0 to 1 from west to east and from south to north
+    float du, dv;    // half of its size; 0: a sample
+    float low, high; // metres
+    float place[3];  // of its middle at height 0, from the tile's, in metres
+    float up[3];     // there
 };
 
 // Heights of a field, out of core where they do not fit the memory, with the range of each 2^k x 2^k of them.
@@ -68,7 +68,7 @@ private:
     const HeightSource& source_;
     double spacing_m_;
     SamplePlaces places_;
-    Store<float> heights_, filled_; // NaN in holes; filled: nothing where there are none
+    Store<float> heights_, filled_;          // NaN in holes; filled: nothing where there are none
     std::vector<Store<HeightRange>> ranges_; // of 2 x 2, 4 x 4, ... samples, up to one of all
 };
 

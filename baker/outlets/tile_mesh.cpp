@@ -49,7 +49,8 @@ public:
         for (std::size_t side = 0; side < 4; ++side)
             for (const std::int32_t along : wanted[side]) {
                 const std::int32_t across = side == TileSide::west || side == TileSide::south ? 0 : tile_grid;
-                activate(side == TileSide::west || side == TileSide::east ? SampleIndex{across, along} : SampleIndex{along, across});
+                activate(side == TileSide::west || side == TileSide::east ? SampleIndex{across, along}
+                                                                          : SampleIndex{along, across});
             }
         while (!splits_.empty()) {
             const SampleIndex next = splits_.back();
@@ -84,9 +85,7 @@ private:
                                 on_globe(place, height_m) - middle_, on_globe(place, 0)};
     }
 
-    static SampleIndex middle(const Triangle& t) {
-        return {(t.a.column + t.b.column) / 2, (t.a.row + t.b.row) / 2};
-    }
+    static SampleIndex middle(const Triangle& t) { return {(t.a.column + t.b.column) / 2, (t.a.row + t.b.row) / 2}; }
 
     void add(SampleIndex a, SampleIndex b, SampleIndex c, std::vector<std::uint32_t> ground) {
         Triangle t{a, b, c, std::move(ground)};
@@ -112,8 +111,8 @@ private:
 
     // How far the straight line between two corners lies beside the line that is straight in degrees, at most.
     std::array<double, 2> beside(const Corner& p, const Corner& q) const {
-        const LonLat straight = lon_lat_of(
-            {(p.foot[0] + q.foot[0]) / 2, (p.foot[1] + q.foot[1]) / 2, (p.foot[2] + q.foot[2]) / 2});
+        const LonLat straight =
+            lon_lat_of({(p.foot[0] + q.foot[0]) / 2, (p.foot[1] + q.foot[1]) / 2, (p.foot[2] + q.foot[2]) / 2});
         const DegreeBox& b = mesh_.box;
         const double u = (near_longitude(straight.longitude, b.middle().longitude) - b.west) / (b.east - b.west),
                      v = (straight.latitude - b.south) / (b.north - b.south);
@@ -162,20 +161,19 @@ private:
         const double through = dot(normal, a.place), doubled = std::sqrt(dot(normal, normal));
         const bool flat = doubled > 1e-9 * longest * longest;
         // All that lies between its corners is between their heights, but for the globe's curve under it.
-        const double lowest = std::min({a.height_m, b.height_m, c.height_m}) -
-                            longest * longest / (4 * globe_radius_m),
+        const double lowest = std::min({a.height_m, b.height_m, c.height_m}) - longest * longest / (4 * globe_radius_m),
                      highest = std::max({a.height_m, b.height_m, c.height_m});
         double worst = 0;
         for (const std::uint32_t i : t.ground) {
             const Ground& g = ground_[i];
             const double low = static_cast<double>(g.low), high = static_cast<double>(g.high);
             const bool block = g.du > 0 || g.dv > 0;
-            const double within =
-                block ? std::abs(by_u) * static_cast<double>(g.du) + std::abs(by_v) * static_cast<double>(g.dv) +
-                            half_m(g) * longest / globe_radius_m
-                      : 0;
-            const double linear = a.height_m + by_u * (static_cast<double>(g.u) - a.u) +
-                                  by_v * (static_cast<double>(g.v) - a.v);
+            const double within = block ? std::abs(by_u) * static_cast<double>(g.du) +
+                                              std::abs(by_v) * static_cast<double>(g.dv) +
+                                              half_m(g) * longest / globe_radius_m
+                                        : 0;
+            const double linear =
+                a.height_m + by_u * (static_cast<double>(g.u) - a.u) + by_v * (static_cast<double>(g.v) - a.v);
             double error = std::max(high - linear, linear - low) + within;
             const GlobePlace up{static_cast<double>(g.up[0]), static_cast<double>(g.up[1]),
                                 static_cast<double>(g.up[2])};

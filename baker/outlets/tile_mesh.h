@@ -47,7 +47,7 @@ struct TileMesh {
         double height_m;
     };
     DegreeBox box;
-    std::vector<Vertex> vertices; // in the order in which triangles first use them
+    std::vector<Vertex> vertices;                        // in the order in which triangles first use them
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise, seen from above
     BorderVertices borders;
     double error_m = 0; // no ground in the tile is farther from it

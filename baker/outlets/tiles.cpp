@@ -132,9 +132,10 @@ int last_level(const HeightSource& source, const std::string& name, const TilesO
     int most = 0;
     while (most < most_tile_level && tile_m(options.tiling, most + 1) >= fewest_samples * spacing_m) ++most;
     if (options.max_level > most)
-        throw Failure(1, fmt::format("{}: its samples are {} m apart, so that level {} shows nothing more than {}; give "
-                                     "--max-level {}",
-                                     name, spacing_m, options.max_level, most, most));
+        throw Failure(1,
+                      fmt::format("{}: its samples are {} m apart, so that level {} shows nothing more than {}; give "
+                                  "--max-level {}",
+                                  name, spacing_m, options.max_level, most, most));
     if (options.max_level >= 0) return options.max_level;
     int level = 0;
     while (level < most && assumed_error_m(options.tiling, level) > spacing_m / share) ++level;
@@ -191,7 +192,8 @@ private:
         const double step_m = std::clamp(2 * power_of_two_below(relief_m / room + finest_m), finest_m,
                                          std::max(finest_m, power_of_two_below(assumed_m * share)));
         // A flat triangle of this grid's cells lies at most a quarter of the error below the globe.
-        const double cells = tile_m(options_.tiling, level) * tile_m(options_.tiling, level) / (globe_radius_m * assumed_m);
+        const double cells =
+            tile_m(options_.tiling, level) * tile_m(options_.tiling, level) / (globe_radius_m * assumed_m);
         return {assumed_m, step_m, std::max(1, static_cast<int>(std::ceil(std::log2(cells) / 2)))};
     }
 
@@ -308,7 +310,8 @@ private:
             const GlobePlace e{-std::sin(angle), std::cos(angle), 0},
                 n{up[1] * e[2] - up[2] * e[1], up[2] * e[0] - up[0] * e[2], up[0] * e[1] - up[1] * e[0]};
             GlobePlace normal{};
-            for (std::size_t axis = 0; axis < 3; ++axis) normal[axis] = up[axis] - by_east * e[axis] - by_north * n[axis];
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                normal[axis] = up[axis] - by_east * e[axis] - by_north * n[axis];
             const double length = std::hypot(normal[0], normal[1], normal[2]);
             for (double& axis : normal) axis /= length;
             normals.push_back(normal);
@@ -354,8 +357,7 @@ private:
             open = std::move(row);
         }
         json list = json::array();
-        for (const Run& r : all)
-            list.push_back({{"startX", r.x0}, {"startY", r.y0}, {"endX", r.x1}, {"endY", r.y1}});
+        for (const Run& r : all) list.push_back({{"startX", r.x0}, {"startY", r.y0}, {"endX", r.x1}, {"endY", r.y1}});
         return list;
     }
 
@@ -437,8 +439,8 @@ TilesSummary write_tiles(const HeightSource& source, const std::string& name, co
     WorkFolder work(folder);
     work.keep(false); // until there is something to go on with
     if (!resumed) work.empty();
-    const GroundSurface surface(source, name,
-                                {work.path(), options.memory_bytes, resolve_threads(options.threads), options.progress});
+    const GroundSurface surface(
+        source, name, {work.path(), options.memory_bytes, resolve_threads(options.threads), options.progress});
     if (!resumed) {
         io::AtomicFile file(job_file);
         file.write(std::as_bytes(std::span(job)));
