@@ -125,7 +125,7 @@ class Page:
         if not option(command, "-o"):
             raise Missing(shlex.split(command)[-1])
         if self.tenth and command.startswith("fjell-bake materials"):
-            command += " --size 128"  # small pictures show coarse mips, and all of them would take half of the time
+            command += " --size 256"  # small pictures show coarse mips, and all of them would take most of the time
         history = self.prepare(at) + command + "\n"
         stamp = os.path.join(self.folder, option(command, "-o") + ".command")
         read = [os.path.join(self.binaries, shlex.split(command)[0])] + [os.path.join(ROOT, word) for word in shlex.split(command)]
@@ -231,13 +231,13 @@ def parts(page, at, out):
         state = json.load(file)
     marks, view = state["marks"], state["interface"]["view_px"]
     right = lambda name: (marks[name][0] + marks[name][2], marks[name][1] + marks[name][3] / 2)
-    places = [right("menu.help"), right("panel.time"), right("camera.home"), right("map.overview"), right("path.seek"),
-              right("camera.x"), (marks["handle.left-column"][0] + 5, view[1] + 0.62 * view[3]),
+    places = [right("menu.help"), right("panel.light"), right("group.view.picture"), right("group.view.overlays"),
+              right("map.overview"), right("group.view.position"), (marks["handle.left-column"][0] + 5, view[1] + 0.62 * view[3]),
               (view[0] + 0.5 * view[2], view[1] + 0.6 * view[3]), right("status.threshold"), right("status.triangles")]
     drawing = []
     for number, (x, y) in enumerate(places, 1):
         radius = 11 if number < 9 else 8
-        if number < 4 or number > 8:  # beside the text; the others lie on their parts
+        if number < 3 or number > 8:  # beside the text; the others lie on their parts
             x += radius + 2
         drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + radius:.0f},{y:.0f}",
                     "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + 3), "-gravity", "northwest",

@@ -42,9 +42,10 @@ void add_old_name(CLI::App& app, CLI::Option& now, Recipe& r, const RecipeKey& k
     const std::string before = std::string("--") + key.old_name;
     std::visit([&](const auto member) { return add_key(app, before, r.*member, key); }, key.member)
         ->group("")
-        ->excludes(&now)
-        ->each(
-            [before, &key](const std::string&) { fmt::print(stderr, "fjell-bake: {}\n", renamed_line(key, before)); });
+        ->each([before, &key, &now](const std::string&) {
+            if (now.count() != 0) throw CLI::ExcludesError(before, now.get_name());
+            fmt::print(stderr, "fjell-bake: {}\n", renamed_line(key, before));
+        });
 }
 
 // reading: only how files become heights in metres, for verify --against. Else all that a pack's bytes depend on.
@@ -74,8 +75,8 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_how_options(app, a);
     app.add_option(
            "--checkpoint", a.checkpoint_s,
-           "keep complete stages on the disk, so that the bake can be resumed, even if all fits --memory; if an input "
-           "fails within this many seconds, its files are removed (default 5)")
+           "work in files even if all fits --memory, so that an interrupted bake can be resumed; the files are removed "
+           "if an input fails within this many seconds (default 5)")
         ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
@@ -96,6 +97,7 @@ void add_packs_option(CLI::App& command, Arguments& a, const std::string& about)
     command.add_option_function<std::string>("--packs", parse, about)->type_name("AxB");
 }
 
+constexpr const char* about_pack = "a pack, or the folder of a pack set";
 constexpr const char* about_set =
     "write a pack set instead, with so many packs across and down: OUT is its folder; packs without any ground are "
     "left out";
@@ -197,7 +199,7 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
 
 void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
-    c.split->add_option("PACK", a.pack)->required();
+    c.split->add_option("PACK", a.pack, "the pack")->required();
     c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
     add_packs_option(*c.split, a, "packs across and down (default 2x2); packs without any ground are left out");
     c.join = app.add_subcommand("join", "make a pack set of the packs in a folder, if they agree where they meet");
@@ -211,7 +213,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     declare_bake(app, a);
     Commands c{};
     c.info = app.add_subcommand("info", "describe a pack");
-    c.info->add_option("PACK", a.pack); // looked for in what is parsed: it may stand behind --json
+    c.info->add_option("PACK", a.pack, about_pack); // looked for in what is parsed: it may stand behind --json
     c.info
         ->add_option_function<std::string>(
             "--json", [&a](const std::string& path) { a.info_json = path.empty() ? "-" : path; },
@@ -224,7 +226,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
         ->check(io::whole_within(min_picture_px, max_picture_px))
         ->needs(picture);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
-    c.verify->add_option("PACK", a.pack)->required();
+    c.verify->add_option("PACK", a.pack, about_pack)->required();
     c.verify->add_option(
         "--against", a.against.inputs,
         "the height field it was baked from, one file or several, read with the options in the pack, or "
@@ -233,12 +235,12 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
     add_recipe_options(*c.verify, a.against, true);
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
-    c.heights->add_option("PACK", a.pack)->required();
+    c.heights->add_option("PACK", a.pack, about_pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_tiles(app, a, c);
     declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
-    c.synth->add_option("RECIPE", a.terrain_path)->required();
+    c.synth->add_option("RECIPE", a.terrain_path, "a terrain recipe (JSON, content/terrain)")->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
     declare_shards(app, a, c);

@@ -231,7 +231,7 @@ json verify_json(const VerifyReport& r, const MapsReport& maps) {
 void print_verify(const VerifyReport& r, const MapsReport& maps, const std::vector<std::string>& against) {
     fmt::print("{} vertices: {} nesting, {} sphere, {} border, {} rim, {} page bound violations\n", r.vertices,
                r.nesting_violations, r.sphere_violations, r.border_mismatches, r.rim_violations, r.bound_violations);
-    fmt::print("{} chunks: checksums hold\n", r.chunks);
+    fmt::print("{} chunks: all checksums agree\n", r.chunks);
     fmt::print("{} texels, {} on borders of tiles: {} mip, {} border, {} length, {} weight violations\n", maps.texels,
                maps.border_texels, maps.mip_violations, maps.border_violations, maps.length_violations,
                maps.weight_violations);
@@ -242,7 +242,7 @@ void print_verify(const VerifyReport& r, const MapsReport& maps, const std::vect
         fmt::print("{} comparisons of samples with triangles: {} above the vertex' error\n", r.samples_compared,
                    r.true_error_violations);
     else
-        fmt::print("true error: not promised by the mid-point estimate, not checked\n");
+        fmt::print("true error: not checked, because the mid-point estimate promises none\n");
 }
 
 int run_verify(const Arguments& a) {
@@ -374,7 +374,7 @@ int run_materials(const Arguments& a) {
 
 int run(int argc, char** argv) {
     Arguments a;
-    CLI::App app{"Bakes a height field into a Fjell pack."};
+    CLI::App app{"Bakes a height field into a Fjell pack.", "fjell-bake"};
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
