@@ -175,7 +175,7 @@ void add_common_options(CLI::App& app, Arguments& a) {
 void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles = app.add_subcommand(
         "tiles", "write a pack as a pyramid of terrain tiles for globes (quantized-mesh 1.0, as CesiumJS reads it)");
-    c.tiles->add_option("PACK", a.pack)->required();
+    c.tiles->add_option("PACK", a.pack, about_pack)->required();
     c.tiles->add_option("-o,--output", a.tiles_folder, "the new folder to write: layer.json and z/x/y.terrain")
         ->required();
     c.tiles
