@@ -6,11 +6,11 @@ docs/pictures.py BIN --tenth FOLDER [NAME...] [-- OPTIONS...]
                                                  a tenth as wide and high, as PNG, into FOLDER; with other options of fjell-fly
 
 In a page, <!-- makes NAME [WIDTHxHEIGHT] [FRAME] --> is the line above a block of commands; or, without its end, above
-commands that a reader need not see, with the end on a line of its own. The picture that its last
-command draws becomes docs/pictures/NAME, of that size; of several frames it is the last, or the named one. What the
-command reads is made first, by commands before it in the page. Height fields and images that the page names come from the folder FJELL_DATA; where
-they are not, the picture is skipped. A name stands for all pictures that begin with it. Bakes are kept in the folder
-pictures beside BIN and made again when their commands or fjell-bake are newer.
+commands that a reader need not see, with the end on a line of its own. The picture that its last command draws becomes
+docs/pictures/NAME, of that size; of several frames it is the last, or the named one. What the command reads is made
+first, by commands before it in the page. ./dev demo bakes the Earth. Other height fields and images that the page names
+come from the folder FJELL_DATA; where they are not, the picture is skipped. A NAME stands for all pictures that begin
+with it. Bakes are kept in the folder pictures beside BIN, and made again when their commands or fjell-bake are newer.
 Exit codes: 0 done, 1 a command failed, 2 usage.
 """
 
@@ -240,7 +240,7 @@ def parts(page, at, out):
         if number < 3 or number > 8:  # beside the text; the others lie on their parts
             x += radius + 2
         drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + radius:.0f},{y:.0f}",
-                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + 3), "-gravity", "northwest",
+                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + (3 if number < 10 else 1)), "-gravity", "northwest",
                     "-annotate", f"+{x - radius * len(str(number)) * 0.42:.0f}+{y - 0.72 * radius:.0f}", str(number)]
     convert([picture, *drawing], out)
 
@@ -290,7 +290,7 @@ def main(arguments):
                 make(page, at, names, folder)
                 made += 1
             except Missing as missing:
-                print(f"    skipped: there is no {missing}; FJELL_DATA names the folder of real height fields", flush=True)
+                print(f"    skipped: there is no {missing}; ./dev demo bakes the Earth, FJELL_DATA names the folder of other height fields", flush=True)
                 skipped += 1
     print(f"pictures: {made} made, {skipped} skipped")
     return 0 if made or skipped else 2

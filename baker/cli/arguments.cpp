@@ -206,6 +206,35 @@ void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.join->add_option("FOLDER", a.set_folder, "the packs' folder; its set.json is written")->required();
 }
 
+void declare_simulate(CLI::App& app, Arguments& a, Commands& c) {
+    c.simulate = app.add_subcommand("simulate", "write a height field as ground for a physics engine");
+    c.simulate->add_option("IN", a.given.inputs, recipe_key("inputs").about)->required();
+    c.simulate->add_option("-o,--output", a.simulate_folder, "the folder to write")->required();
+    c.simulate
+        ->add_option("--for", a.simulator,
+                     "mujoco: a height field and its MJCF; sdf: a model for Gazebo; urdf: a mesh, for Bullet and DART")
+        ->required()
+        ->check(io::one_of({std::begin(simulator_names), std::end(simulator_names)}));
+    c.simulate
+        ->add_option("--max-error-m", a.simulate.max_error_m,
+                     "metres that the mesh of sdf and urdf may be off a sample (default 0.05)")
+        ->check(io::within(0, 1e6));
+    const auto area = [&a](const std::vector<double>& numbers) {
+        a.simulate.area = {numbers[0], -numbers[1], numbers[2], numbers[3]};
+    };
+    c.simulate
+        ->add_option_function<std::vector<double>>(
+            "--area", area,
+            "X,Y,RADIUS,GROWTH: --max-error-m holds within RADIUS metres of (X, Y), in the engine's axes; beyond it "
+            "the mesh may be off GROWTH metres more for each metre of distance")
+        ->delimiter(',')
+        ->expected(4)
+        ->type_name("X,Y,RADIUS,GROWTH");
+    c.simulate->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
+    c.simulate->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    add_recipe_options(*c.simulate, a.given, true);
+}
+
 } // namespace
 
 Commands declare_arguments(CLI::App& app, Arguments& a) {
@@ -238,6 +267,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.heights->add_option("PACK", a.pack, about_pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_tiles(app, a, c);
+    declare_simulate(app, a, c);
     declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
     c.synth->add_option("RECIPE", a.terrain_path, "a terrain recipe (JSON, content/terrain)")->required();

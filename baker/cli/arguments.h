@@ -9,6 +9,7 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/outlets/simulate.h"
 #include "baker/outlets/tiles.h"
 #include "baker/pack/write_set.h"
 
@@ -45,6 +46,9 @@ struct Arguments {
     std::string tiles_folder; // tiles
     TilesOptions tiles;
 
+    std::string simulate_folder, simulator; // simulate
+    SimulateOptions simulate;
+
     std::string recipes_path, materials_path, textures_folder; // materials
     std::uint32_t texels = 512;
 };
@@ -54,6 +58,7 @@ struct Commands {
     CLI::App* verify;
     CLI::App* heights;
     CLI::App* tiles;
+    CLI::App* simulate;
     CLI::App* split;
     CLI::App* join;
     CLI::App* synth;

@@ -163,7 +163,7 @@ bool GroundSurface::visit(const Visit& v, int level, std::int32_t x, std::int32_
     return true;
 }
 
-void GroundSurface::collect(const DegreeBox& box, double tolerance_m, std::vector<Ground>& ground) const {
+void GroundSurface::collect(const DegreeBox& box, double tolerance_m, std::vector<GroundPiece>& ground) const {
     const Visit v{box, box.middle(), tolerance_m};
     const GlobePlace middle = on_globe(v.middle, 0);
     const auto take = [&](double a, double b, double da, double db, const HeightRange& range, const GlobePlace& place,

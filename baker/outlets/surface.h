@@ -19,7 +19,7 @@ struct HeightRange {
 
 // Ground in a tile: a sample, or a block of them as a rectangle and a range of heights. Any mesh that is nowhere
 // farther than e from the whole of it is nowhere farther than e from its samples.
-struct Ground {
+struct GroundPiece {
     float u, v;      // its middle: 0 to 1 from west to east and from south to north
     float du, dv;    // half of its size; 0: a sample
     float low, high; // metres
@@ -42,7 +42,7 @@ public:
 
     // The ground in a box, border included. tolerance_m: blocks, with their surroundings, have no more relief than
     // this, and are no larger than 1/64 of the box; of steeper ground come the samples themselves.
-    void collect(const DegreeBox& box, double tolerance_m, std::vector<Ground>& ground) const;
+    void collect(const DegreeBox& box, double tolerance_m, std::vector<GroundPiece>& ground) const;
     // Is there a sample in it?
     [[nodiscard]] bool touches(const DegreeBox& box) const;
     // Bilinear between samples. Holes are filled as a bake's --void fill does. Beyond the rim the ground sinks or

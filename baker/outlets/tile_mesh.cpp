@@ -131,7 +131,7 @@ private:
         std::vector<std::uint32_t> kept;
         kept.reserve(ground.size());
         for (const std::uint32_t i : ground) {
-            const Ground& g = ground_[i];
+            const GroundPiece& g = ground_[i];
             const double s = side * (x * (static_cast<double>(g.v) - p.v) - y * (static_cast<double>(g.u) - p.u));
             const double reach = std::abs(x) * (static_cast<double>(g.dv) + off_v + rounding) +
                                  std::abs(y) * (static_cast<double>(g.du) + off_u + rounding);
@@ -165,7 +165,7 @@ private:
                      highest = std::max({a.height_m, b.height_m, c.height_m});
         double worst = 0;
         for (const std::uint32_t i : t.ground) {
-            const Ground& g = ground_[i];
+            const GroundPiece& g = ground_[i];
             const double low = static_cast<double>(g.low), high = static_cast<double>(g.high);
             const bool block = g.du > 0 || g.dv > 0;
             const double within = block ? std::abs(by_u) * static_cast<double>(g.du) +
@@ -191,7 +191,7 @@ private:
         return worst;
     }
     // Half of a block's size in metres, generously.
-    double half_m(const Ground& g) const {
+    double half_m(const GroundPiece& g) const {
         constexpr double degree_m = 111.7e3;
         return degree_m * (static_cast<double>(g.du) * (mesh_.box.east - mesh_.box.west) +
                            static_cast<double>(g.dv) * (mesh_.box.north - mesh_.box.south));
@@ -237,7 +237,7 @@ private:
     const TileRules& rules_;
     const GlobePlace middle_;
     TileMesh mesh_;
-    std::vector<Ground> ground_;
+    std::vector<GroundPiece> ground_;
     std::deque<Triangle> triangles_;
     std::unordered_map<std::uint32_t, std::array<std::int64_t, 2>> over_; // by the middles of their hypotenuses
     std::unordered_map<std::uint32_t, Corner> corners_;
