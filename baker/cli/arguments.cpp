@@ -172,6 +172,31 @@ void add_common_options(CLI::App& app, Arguments& a) {
     }
 }
 
+void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
+    c.tiles = app.add_subcommand(
+        "tiles", "write a pack as a pyramid of terrain tiles for globes (quantized-mesh 1.0, as CesiumJS reads it)");
+    c.tiles->add_option("PACK", a.pack, about_pack)->required();
+    c.tiles->add_option("-o,--output", a.tiles_folder, "the new folder to write: layer.json and z/x/y.terrain")
+        ->required();
+    c.tiles
+        ->add_option_function<std::string>(
+            "--tiling",
+            [&a](const std::string& word) {
+                a.tiles.tiling = word == "mercator" ? Tiling::mercator : Tiling::geographic;
+            },
+            "geographic: EPSG:4326 with two tiles at level 0 (default); mercator: EPSG:3857 with one")
+        ->check(io::one_of({"geographic", "mercator"}));
+    c.tiles
+        ->add_option("--max-level", a.tiles.max_level,
+                     "the finest level; default: the first whose error is at most a fifth of the samples' spacing")
+        ->check(io::whole_within(0, most_tile_level));
+    c.tiles->add_flag("!--no-normals", a.tiles.normals, "leave out normals, which viewers need for light");
+    c.tiles->add_flag("!--no-gzip", a.tiles.gzip,
+                      "leave tiles uncompressed, for servers that do not send Content-Encoding: gzip");
+    add_how_options(*c.tiles, a);
+    c.tiles->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+}
+
 void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
     c.split->add_option("PACK", a.pack, "the pack")->required();
@@ -241,6 +266,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
     c.heights->add_option("PACK", a.pack, about_pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_tiles(app, a, c);
     declare_simulate(app, a, c);
     declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");

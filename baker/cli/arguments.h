@@ -10,6 +10,7 @@
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
 #include "baker/outlets/simulate.h"
+#include "baker/outlets/tiles.h"
 #include "baker/pack/write_set.h"
 
 namespace fjell::baker {
@@ -29,7 +30,7 @@ struct Arguments {
     int at_once = 1;
     bool dry_run = false;
 
-    std::string pack;      // info, verify, heights
+    std::string pack;      // info, verify, heights, tiles
     std::string info_json; // where to; empty: as a table
     std::string picture_path;
     PictureOptions picture;
@@ -42,6 +43,9 @@ struct Arguments {
 
     std::string terrain_path, dem_path; // synth, heights
 
+    std::string tiles_folder; // tiles
+    TilesOptions tiles;
+
     std::string simulate_folder, simulator; // simulate
     SimulateOptions simulate;
 
@@ -53,6 +57,7 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* tiles;
     CLI::App* simulate;
     CLI::App* split;
     CLI::App* join;

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, split, join, synth, materials. Exit codes: 0 done, 1 the input is
-// at fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, tiles, split, join, synth, materials. Exit codes: 0 done, 1 the
+// input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -165,6 +165,48 @@ int run_heights(const Arguments& a) {
     return 0;
 }
 
+json tiles_json(const TilesSummary& s) {
+    json levels = json::array();
+    for (const LevelSummary& l : s.levels)
+        levels.push_back({{"level", l.level},
+                          {"tiles", l.tiles},
+                          {"vertices", l.vertices},
+                          {"triangles", l.triangles},
+                          {"bytes", l.bytes},
+                          {"error_m", l.error_m},
+                          {"assumed_error_m", l.assumed_error_m},
+                          {"tiles_above", l.above}});
+    return {{"levels", levels}, {"resumed", s.resumed}};
+}
+
+void print_tiles(const TilesSummary& s, const std::string& folder) {
+    if (s.resumed) fmt::print("went on from an earlier run\n");
+    fmt::print("level    tiles  triangles      MB  error m  assumed m\n");
+    for (const LevelSummary& l : s.levels)
+        fmt::print("{:5} {:8} {:10} {:7.2f} {:8.2f} {:10.2f}\n", l.level, l.tiles, l.triangles,
+                   static_cast<double>(l.bytes) / 1e6, l.error_m, l.assumed_error_m);
+    for (const LevelSummary& l : s.levels)
+        if (l.above > 0)
+            fmt::print(
+                "level {}: {} tiles have cliffs that no mesh of their grid follows: their errors are larger than "
+                "viewers assume\n",
+                l.level, l.above);
+    fmt::print("wrote {}\n", folder);
+}
+
+int run_tiles(Arguments a) {
+    refuse_overwriting({a.tiles_folder + "/", a.json_path}, files_of_pack(a.pack));
+    JsonOutput summary(a.json_path);
+    ProgressBar bar(a.quiet);
+    a.tiles.threads = a.threads;
+    a.tiles.memory_bytes = std::uint64_t{a.memory_mb} << 20;
+    a.tiles.progress = std::ref(bar);
+    const TilesSummary s = write_tiles(PackSource(a.pack), a.pack, a.tiles, a.tiles_folder);
+    summary.write(tiles_json(s));
+    if (!a.quiet && a.json_path != "-") print_tiles(s, a.tiles_folder);
+    return 0;
+}
+
 int run_simulate(const Arguments& a) {
     refuse_overwriting({a.simulate_folder + "/", a.json_path}, files_read(a.given));
     JsonOutput summary(a.json_path);
@@ -226,16 +268,18 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.split->parsed() || commands.join->parsed() || commands.synth->parsed() ||
-                       commands.materials->parsed();
+                       commands.tiles->parsed() || commands.split->parsed() || commands.join->parsed() ||
+                       commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
         throw Failure(
-            2, "info, verify, heights, split, join, synth and materials bake nothing; leave out the height field and "
-               "-o, or the command");
+            2,
+            "info, verify, heights, tiles, split, join, synth and materials bake nothing; leave out the height field "
+            "and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
+    if (commands.tiles->parsed()) return run_tiles(a);
     if (commands.simulate->parsed()) return run_simulate(a);
     if (commands.split->parsed()) return run_split(a);
     if (commands.join->parsed()) return run_join(a);
