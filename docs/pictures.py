@@ -6,11 +6,11 @@ docs/pictures.py BIN --tenth FOLDER [NAME...] [-- OPTIONS...]
                                                  a tenth as wide and high, as PNG, into FOLDER; with other options of fjell-fly
 
 In a page, <!-- makes NAME [WIDTHxHEIGHT] [FRAME] --> is the line above a block of commands; or, without its end, above
-commands that a reader need not see, with the end on a line of its own. The picture that its last
-command draws becomes docs/pictures/NAME, of that size; of several frames it is the last, or the named one. What the
-command reads is made first, by commands before it in the page. Height fields and images that the page names come from the folder FJELL_DATA; where
-they are not, the picture is skipped. A name stands for all pictures that begin with it. Bakes are kept in the folder
-pictures beside BIN and made again when their commands or fjell-bake are newer.
+commands that a reader need not see, with the end on a line of its own. The picture that its last command draws becomes
+docs/pictures/NAME, of that size; of several frames it is the last, or the named one. What the command reads is made
+first, by commands before it in the page. ./dev demo bakes the Earth. Other height fields and images that the page names
+come from the folder FJELL_DATA; where they are not, the picture is skipped. A NAME stands for all pictures that begin
+with it. Bakes are kept in the folder pictures beside BIN, and made again when their commands or fjell-bake are newer.
 Exit codes: 0 done, 1 a command failed, 2 usage.
 """
 
@@ -125,7 +125,7 @@ class Page:
         if not option(command, "-o"):
             raise Missing(shlex.split(command)[-1])
         if self.tenth and command.startswith("fjell-bake materials"):
-            command += " --size 128"  # small pictures show coarse mips, and all of them would take half of the time
+            command += " --size 256"  # small pictures show coarse mips, and all of them would take most of the time
         history = self.prepare(at) + command + "\n"
         stamp = os.path.join(self.folder, option(command, "-o") + ".command")
         read = [os.path.join(self.binaries, shlex.split(command)[0])] + [os.path.join(ROOT, word) for word in shlex.split(command)]
@@ -231,16 +231,16 @@ def parts(page, at, out):
         state = json.load(file)
     marks, view = state["marks"], state["interface"]["view_px"]
     right = lambda name: (marks[name][0] + marks[name][2], marks[name][1] + marks[name][3] / 2)
-    places = [right("menu.help"), right("panel.time"), right("camera.home"), right("map.overview"), right("path.seek"),
-              right("camera.x"), (marks["handle.left-column"][0] + 5, view[1] + 0.62 * view[3]),
+    places = [right("menu.help"), right("panel.light"), right("group.view.picture"), right("group.view.overlays"),
+              right("map.overview"), right("group.view.position"), (marks["handle.left-column"][0] + 5, view[1] + 0.62 * view[3]),
               (view[0] + 0.5 * view[2], view[1] + 0.6 * view[3]), right("status.threshold"), right("status.triangles")]
     drawing = []
     for number, (x, y) in enumerate(places, 1):
         radius = 11 if number < 9 else 8
-        if number < 4 or number > 8:  # beside the text; the others lie on their parts
+        if number < 3 or number > 8:  # beside the text; the others lie on their parts
             x += radius + 2
         drawing += ["-fill", "#d55e00", "-stroke", "white", "-strokewidth", "1.5", "-draw", f"circle {x:.0f},{y:.0f} {x + radius:.0f},{y:.0f}",
-                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + 3), "-gravity", "northwest",
+                    "-fill", "white", "-stroke", "none", "-font", "DejaVu-Sans-Bold", "-pointsize", str(radius + (3 if number < 10 else 1)), "-gravity", "northwest",
                     "-annotate", f"+{x - radius * len(str(number)) * 0.42:.0f}+{y - 0.72 * radius:.0f}", str(number)]
     convert([picture, *drawing], out)
 
@@ -290,7 +290,7 @@ def main(arguments):
                 make(page, at, names, folder)
                 made += 1
             except Missing as missing:
-                print(f"    skipped: there is no {missing}; FJELL_DATA names the folder of real height fields", flush=True)
+                print(f"    skipped: there is no {missing}; ./dev demo bakes the Earth, FJELL_DATA names the folder of other height fields", flush=True)
                 skipped += 1
     print(f"pictures: {made} made, {skipped} skipped")
     return 0 if made or skipped else 2

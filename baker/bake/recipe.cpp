@@ -145,7 +145,9 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"estimate",
          Of::pack,
          &Recipe::estimate,
-         "world-space error: max (true, default) or midpoint",
+         "what a vertex' error is: max (default), the largest under it, which is a bound; or midpoint, the error at "
+         "the "
+         "vertex alone, which is not",
          {"max", "midpoint"}},
         {"nesting",
          Of::pack,
@@ -201,9 +203,8 @@ const std::vector<RecipeKey>& recipe_keys() {
          std::numeric_limits<double>::infinity(),
          "control"},
         {"crs", Of::reading, &Recipe::crs,
-         "auto (default: a field in degrees, or in a CRS whose metres are not metres on the ground, is reprojected to "
-         "a suitable projection), keep or none (nothing is reprojected), or a projected CRS to reproject to, such as "
-         "EPSG:32633"},
+         "auto (default): reproject a field in degrees, or in a CRS whose metres are not metres on the ground; keep or "
+         "none: reproject nothing; or the projected CRS to reproject to, such as EPSG:32633"},
         {"encoding",
          Of::reading,
          &Recipe::encoding,
@@ -212,12 +213,12 @@ const std::vector<RecipeKey>& recipe_keys() {
         {"nodata",
          Of::reading,
          &Recipe::nodata,
-         "samples without a height: leave a hole, fill from their neighbours, or refuse (default: samples that the "
-         "file marks and NaN become holes, implausible heights are refused)",
+         "samples without a height: leave a hole, fill from their neighbours, or refuse. Default: samples that the "
+         "file marks, and NaN, become holes; implausible heights are refused",
          {"hole", "fill", "refuse"}},
         {"spacing", Of::reading, &Recipe::spacing,
-         "metres between samples, for a file without a georeference; a file in degrees is taken as a square grid, a "
-         "file in a projected CRS is resampled"},
+         "metres between samples; a file without a georeference needs it. With it a file in degrees is taken as a "
+         "square grid, and a file in a projected CRS is resampled"},
         {"band", Of::reading, &Recipe::band,
          "the band of heights in a file with several bands: its number, from 1, or its name (default: the band that is "
          "named as elevation)"},
@@ -233,9 +234,8 @@ const std::vector<RecipeKey>& recipe_keys() {
          "WEST,SOUTH,EAST,NORTH: only the samples inside; in units of the CRS after reprojection, in degrees if the "
          "field is in degrees, or in columns and rows from the north-west if the field has no georeference"},
         {"void", Of::reading, &Recipe::voids,
-         "a number that means \"no height\" although the file does not mark it, as the file has it: before its scale "
-         "and offset and before --zscale; may be repeated. With none, every other number is a height, even one that "
-         "looks like a void"}};
+         "a number that means \"no height\" although the file does not mark it: the number in the file, before any "
+         "scale and offset; may be repeated. none: every other number is a height, even one that looks like a void"}};
     return keys;
 }
 

@@ -42,9 +42,10 @@ void add_old_name(CLI::App& app, CLI::Option& now, Recipe& r, const RecipeKey& k
     const std::string before = std::string("--") + key.old_name;
     std::visit([&](const auto member) { return add_key(app, before, r.*member, key); }, key.member)
         ->group("")
-        ->excludes(&now)
-        ->each(
-            [before, &key](const std::string&) { fmt::print(stderr, "fjell-bake: {}\n", renamed_line(key, before)); });
+        ->each([before, &key, &now](const std::string&) {
+            if (now.count() != 0) throw CLI::ExcludesError(before, now.get_name());
+            fmt::print(stderr, "fjell-bake: {}\n", renamed_line(key, before));
+        });
 }
 
 // reading: only how files become heights in metres, for verify --against. Else all that a pack's bytes depend on.
@@ -74,8 +75,8 @@ void declare_bake(CLI::App& app, Arguments& a) {
     add_how_options(app, a);
     app.add_option(
            "--checkpoint", a.checkpoint_s,
-           "keep complete stages on the disk, so that the bake can be resumed, even if all fits --memory; if an input "
-           "fails within this many seconds, its files are removed (default 5)")
+           "work in files even if all fits --memory, so that an interrupted bake can be resumed; the files are removed "
+           "if an input fails within this many seconds (default 5)")
         ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
@@ -96,6 +97,7 @@ void add_packs_option(CLI::App& command, Arguments& a, const std::string& about)
     command.add_option_function<std::string>("--packs", parse, about)->type_name("AxB");
 }
 
+constexpr const char* about_pack = "a pack, or the folder of a pack set";
 constexpr const char* about_set =
     "write a pack set instead, with so many packs across and down: OUT is its folder; packs without any ground are "
     "left out";
@@ -170,13 +172,67 @@ void add_common_options(CLI::App& app, Arguments& a) {
     }
 }
 
+void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
+    c.tiles = app.add_subcommand(
+        "tiles", "write a pack as a pyramid of terrain tiles for globes (quantized-mesh 1.0, as CesiumJS reads it)");
+    c.tiles->add_option("PACK", a.pack, about_pack)->required();
+    c.tiles->add_option("-o,--output", a.tiles_folder, "the new folder to write: layer.json and z/x/y.terrain")
+        ->required();
+    c.tiles
+        ->add_option_function<std::string>(
+            "--tiling",
+            [&a](const std::string& word) {
+                a.tiles.tiling = word == "mercator" ? Tiling::mercator : Tiling::geographic;
+            },
+            "geographic: EPSG:4326 with two tiles at level 0 (default); mercator: EPSG:3857 with one")
+        ->check(io::one_of({"geographic", "mercator"}));
+    c.tiles
+        ->add_option("--max-level", a.tiles.max_level,
+                     "the finest level; default: the first whose error is at most a fifth of the samples' spacing")
+        ->check(io::whole_within(0, most_tile_level));
+    c.tiles->add_flag("!--no-normals", a.tiles.normals, "leave out normals, which viewers need for light");
+    c.tiles->add_flag("!--no-gzip", a.tiles.gzip,
+                      "leave tiles uncompressed, for servers that do not send Content-Encoding: gzip");
+    add_how_options(*c.tiles, a);
+    c.tiles->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+}
+
 void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     c.split = app.add_subcommand("split", "take a pack apart into a pack set, a folder that is opened like one pack");
-    c.split->add_option("PACK", a.pack)->required();
+    c.split->add_option("PACK", a.pack, "the pack")->required();
     c.split->add_option("-o,--output", a.set_folder, "the folder to write")->required();
     add_packs_option(*c.split, a, "packs across and down (default 2x2); packs without any ground are left out");
     c.join = app.add_subcommand("join", "make a pack set of the packs in a folder, if they agree where they meet");
     c.join->add_option("FOLDER", a.set_folder, "the packs' folder; its set.json is written")->required();
+}
+
+void declare_simulate(CLI::App& app, Arguments& a, Commands& c) {
+    c.simulate = app.add_subcommand("simulate", "write a height field as ground for a physics engine");
+    c.simulate->add_option("IN", a.given.inputs, recipe_key("inputs").about)->required();
+    c.simulate->add_option("-o,--output", a.simulate_folder, "the folder to write")->required();
+    c.simulate
+        ->add_option("--for", a.simulator,
+                     "mujoco: a height field and its MJCF; sdf: a model for Gazebo; urdf: a mesh, for Bullet and DART")
+        ->required()
+        ->check(io::one_of({std::begin(simulator_names), std::end(simulator_names)}));
+    c.simulate
+        ->add_option("--max-error-m", a.simulate.max_error_m,
+                     "metres that the mesh of sdf and urdf may be off a sample (default 0.05)")
+        ->check(io::within(0, 1e6));
+    const auto area = [&a](const std::vector<double>& numbers) {
+        a.simulate.area = {numbers[0], -numbers[1], numbers[2], numbers[3]};
+    };
+    c.simulate
+        ->add_option_function<std::vector<double>>(
+            "--area", area,
+            "X,Y,RADIUS,GROWTH: --max-error-m holds within RADIUS metres of (X, Y), in the engine's axes; beyond it "
+            "the mesh may be off GROWTH metres more for each metre of distance")
+        ->delimiter(',')
+        ->expected(4)
+        ->type_name("X,Y,RADIUS,GROWTH");
+    c.simulate->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
+    c.simulate->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    add_recipe_options(*c.simulate, a.given, true);
 }
 
 } // namespace
@@ -186,7 +242,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     declare_bake(app, a);
     Commands c{};
     c.info = app.add_subcommand("info", "describe a pack");
-    c.info->add_option("PACK", a.pack); // looked for in what is parsed: it may stand behind --json
+    c.info->add_option("PACK", a.pack, about_pack); // looked for in what is parsed: it may stand behind --json
     c.info
         ->add_option_function<std::string>(
             "--json", [&a](const std::string& path) { a.info_json = path.empty() ? "-" : path; },
@@ -199,7 +255,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
         ->check(io::whole_within(min_picture_px, max_picture_px))
         ->needs(picture);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
-    c.verify->add_option("PACK", a.pack)->required();
+    c.verify->add_option("PACK", a.pack, about_pack)->required();
     c.verify->add_option(
         "--against", a.against.inputs,
         "the height field it was baked from, one file or several, read with the options in the pack, or "
@@ -208,11 +264,13 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
     add_recipe_options(*c.verify, a.against, true);
     c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
-    c.heights->add_option("PACK", a.pack)->required();
+    c.heights->add_option("PACK", a.pack, about_pack)->required();
     c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_tiles(app, a, c);
+    declare_simulate(app, a, c);
     declare_split(app, a, c);
     c.synth = app.add_subcommand("synth", "make a height field from a recipe");
-    c.synth->add_option("RECIPE", a.terrain_path)->required();
+    c.synth->add_option("RECIPE", a.terrain_path, "a terrain recipe (JSON, content/terrain)")->required();
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
     declare_shards(app, a, c);

@@ -9,6 +9,8 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/outlets/simulate.h"
+#include "baker/outlets/tiles.h"
 #include "baker/pack/write_set.h"
 
 namespace fjell::baker {
@@ -28,7 +30,7 @@ struct Arguments {
     int at_once = 1;
     bool dry_run = false;
 
-    std::string pack;      // info, verify, heights
+    std::string pack;      // info, verify, heights, tiles
     std::string info_json; // where to; empty: as a table
     std::string picture_path;
     PictureOptions picture;
@@ -41,6 +43,12 @@ struct Arguments {
 
     std::string terrain_path, dem_path; // synth, heights
 
+    std::string tiles_folder; // tiles
+    TilesOptions tiles;
+
+    std::string simulate_folder, simulator; // simulate
+    SimulateOptions simulate;
+
     std::string recipes_path, materials_path, textures_folder; // materials
     std::uint32_t texels = 512;
 };
@@ -49,6 +57,8 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* tiles;
+    CLI::App* simulate;
     CLI::App* split;
     CLI::App* join;
     CLI::App* synth;

@@ -126,9 +126,11 @@ int run_plan(const Arguments& a) {
     if (a.quiet) return 0;
     fmt::print("{}: {} shards of {} x {} samples in tiles of {} cells\n", a.plan_folder, plan.shards, plan.columns,
                plan.rows, 1 << plan.tile_log2);
-    fmt::print("for each step of{}: all shards from fjell-bake shard {} 1/{} --step STEP on, in any order; then "
-               "fjell-bake merge {} -o OUT.fjell\n",
-               steps, a.plan_folder, plan.shards, a.plan_folder);
+    fmt::print(
+        "next, all of it: fjell-bake launch {0} -o OUT.fjell\n"
+        "or by hand: fjell-bake shard {0} K/{1} --step STEP, for each step of{2} and in it for every K from 1 to "
+        "{1}; then fjell-bake merge {0} -o OUT.fjell\n",
+        a.plan_folder, plan.shards, steps);
     if (bakes_voids)
         fmt::print("voids are baked like ground, because horizons and wetness look at all heights; leave both out to "
                    "save that\n");

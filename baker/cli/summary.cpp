@@ -74,9 +74,10 @@ json summary_json(const BakeSummary& s) {
 }
 
 void print_summary(const BakeSummary& s, const std::string& output) {
-    if (s.work_damaged) fmt::print("what an earlier bake had left in its work folder was damaged; baked anew\n");
-    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m, largest error {:.4g} m\n", output,
-               s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);
+    if (s.work_damaged) fmt::print("the work files of an earlier bake were damaged; this bake began anew\n");
+    fmt::print("{}: {} x {} samples in {} x {} tiles of {} cells, quantum {:.4g} m; the coarsest mesh is off by up to "
+               "{:.4g} m\n",
+               output, s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(), s.quantum_m, s.ground_error_m);
     fmt::print("{}", describe(s));
     if (const auto tiles = std::int64_t{s.tree.tiles_x} * s.tree.tiles_y; tiles > 1024)
         fmt::print("its {} tiles need as many page_slots in a profile that streams it; a larger --tile needs fewer\n",
@@ -143,8 +144,8 @@ std::string describe(const BakeSummary& s, bool source_known) {
         text += " (";
         if (!f.driver.empty()) text += f.driver + ", " + f.type + "; ";
         if (!f.band.empty()) text += "band " + f.band + "; ";
-        text += f.height_unit.empty() ? "the file names no unit" : "in the file in " + f.height_unit;
-        text += fmt::format(": 1 is {:.7g} m)", f.height_unit_m);
+        text += f.height_unit.empty() ? "the file names no unit" : "the file's unit is " + f.height_unit;
+        text += fmt::format("; 1 in it is {:.7g} m)", f.height_unit_m);
     }
     const double samples = static_cast<double>(s.columns) * s.rows;
     text += s.voids

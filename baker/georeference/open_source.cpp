@@ -14,6 +14,7 @@
 #include "baker/georeference/warp.h"
 #include "baker/read/gdal_file.h"
 #include "baker/read/mosaic.h"
+#include "baker/read/void_check.h"
 #include "fjell/pack.h"
 
 namespace fjell::baker {
@@ -267,9 +268,7 @@ public:
     std::string identity() const override;
 
 private:
-    void refuse_voids(const ReadStatistics& statistics) const;
-    // Throws for heights that look like voids; else what is only worth a line.
-    void tell_voids(const ReadStatistics& statistics, SourceProperties& properties) const;
+    [[nodiscard]] VoidCheck void_check() const;
     [[nodiscard]] VoidFindings count_again() const;
     [[nodiscard]] bool same_scale() const;
     std::shared_ptr<const ReadPlan> plan_;
@@ -286,33 +285,10 @@ std::vector<Window> FileSource::windows(std::size_t most) const {
     return windows;
 }
 
-// Throws for what the user has to decide about, and for files without any height.
-void FileSource::refuse_voids(const ReadStatistics& statistics) const {
-    constexpr const char* remedy =
-        "give --nodata hole to leave them open or --nodata fill to fill them from their neighbours";
-    const std::string path = plan_->names();
-    const NoData nodata = plan_->options.nodata;
-    const std::uint64_t all = plan_->crop.area();
-    const auto& voids = statistics.voids;
-    const auto& implausible = statistics.implausible;
-    if (!(statistics.least_m <= statistics.most_m)) {
-        std::string text =
-            fmt::format("{}: all {} samples are no-data, NaN or outside {}..{} m; give a file with heights", path, all,
-                        lowest_m, highest_m);
-        if (implausible.count)
-            text += fmt::format(", or if such as {} m are heights: --zscale S for another unit, --zoffset M if they "
-                                "count from elsewhere, --void none if they are right",
-                                statistics.implausible_m);
-        throw Failure(1, text);
-    }
-    if (implausible.count && (nodata == NoData::automatic || nodata == NoData::refuse))
-        throw Failure(1, fmt::format("{}: {} of {} heights lie outside {}..{} m, the first {} m at column {}, row {}; "
-                                     "if they are voids, {}; if the unit is another, give --zscale S",
-                                     path, implausible.count, all, lowest_m, highest_m, statistics.implausible_m,
-                                     implausible.column, implausible.row, remedy));
-    if (voids.count && nodata == NoData::refuse && !plan_->warped) // corners of what is reprojected are no one's fault
-        throw Failure(1, fmt::format("{}: {} of {} samples are no-data or NaN, the first at column {}, row {}; {}",
-                                     path, voids.count, all, voids.column, voids.row, remedy));
+VoidCheck FileSource::void_check() const {
+    const ReadOptions& o = plan_->options;
+    return {plan_->names(),     o.nodata,      o.voids.no_others,
+            plan_->crop.area(), plan_->warped, plan_->layout.files.front().facts.decoding.scaling};
 }
 
 bool FileSource::same_scale() const {
@@ -336,42 +312,16 @@ VoidFindings FileSource::count_again() const {
     return find_voids(all.ends, same_scale());
 }
 
-void FileSource::tell_voids(const ReadStatistics& statistics, SourceProperties& properties) const {
-    if (plan_->options.voids.no_others) return;
-    VoidFindings found = find_voids(statistics.ends, same_scale());
-    if (plan_->warped && !found.voids.empty()) found = count_again();
-    const Scaling& scaling = plan_->layout.files.front().facts.decoding.scaling;
-    if (!found.voids.empty()) {
-        std::string what, options;
-        for (const NumberTally& v : found.voids) {
-            what += fmt::format("{}{} of {} heights are {}, the first at column {}, row {}", what.empty() ? "" : ", ",
-                                v.samples.count, found.samples, number_text(v.number), v.samples.column, v.samples.row);
-            options += fmt::format(" --void {}", number_text(v.number));
-        }
-        const std::string others = found.others ? fmt::format("; all others lie from {} to {}",
-                                                              number_text(found.least), number_text(found.most))
-                                                : "";
-        throw Failure(1, fmt::format("{}: {}{}{}; if they are voids, give{} (they become holes, or are filled with "
-                                     "--nodata fill); if they are ground, --void none",
-                                     plan_->names(), what, others,
-                                     scaling == Scaling{} ? "" : " (numbers as the file has them)", options));
-    }
-    for (const Repeated& r : found.repeated)
-        (r.lowest ? properties.lowest
-                  : properties.highest) = {r.at.number, scaling.asked_m(scaling.file_m(r.at.number)),
-                                           static_cast<double>(r.at.samples.count) / static_cast<double>(found.samples),
-                                           r.at.samples.column, r.at.samples.row};
-}
-
 SourceProperties FileSource::properties(const ReadStatistics& statistics) const {
-    refuse_voids(statistics);
-    // Squares of heights must stay far from float's largest value, like those of extents.
-    if (statistics.least_m < -max_extent_m || statistics.most_m > max_extent_m)
-        throw Failure(2, fmt::format("{}: heights become {}..{} m; give a smaller --zscale", plan_->names(),
-                                     statistics.least_m, statistics.most_m));
+    const VoidCheck check = void_check();
+    refuse_voids(statistics, check);
     SourceProperties s;
     s.holes = statistics.voids.count + statistics.implausible.count > 0 && plan_->options.nodata != NoData::fill;
-    tell_voids(statistics, s);
+    if (!check.no_others) {
+        VoidFindings found = find_voids(statistics.ends, same_scale());
+        if (plan_->warped && !found.voids.empty()) found = count_again();
+        tell_voids(found, check, s);
+    }
     const FileFacts& first = plan_->layout.files.front().facts;
     const Scaling& scaling = first.decoding.scaling;
     s.anchor_m = scaling.asked_m(scaling.file_offset_m);

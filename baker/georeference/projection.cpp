@@ -90,7 +90,7 @@ bool is_in_degrees(const ReadOptions& options, const Degrees& all) {
 // The box, in degrees, that was asked for; of a field that no plane holds there must be one. Throws Failure.
 Degrees box_in_degrees(const Degrees& all, const ReadOptions& options, const std::string& path,
                        const OGRSpatialReference& geographic) {
-    const std::string spans = fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing",
+    const std::string spans = fmt::format("{}: spans {:.0f} x {:.0f} degrees, which no flat map shows undistorted",
                                           path, all.east - all.west, all.north - all.south);
     if (!options.bbox)
         throw Failure(1, fmt::format("{}; give --bbox WEST,SOUTH,EAST,NORTH in degrees for a part, --crs {} for all of "
@@ -124,10 +124,9 @@ ReprojectionTarget automatic_target(const Placement& from, const ReadOptions& op
     const Degrees box = box_in_degrees(all, options, path, geographic);
     if (!crs) crs = crs_for(geographic, box.west, box.south, box.east, box.north);
     if (!crs)
-        throw Failure(1,
-                      fmt::format("{}: --bbox spans {:.0f} x {:.0f} degrees, which no plane holds without squeezing; "
-                                  "give at most 90 x 90, or --crs {} without --bbox for all of it",
-                                  path, box.east - box.west, box.north - box.south, whole_body_crs(geographic)));
+        throw Failure(1, fmt::format("{}: --bbox spans {:.0f} x {:.0f} degrees, which no flat map shows undistorted; "
+                                     "give at most 90 x 90, or --crs {} without --bbox for all of it",
+                                     path, box.east - box.west, box.north - box.south, whole_body_crs(geographic)));
     const GdalMessages messages;
     const std::unique_ptr<OGRCoordinateTransformation> to_plane(
         OGRCreateCoordinateTransformation(&geographic, crs.get()));

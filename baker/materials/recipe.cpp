@@ -214,7 +214,7 @@ std::vector<MaterialRecipe> read_materials(const std::string& path) {
         files.push_back(path);
     }
     if (files.size() > io::max_materials)
-        throw Failure(1, fmt::format("{}: holds {} recipes and a file of materials has room for {}; move some away",
+        throw Failure(1, fmt::format("{}: has {} recipes, but a file of materials has room for {}; move some away",
                                      path, files.size(), io::max_materials));
     std::vector<MaterialRecipe> recipes;
     for (const std::string& file : files) {

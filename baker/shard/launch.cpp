@@ -106,8 +106,8 @@ void launch_local(const ShardPlan& plan, const LaunchOptions& o) {
             };
             if (missing() > share.last) return;
             if (run_shell(shard_command(plan, o, step, named(share))) == 0) return;
-            throw Failure(1, fmt::format("{}: shard {}/{} failed in {}; what is complete stays, and the same command "
-                                         "goes on",
+            throw Failure(1, fmt::format("{}: shard {}/{} failed in {}; completed steps stay: repeat the same command "
+                                         "to go on",
                                          plan.folder, std::min(missing(), share.last), plan.shards, step.name()));
         });
     if (const int code = run_shell(merge_command(plan, o)); code != 0)
@@ -177,8 +177,8 @@ void launch(const ShardPlan& plan, const LaunchOptions& o) {
     std::string script;
     for (const std::string& command : launch_commands(plan, o)) script += command + "\n";
     if (run_shell(script) != 0)
-        throw Failure(
-            1, fmt::format("{}: {} failed; what is complete stays, and the same command goes on", plan.folder, needs));
+        throw Failure(1, fmt::format("{}: {} failed; completed steps stay: repeat the same command to go on",
+                                     plan.folder, needs));
 }
 
 } // namespace fjell::baker

@@ -244,8 +244,8 @@ MergedSet Merge::to_set(const SetGrid& grid, const std::string& folder) {
 
 void check_packs(const ShardPlan& plan, const std::optional<SetGrid>& grid) {
     if (plan.packs && plan.packs != grid)
-        throw Failure(2, fmt::format("{}: was planned for a set of {}x{} packs, and what that has no use for was not "
-                                     "baked; give --packs {}x{}, or plan anew into another folder",
+        throw Failure(2, fmt::format("{}: was planned for a set of {}x{} packs, and ground outside them was not baked; "
+                                     "give --packs {}x{}, or plan anew into another folder",
                                      plan.folder, plan.packs->packs_x, plan.packs->packs_y, plan.packs->packs_x,
                                      plan.packs->packs_y));
     if (!grid) return;

@@ -141,7 +141,7 @@ void write_plan(ShardPlan& plan, const Recipe& recipe, const std::string& folder
     }
     for (const auto& entry : fs::directory_iterator(folder))
         if (entry.path().filename() != "recipe.json")
-            throw Failure(1, fmt::format("{}: is not empty and holds no plan; choose another folder", folder));
+            throw Failure(1, fmt::format("{}: is not empty and has no plan; choose another folder", folder));
     write_text(recipe_path(folder), baked);
     write_text(plan_path(folder), text); // last: with it the plan is there
 }
@@ -149,7 +149,7 @@ void write_plan(ShardPlan& plan, const Recipe& recipe, const std::string& folder
 ShardPlan load_plan(const std::string& folder) {
     const std::string path = plan_path(folder);
     if (!fs::exists(path))
-        throw Failure(1, fmt::format("{}: holds no plan, or is not mounted here; make one with fjell-bake plan IN... "
+        throw Failure(1, fmt::format("{}: has no plan, or is not mounted here; make one with fjell-bake plan IN... "
                                      "-o {} --shards N",
                                      folder, folder));
     const std::string text = io::read_text(path), recipe = io::read_text(recipe_path(folder));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fjell/io/failure.h"
+#include "io/stop_flag.h"
 
 namespace fjell::baker {
 
@@ -33,7 +34,8 @@ void parallel_for(std::int64_t count, int threads, const Body& body) {
     std::atomic<std::int64_t> next{0};
     std::exception_ptr error;
     std::mutex error_lock;
-    const auto work = [&] {
+    const auto work = [&, stop = io::stop_flag()] {
+        const io::StopScope scope(stop);
         try {
             for (std::int64_t i = next++; i < count; i = next++) {
                 io::check_interrupt();

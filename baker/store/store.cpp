@@ -203,10 +203,10 @@ bool WorkFolder::take_lock(const std::string& pack_path) {
     // Asked twice: a bake that moves in makes its lock first.
     if (!std::filesystem::exists(name, ignored) && !std::filesystem::is_empty(path_, ignored) && !ignored &&
         !std::filesystem::exists(name, ignored))
-        throw Failure(
-            1, fmt::format("{}: is not a bake's folder, and what is in it would be lost; move it away, or choose "
-                           "another name for {}",
-                           path_, pack_path));
+        throw Failure(1,
+                      fmt::format("{}: is not the work folder of a bake, and its files would be lost; move it away, or "
+                                  "choose another name for {}",
+                                  path_, pack_path));
     lock_ = io::uninterrupted([&] { return open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666); });
     if (lock_ < 0 && errno == ENOENT) return false;
     if (lock_ < 0) {

@@ -42,7 +42,7 @@ struct Flags {
 
 void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("PACK", o.pack, "the terrain, from fjell-bake: a pack, or the folder of a pack set")->required();
-    app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags win over it");
+    app.add_option("--profile", o.profile_path, "budgets and thresholds (profiles/*.toml); flags override it");
     app.add_option("--path", o.path, "camera path (content/paths/*.json); default: an orbit");
     app.add_option("--frames", o.frames, "frames to resample the path to (default 840); a window closes after them")
         ->check(io::whole_within(1, most_frames));
@@ -319,11 +319,12 @@ void check_together(const FlightOptions& o) {
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");
-    if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always is");
+    if (!o.headless && o.realtime) throw Failure(2, "--realtime needs --headless: a window always keeps real time");
     if (o.wait && o.realtime) throw Failure(2, "--wait and --realtime exclude each other; give one of them");
     if (o.streaming == Streaming::off && (o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0))
-        throw Failure(2, "--cold, --read-mb-s and --read-latency-ms are about streaming, and --stream off has none: "
-                         "leave them out, or give --stream on");
+        throw Failure(2,
+                      "--cold, --read-mb-s and --read-latency-ms apply to streaming, and --stream off streams nothing: "
+                      "leave them out, or give --stream on");
     if (o.render_folder.empty() && o.render_every != 1) throw Failure(2, "--render-every needs --render DIR");
     if (o.csv == "-" && o.json == "-")
         throw Failure(2, "--csv - and --json - would mix on standard output; give one of them a file");
@@ -358,7 +359,7 @@ void check_together(const FlightOptions& o) {
 
 bool parse_options(int argc, char** argv, FlightOptions& options) {
     Flags flags;
-    CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless."};
+    CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless.", "fjell-fly"};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
     declare_light(app, options, flags);

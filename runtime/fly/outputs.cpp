@@ -135,8 +135,8 @@ std::string stream_rows(const Summary& summary) {
                                     r.mips_read, static_cast<double>(r.bytes_read) / 1e6, s.converged));
     text += row("stream update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean,
                                                   s.update_us.p50, s.update_us.p99, s.update_us.max));
-    text += row("page slots",
-                fmt::format("{} used, {} peak, {} there", r.page_slots.used, r.page_slots.peak, r.page_slots.capacity));
+    text += row("page slots", fmt::format("{} used, {} peak, {} in all", r.page_slots.used, r.page_slots.peak,
+                                          r.page_slots.capacity));
     if (s.picture_s)
         text +=
             row("first whole picture", fmt::format("{:.2f} s after opening, frame {}", *s.picture_s, *s.picture_frame));
@@ -153,7 +153,9 @@ std::string table(const FlightOptions& o, const Summary& s, const Verification& 
                               o.profile.refine.max_error_px));
     row("update [us]", fmt::format("{:.0f} mean, {:.0f} p50, {:.0f} p99, {:.0f} max", s.update_us_mean, s.update_us.p50,
                                    s.update_us.p99, s.update_us.max));
-    if (s.rebuilt) row("built from nothing", fmt::format("{:.0f} us, once; not in the figures above", s.rebuild_us));
+    if (s.rebuilt)
+        row("built from nothing",
+            fmt::format("{:.0f} us, once{}", s.rebuild_us, s.rebuilt < s.frames ? "; not in the figures above" : ""));
     row(s.incremental ? "active vertices" : "selected vertices",
         fmt::format("{:.0f} mean, {} max, {:.1f} ns each", s.vertices_mean, s.vertices_max, s.ns_per_vertex));
     row("triangles", fmt::format("{:.0f} mean, {} max", s.triangles_mean, s.triangles_max));

@@ -154,7 +154,7 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     s.spacing_z_m = terrain.header().spacing_m[1];
     s.diagonal_m =
         std::hypot(s.spacing_x_m * (terrain.header().columns - 1), s.spacing_z_m * (terrain.header().rows - 1));
-    if (!terrain.valid()) fail("there is no terrain behind the handle; create it first");
+    if (!terrain.valid()) fail("the terrain's handle is empty or destroyed; create a terrain first");
     check_limits(options);
     // llvmpipe walks an ellipse of texels whose size it does not bound where uv is extrapolated at the rim of tiny
     // multisampled triangles: frames of half a minute were seen.

@@ -22,7 +22,8 @@ namespace fjell::gltf {
 namespace {
 
 void check(const Terrain& terrain, const SnapshotInfo& info) {
-    if (!terrain.valid()) throw io::Failure(2, "there is no terrain behind the handle; load it with load_terrain");
+    if (!terrain.valid())
+        throw io::Failure(2, "the terrain's handle is empty or destroyed; load a terrain first (load_terrain)");
     if (const Status status = validate(info.view); !status.ok())
         throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
     if (!(info.error_px > 0 && info.error_bound_px > 0 && std::isfinite(info.error_bound_px)))
@@ -150,7 +151,8 @@ RecursiveBudget largest_budget(const Terrain& terrain) {
 } // namespace
 
 Snapshot take_refined(const Terrain& terrain, const View& view, double error_px) {
-    if (!terrain.valid()) throw io::Failure(2, "there is no terrain behind the handle; load it with load_terrain");
+    if (!terrain.valid())
+        throw io::Failure(2, "the terrain's handle is empty or destroyed; load a terrain first (load_terrain)");
     const RecursiveBudget largest = largest_budget(terrain);
     const RefineSettings settings{
         .max_error_px = error_px, .metric = Metric::isotropic, .cull = false, .topology = Topology::triangles};

@@ -7,12 +7,14 @@
 #include <new>
 #include <system_error>
 
+#include "io/stop_flag.h"
 #include "io/system.h"
 
 namespace fjell::io {
 
 namespace {
 volatile std::sig_atomic_t interrupted = 0;
+thread_local const std::atomic<bool>* flag_of_thread = nullptr;
 // Asked again and again, it no longer waits for the next check. (Wrappers such as timeout(1) send a signal twice.)
 constexpr int patience = 3;
 void on_signal(int) {
@@ -59,8 +61,16 @@ void catch_interrupts() {
     for (const int number : os::stop_signals()) std::signal(number, on_signal);
 }
 
+const std::atomic<bool>* stop_flag() {
+    return flag_of_thread;
+}
+void set_stop_flag(const std::atomic<bool>* flag) {
+    flag_of_thread = flag;
+}
+
 void check_interrupt() {
-    if (interrupted) throw Failure(130, "interrupted; files that were finished stay, nothing half-written does");
+    if (interrupted || (flag_of_thread && *flag_of_thread))
+        throw Failure(130, "interrupted; files that were finished stay, nothing half-written does");
 }
 
 } // namespace fjell::io

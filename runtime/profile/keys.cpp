@@ -90,7 +90,7 @@ constexpr ProfileKey keys[] = {
      .choices = methods,
      .about = "How the mesh is updated. \"incremental\": the mesh is kept from frame to frame and "
               "refined all around the eye. It costs 100 to 400 ns for each change, and next to nothing "
-              "while the camera rests or turns. \"recursive\": the mesh is selected anew in every "
+              "while the camera rests. \"recursive\": the mesh is selected anew in every "
               "frame. It costs 30 to 140 ns for each selected vertex, but selects only the quarter that "
               "is in view.",
      .rebuild = Rebuild::method,
@@ -122,10 +122,10 @@ constexpr ProfileKey keys[] = {
      .label = "Hysteresis",
      .most = ranges::max_hysteresis,
      .zero = "none",
-     .about = "A vertex is active above max_error_px and inactive below max_error_px / (1 + hysteresis). "
-              "Between them it stays as it is, but where an update looks, it comes up half-way already. "
-              "No unit, 0 to 10. 0.04 takes 4% more vertices; while the camera is slow, an update takes "
-              "half of the time or less. 0.3 takes a third more vertices. (Incremental.)",
+     .about = "A vertex becomes active above max_error_px, and inactive below max_error_px / (1 + hysteresis). In "
+              "between it stays as it is; an update that evaluates it anyway activates it in the upper half. No unit, "
+              "0 to 10. 0.04 takes 4% more vertices; while the camera is slow, an update takes half of the time or "
+              "less. 0.3 takes a third more vertices. (Incremental.)",
      .used_by = UsedBy::incremental,
      .get = At<&Profile::cut, &CutSettings::hysteresis>::get,
      .set = At<&Profile::cut, &CutSettings::hysteresis>::set},
@@ -136,7 +136,7 @@ constexpr ProfileKey keys[] = {
      .most = max_offscreen_factor,
      .logarithmic = true,
      .about = "Ground that no view sees, nor soon will, is refined to max_error_px times this. No unit, "
-              "1 to 100. 1 refines all around, so that turning changes no vertex. 8 takes 0.3 to 0.8 of the "
+              "1 to 100. With 1 all ground is refined alike, and turning changes no vertex. 8 takes 0.3 to 0.8 of the "
               "vertices, and 0.3 to 0.5 of the time of a flight straight on. Turning then refines the "
               "ground that comes into sight, and an export is coarse outside the views. (Incremental.)",
      .used_by = UsedBy::incremental,
@@ -184,7 +184,7 @@ constexpr ProfileKey keys[] = {
      .kind = flag_key,
      .about = "Leaves out vertices outside the view frustum: true or false. False refines all around, "
               "for about four times the vertices at 45 degrees, and the mesh does not change when the "
-              "head turns. (Recursive. The incremental method refines all around, and draws the tiles "
+              "camera turns. (Recursive. The incremental method refines all around, and draws the tiles "
               "that may be seen.)",
      .used_by = UsedBy::recursive,
      .get = At<&Profile::refine, &RefineSettings::cull>::get,
@@ -329,8 +329,8 @@ constexpr ProfileKey keys[] = {
      .least = 1,
      .most = ranges::max_page_requests,
      .logarithmic = true,
-     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer requests follow a turn "
-              "of the head sooner, more requests keep a disk of high latency busy.",
+     .about = "Page requests in flight. Pages, 1 to 256; some 16 KB each. Fewer requests react "
+              "faster when the camera turns; more requests keep a disk of high latency busy.",
      .rebuild = Rebuild::session,
      .used_by = UsedBy::streaming,
      .get = At<&Profile::stream_budget, &StreamBudget::page_requests>::get,
@@ -674,7 +674,7 @@ constexpr ProfileKey keys[] = {
      .kind = KeyKind::flag,
      .about = "Shadows of the ground, and less light where the ground hides some of the sky: true or "
               "false. Needs a pack baked with --horizons. The horizon maps take room among the maps on "
-              "the GPU, and six texture reads a pixel.",
+              "the GPU. Shading takes six more texture reads a pixel.",
      .rebuild = Rebuild::session,
      .get = At<&Profile::light, &Light::shadows>::get,
      .set = At<&Profile::light, &Light::shadows>::set},
@@ -710,8 +710,8 @@ constexpr ProfileKey keys[] = {
      .label = "Splat maps",
      .kind = KeyKind::flag,
      .about = "Takes the places of materials from a pack's splat maps, which fjell-bake --layers makes: "
-              "true or false. They take room among the maps on the GPU, and 4 to 8 texture reads a "
-              "pixel. Without them the rules of fjell-fly --layers place the materials.",
+              "true or false. They take room among the maps on the GPU. Drawing takes 4 to 8 more "
+              "texture reads a pixel. Without them the rules of fjell-fly --layers place the materials.",
      .rebuild = Rebuild::session,
      .get = At<&Profile::layers, &Layers::splat>::get,
      .set = At<&Profile::layers, &Layers::splat>::set},

@@ -186,9 +186,10 @@ namespace {
 
 constexpr std::size_t columns = 120;
 
-constexpr const char* terms = "Flags of fjell-fly win over this file; keys left out keep fjell's defaults. A key that "
-                              "is not listed here is refused. Keys of the method that is not chosen wait until "
-                              "--method chooses it.";
+constexpr const char* terms =
+    "Flags of fjell-fly override this file. A key that is left out has its default. A key that "
+    "is not listed here is refused. Keys of the method that is not chosen are kept until "
+    "--method chooses it.";
 
 // What may stand in a line of TOML's comments: a space instead of what parts words, and of what no comment may hold.
 bool parts_words(char c) {

@@ -59,7 +59,7 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
     const Run baked = run_in(folder.path, bake + "feet.vrt -o out.fjell --json bake.json");
     CAPTURE(baked.out, baked.err);
     REQUIRE(baked.code == 0);
-    for (const char* part : {"(VRT, Float32; in the file in ft: 1 is 0.3048 m", "voids by no-data -99",
+    for (const char* part : {"(VRT, Float32; the file's unit is ft; 1 in it is 0.3048 m", "voids by no-data -99",
                              " samples are holes (", "in WGS 84 / UTM zone 32N (EPSG:32632)",
                              "reprojected from WGS 84 (EPSG:4326), where they are 0.001 degrees apart"})
         CHECK(baked.out.find(part) != std::string::npos);
@@ -94,7 +94,7 @@ TEST_CASE("what a bake says names units, holes, the CRS and what was reprojected
         CHECK(j["ground_error_m"] < j["height_m"][1].get<double>() - j["height_m"][0].get<double>());
         CHECK(j["ground_error_m"] > 0);
     }
-    CHECK(baked.out.find("largest error " + fmt::format("{:.4g} m", told["ground_error_m"].get<double>())) !=
+    CHECK(baked.out.find("off by up to " + fmt::format("{:.4g} m", told["ground_error_m"].get<double>())) !=
           std::string::npos);
     REQUIRE(run_in(folder.path, bake + "dem.asc -o plain.fjell --spacing 30 --zscale 0.5 --nodata fill").code == 0);
     CHECK(nlohmann::json::parse(run_in(folder.path, bake + "info plain.fjell --json").out)["height_unit_m"] == 0.5);
@@ -233,7 +233,7 @@ TEST_CASE("verify looks at maps too: a tile with another's colours fails, though
     const Run bad = run_in(folder.path, bake + "verify swapped.fjell");
     CAPTURE(bad.out, bad.err);
     CHECK(bad.code == 1);
-    CHECK(bad.out.find("chunks: checksums hold") != std::string::npos);
+    CHECK(bad.out.find("chunks: all checksums agree") != std::string::npos);
     CHECK(bad.err.find("colour map of tile") != std::string::npos);
 }
 

@@ -48,7 +48,7 @@ TEST_CASE(
             r = run_in(folder.path, with_fault("all", "/scratch/", "kill", std::to_string(n), launch));
             CAPTURE(round, kills, n, r.err);
             if (r.code == 0) break;
-            CHECK(r.err.find("what is complete stays, and the same command goes on") != std::string::npos);
+            CHECK(r.err.find("completed steps stay: repeat the same command to go on") != std::string::npos);
             CHECK_FALSE(fs::exists(folder / "out.fjell"));
         }
         CHECK(kills > 5);

@@ -120,7 +120,7 @@ const std::set<std::string>& words_of_sources() {
         for (const std::string& file : files()) {
             if (file.ends_with(".md") || file.ends_with("docs_test.cpp")) continue;
             const std::string extension = fs::path(file).extension().string();
-            static const std::set<std::string> texts{".h",    ".c",   ".cpp",   ".txt", ".toml",
+            static const std::set<std::string> texts{".h",    ".c",   ".cpp",   ".txt", ".toml", ".py",
                                                      ".json", ".mjs", ".cmake", ".in",  ""};
             if (texts.count(extension) == 0) continue;
             std::string word;
@@ -208,8 +208,8 @@ const std::set<std::string>& flags_of(const std::string& program) {
     return at->second;
 }
 
-const std::vector<std::string> subcommands{"info",      "verify", "heights", "split",  "join", "synth",
-                                           "materials", "plan",   "shard",   "launch", "merge"};
+const std::vector<std::string> subcommands{"info", "verify", "heights", "split", "join",     "synth", "materials",
+                                           "plan", "shard",  "launch",  "merge", "simulate", "tiles"};
 
 // "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.
 std::string program_of(const std::string& command) {
@@ -270,6 +270,10 @@ TEST_CASE("every block of code in the README and the guides is quoted from a fil
                 CHECK(block.source.empty());
                 for (const std::string& line : block.lines)
                     CHECK(std::regex_search(line, std::regex("^(fjell-[a-z]+ |\\./dev |mkdir -p )")));
+                continue;
+            }
+            if (block.language == "python") { // a page is one program, which tests/python/types_test.py runs
+                CHECK((page.name == "docs/guides/python.md" || page.name == "docs/guides/simulators.md"));
                 continue;
             }
             CHECK(languages.count(block.language) == 1);
@@ -662,6 +666,12 @@ TEST_CASE("every promise names a test that exists") {
     std::string tests;
     for (const std::string& file : files())
         if (file.starts_with("tests/") && file.ends_with(".cpp")) tests += slurp(root / file);
+    for (const std::string& file : files()) // Python's names are sentences too
+        if (file.starts_with("tests/python/") && file.ends_with(".py"))
+            for (std::string name : matches(slurp(root / file), "def test_([a-z0-9_]+)\\(")) {
+                std::replace(name.begin(), name.end(), '_', ' ');
+                tests += '"' + name + '"';
+            }
     tests = std::regex_replace(tests, std::regex("\"\\s*\n\\s*\""), ""); // names over two lines
     const auto promises = matches(slurp(root / "docs/promises.md"), "\n(\\| \\*\\*[^\n]*)");
     CHECK(promises.size() > 10);

@@ -24,7 +24,8 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     const fjell::Vec3 eye_m{wide_m / 4, high_m + wide_m / 8, ground.terrain().extent_z_m() / 4};
     const fjell::View view = fjell::make_view(eye_m, {1, -1, 1}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e5);
     double now_s = 0;
-    for (int frame = 0; frame < 1000 && !ground.frame().settled; ++frame) ground.update({&view, 1}, now_s += 1.0 / 60);
+    for (int frame = 0; frame < 1'000'000 && !ground.frame().settled; ++frame) // the reader may have to wait for a core
+        ground.update({&view, 1}, now_s += 1.0 / 60);
     const fjell::io::LiveFrame& frame = ground.update({&view, 1}, now_s);
     for (const char* field : frame.short_of) std::printf("raise %s\n", field);
     CHECK(frame.settled);

@@ -30,6 +30,7 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/fly",
      {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "runtime/session"}},
     {"baker", {"runtime/include", "runtime/src/shared", "runtime/io"}},
+    {"baker/python", {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "baker"}},
     {"editor",
      {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf",
       "runtime/session", "baker"}},

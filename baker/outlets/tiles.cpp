@@ -1,0 +1,458 @@
+#include "baker/outlets/tiles.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <span>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "baker/georeference/crs_label.h"
+#include "baker/outlets/quantized_mesh.h"
+#include "baker/outlets/surface.h"
+#include "baker/outlets/tile_mesh.h"
+#include "baker/store/parallel.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+// What is remembered of a tile that is written.
+struct Made {
+    double error_m = 0;
+    std::uint64_t vertices = 0, triangles = 0, bytes = 0; // 0 vertices: it is not made yet
+};
+struct Tile {
+    TileId id;
+    Made made;
+    BorderVertices borders;
+};
+
+// The tiles of one level that are made, a record each, in the order in which they were. The last record of a tile is
+// the one that counts; one that is cut short was not written.
+class Journal {
+public:
+    explicit Journal(const std::string& path) : path_(path) {}
+
+    template <typename Take>
+    void read(const Take& take) const {
+        std::ifstream file(path_, std::ios::binary);
+        while (file) {
+            Tile tile;
+            std::array<std::uint16_t, 4> counts{};
+            get(file, tile.id), get(file, tile.made), get(file, counts);
+            for (std::size_t side = 0; side < 4; ++side) {
+                tile.borders[side].resize(counts[side]);
+                file.read(reinterpret_cast<char*>(tile.borders[side].data()),
+                          static_cast<std::streamsize>(counts[side] * sizeof(std::uint16_t)));
+            }
+            if (file) take(tile);
+        }
+    }
+    // What read() has given, and nothing after it.
+    void begin(const std::vector<Tile>& tiles) {
+        file_.open(path_ + ".new", std::ios::binary | std::ios::trunc);
+        for (const Tile& tile : tiles)
+            if (tile.made.vertices != 0) add(tile);
+        std::error_code error;
+        fs::rename(path_ + ".new", path_, error);
+        if (error) io::disk_failure(path_, "write");
+    }
+    void add(const Tile& tile) {
+        std::array<std::uint16_t, 4> counts{};
+        for (std::size_t side = 0; side < 4; ++side)
+            counts[side] = static_cast<std::uint16_t>(tile.borders[side].size());
+        put(tile.id), put(tile.made), put(counts);
+        for (const auto& border : tile.borders)
+            file_.write(reinterpret_cast<const char*>(border.data()),
+                        static_cast<std::streamsize>(border.size() * sizeof(std::uint16_t)));
+        if (!file_.flush()) io::disk_failure(path_, "write");
+    }
+
+private:
+    template <typename T>
+    static void get(std::ifstream& file, T& value) {
+        file.read(reinterpret_cast<char*>(&value), sizeof value);
+    }
+    template <typename T>
+    void put(const T& value) {
+        file_.write(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    std::string path_;
+    std::ofstream file_;
+};
+
+// One for each thread, handed out and taken back.
+class Finders {
+public:
+    explicit Finders(const HeightSource& source) : source_(source) {}
+    template <typename Use>
+    void lend(const Use& use) {
+        std::unique_ptr<SampleFinder> finder;
+        {
+            const std::lock_guard hold(lock_);
+            if (!free_.empty()) finder = std::move(free_.back()), free_.pop_back();
+        }
+        if (!finder) finder = std::make_unique<SampleFinder>(source_);
+        use(*finder);
+        const std::lock_guard hold(lock_);
+        free_.push_back(std::move(finder));
+    }
+
+private:
+    const HeightSource& source_;
+    std::mutex lock_;
+    std::vector<std::unique_ptr<SampleFinder>> free_;
+};
+
+double power_of_two_below(double value) {
+    return std::exp2(std::floor(std::log2(value)));
+}
+
+// At the equator.
+double tile_m(Tiling tiling, int level) {
+    return 2 * std::numbers::pi * globe_radius_m / tiles_across(tiling, level);
+}
+
+int last_level(const HeightSource& source, const std::string& name, const TilesOptions& options) {
+    constexpr double share = 5, fewest_samples = 8;
+    const double spacing_m = std::min(source.spacing_m[0], source.spacing_m[1]);
+    int most = 0;
+    while (most < most_tile_level && tile_m(options.tiling, most + 1) >= fewest_samples * spacing_m) ++most;
+    if (options.max_level > most)
+        throw Failure(1,
+                      fmt::format("{}: its samples are {} m apart, so that level {} shows nothing more than {}; give "
+                                  "--max-level {}",
+                                  name, spacing_m, options.max_level, most, most));
+    if (options.max_level >= 0) return options.max_level;
+    int level = 0;
+    while (level < most && assumed_error_m(options.tiling, level) > spacing_m / share) ++level;
+    return level;
+}
+
+class Pyramid {
+public:
+    Pyramid(const GroundSurface& surface, const std::string& name, const TilesOptions& options,
+            const std::string& folder, const std::string& work)
+        : surface_(surface), name_(name), options_(options), folder_(folder), work_(work),
+          threads_(resolve_threads(options.threads)), finders_(surface.source()) {}
+
+    TilesSummary write(int last) {
+        TilesSummary summary;
+        std::vector<TileId> ids;
+        for (std::int32_t x = 0; x < tiles_across(options_.tiling, 0); ++x) ids.push_back({0, x, 0});
+        for (int level = 0; level <= last; ++level) {
+            if (level > 0) ids = children_with_ground(ids);
+            summary.levels.push_back(write_level(level, ids));
+            available_.push_back(runs(ids));
+            if (level == last) bounds_ = bounds(ids);
+        }
+        write_layer(summary);
+        return summary;
+    }
+
+private:
+    [[nodiscard]] std::vector<TileId> children_with_ground(const std::vector<TileId>& parents) const {
+        std::vector<std::uint8_t> there(parents.size() * 4);
+        const auto child = [&](std::size_t i) {
+            const TileId p = parents[i / 4];
+            return TileId{p.level + 1, 2 * p.x + static_cast<std::int32_t>(i & 1),
+                          2 * p.y + static_cast<std::int32_t>(i >> 1 & 1)};
+        };
+        parallel_for(static_cast<std::int64_t>(there.size()), threads_, [&](std::int64_t i) {
+            const auto at = static_cast<std::size_t>(i);
+            there[at] = surface_.touches(box_of(options_.tiling, child(at)));
+        });
+        std::vector<TileId> ids;
+        for (std::size_t i = 0; i < there.size(); ++i)
+            if (there[i]) ids.push_back(child(i));
+        std::sort(ids.begin(), ids.end(),
+                  [](const TileId& a, const TileId& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; });
+        return ids;
+    }
+
+    [[nodiscard]] TileRules rules_of(int level) const {
+        const double assumed_m = assumed_error_m(options_.tiling, level);
+        const HeightRange range = surface_.range();
+        const double relief_m = std::max(0.0, static_cast<double>(range.high)) -
+                                std::min(0.0, static_cast<double>(range.low)); // with height 0, which lies around
+        constexpr double share = 1.0 / 16, finest_m = 1.0 / 4096, room = 32000;
+        const double step_m = std::clamp(2 * power_of_two_below(relief_m / room + finest_m), finest_m,
+                                         std::max(finest_m, power_of_two_below(assumed_m * share)));
+        // A flat triangle of this grid's cells lies at most a quarter of the error below the globe.
+        const double cells =
+            tile_m(options_.tiling, level) * tile_m(options_.tiling, level) / (globe_radius_m * assumed_m);
+        return {assumed_m, step_m, std::max(1, static_cast<int>(std::ceil(std::log2(cells) / 2)))};
+    }
+
+    using Places = std::map<std::pair<std::int32_t, std::int32_t>, std::size_t>; // x, y
+    static constexpr std::size_t nobody = ~std::size_t{0};
+    [[nodiscard]] std::size_t neighbour(const Places& places, TileId id, std::size_t side) const {
+        const std::int32_t across = tiles_across(options_.tiling, id.level);
+        constexpr std::int32_t dx[4] = {-1, 0, 1, 0}, dy[4] = {0, -1, 0, 1};
+        const auto found = places.find({(id.x + dx[side] + across) % across, id.y + dy[side]});
+        return found == places.end() ? nobody : found->second;
+    }
+
+    // Of a neighbour's vertices some are missing here, or nothing is here.
+    [[nodiscard]] bool is_due(const std::vector<Tile>& tiles, const Places& places, std::size_t i) const {
+        if (tiles[i].made.vertices == 0) return true;
+        for (std::size_t side = 0; side < 4; ++side) {
+            const std::size_t other = neighbour(places, tiles[i].id, side);
+            if (other == nobody) continue;
+            const auto &mine = tiles[i].borders[side], &theirs = tiles[other].borders[opposite(side)];
+            if (!std::includes(mine.begin(), mine.end(), theirs.begin(), theirs.end())) return true;
+        }
+        return false;
+    }
+
+    LevelSummary write_level(int level, const std::vector<TileId>& ids) {
+        std::vector<Tile> tiles;
+        Places places;
+        for (const TileId& id : ids) {
+            places[{id.x, id.y}] = tiles.size();
+            tiles.push_back({id, {}, {}});
+        }
+        Journal journal(fmt::format("{}/level-{}", work_, level));
+        journal.read([&](const Tile& made) {
+            const auto at = places.find({made.id.x, made.id.y});
+            if (at != places.end() && made.id.level == level) tiles[at->second] = made;
+        });
+        journal.begin(tiles);
+        const TileRules rules = rules_of(level);
+        // Every second tile like a chessboard's: none of a pass is another's neighbour, but for a globe of one tile.
+        for (bool any = true; any;) {
+            any = false;
+            for (const std::int32_t colour : {0, 1}) {
+                std::vector<std::size_t> due;
+                for (std::size_t i = 0; i < tiles.size(); ++i)
+                    if (((tiles[i].id.x + tiles[i].id.y) & 1) == colour && is_due(tiles, places, i)) due.push_back(i);
+                any = any || !due.empty();
+                make(level, rules, tiles, places, due, journal);
+            }
+        }
+        return summary_of(level, rules, tiles);
+    }
+
+    void make(int level, const TileRules& rules, std::vector<Tile>& tiles, const Places& places,
+              const std::vector<std::size_t>& due, Journal& journal) {
+        const std::string stage = fmt::format("level {}", level);
+        std::mutex lock;
+        std::uint64_t done = 0;
+        parallel_for(static_cast<std::int64_t>(due.size()), threads_, [&](std::int64_t i) {
+            Tile& tile = tiles[due[static_cast<std::size_t>(i)]];
+            BorderVertices wanted;
+            for (std::size_t side = 0; side < 4; ++side) {
+                const std::size_t other = neighbour(places, tile.id, side);
+                if (other != nobody) wanted[side] = tiles[other].borders[opposite(side)];
+            }
+            finders_.lend([&](const SampleFinder& finder) { write_tile(rules, finder, wanted, tile); });
+            const std::lock_guard hold(lock);
+            journal.add(tile);
+            if (options_.progress) options_.progress(stage.c_str(), ++done, due.size());
+        });
+    }
+
+    void write_tile(const TileRules& rules, const SampleFinder& finder, const BorderVertices& wanted, Tile& tile) {
+        TileMesh mesh = make_tile_mesh(surface_, finder, box_of(options_.tiling, tile.id), rules, wanted);
+        std::vector<GlobePlace> normals;
+        if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
+        std::vector<std::byte> bytes;
+        try {
+            bytes = encode_quantized_mesh(mesh, rules.height_step_m, normals).bytes;
+        } catch (const Failure& failure) {
+            throw Failure(failure.exit_code, fmt::format("{}: {}", name_, failure.what()));
+        }
+        if (options_.gzip) bytes = gzip(bytes);
+        const std::string folder = fmt::format("{}/{}/{}", folder_, tile.id.level, tile.id.x),
+                          path = fmt::format("{}/{}.terrain", folder, tile.id.y);
+        std::error_code error;
+        fs::create_directories(folder, error);
+        if (error) errno = error.value(), io::disk_failure(folder, "make the folder");
+        std::ofstream file(path, std::ios::binary | std::ios::trunc);
+        file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        file.close();
+        if (!file) io::disk_failure(path, "write");
+        tile.made = {mesh.error_m, mesh.vertices.size(), mesh.triangles.size(), bytes.size()};
+        tile.borders = std::move(mesh.borders);
+    }
+
+    // Of the ground itself, over about as much as a triangle covers.
+    [[nodiscard]] std::vector<GlobePlace> normals_of(const TileMesh& mesh, const SampleFinder& finder,
+                                                     int level) const {
+        constexpr double share = 1.0 / 128, degree_m = 111.2e3, least_cosine = 1e-3;
+        const double away = std::max(surface_.spacing_m(), tile_m(options_.tiling, level) * share) / degree_m;
+        std::vector<GlobePlace> normals;
+        for (const TileMesh::Vertex& v : mesh.vertices) {
+            const LonLat at = mesh.place(v);
+            const GlobePlace up = up_at(at);
+            const double c = std::max(least_cosine, std::hypot(up[0], up[1]));
+            const auto height = [&](double east_by, double north_by) {
+                return surface_.height_m(finder, {near_longitude(at.longitude + east_by / c, 0),
+                                                  std::clamp(at.latitude + north_by, -90.0, 90.0)});
+            };
+            const double across = 2 * away * degree_m;
+            const double by_east = (height(away, 0) - height(-away, 0)) / across,
+                         by_north = (height(0, away) - height(0, -away)) / across;
+            const double angle = at.longitude * std::numbers::pi / 180;
+            const GlobePlace e{-std::sin(angle), std::cos(angle), 0},
+                n{up[1] * e[2] - up[2] * e[1], up[2] * e[0] - up[0] * e[2], up[0] * e[1] - up[1] * e[0]};
+            GlobePlace normal{};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                normal[axis] = up[axis] - by_east * e[axis] - by_north * n[axis];
+            const double length = std::hypot(normal[0], normal[1], normal[2]);
+            for (double& axis : normal) axis /= length;
+            normals.push_back(normal);
+        }
+        return normals;
+    }
+
+    static LevelSummary summary_of(int level, const TileRules& rules, const std::vector<Tile>& tiles) {
+        LevelSummary s{level, rules.tolerance_m};
+        for (const Tile& tile : tiles) {
+            ++s.tiles;
+            s.error_m = std::max(s.error_m, tile.made.error_m);
+            s.vertices += tile.made.vertices, s.triangles += tile.made.triangles, s.bytes += tile.made.bytes;
+            s.above += tile.made.error_m > rules.tolerance_m;
+        }
+        return s;
+    }
+
+    // Rectangles that cover these tiles and no others; ids: row by row.
+    static json runs(const std::vector<TileId>& ids) {
+        struct Run {
+            std::int32_t x0, y0, x1, y1;
+        };
+        std::vector<Run> all;
+        std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> open; // by x0, x1, in the row before
+        for (std::size_t i = 0; i < ids.size();) {
+            const std::int32_t y = ids[i].y;
+            std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> row;
+            while (i < ids.size() && ids[i].y == y) {
+                std::size_t end = i + 1;
+                while (end < ids.size() && ids[end].y == y && ids[end].x == ids[end - 1].x + 1) ++end;
+                const std::pair columns{ids[i].x, ids[end - 1].x};
+                const auto above = open.find(columns);
+                if (above != open.end() && all[above->second].y1 == y - 1) {
+                    row[columns] = above->second;
+                    all[above->second].y1 = y;
+                } else {
+                    row[columns] = all.size();
+                    all.push_back({columns.first, y, columns.second, y});
+                }
+                i = end;
+            }
+            open = std::move(row);
+        }
+        json list = json::array();
+        for (const Run& r : all) list.push_back({{"startX", r.x0}, {"startY", r.y0}, {"endX", r.x1}, {"endY", r.y1}});
+        return list;
+    }
+
+    [[nodiscard]] DegreeBox bounds(const std::vector<TileId>& ids) const {
+        DegreeBox all{180, 90, -180, -90};
+        for (const TileId& id : ids) {
+            const DegreeBox b = box_of(options_.tiling, id);
+            all = {std::min(all.west, b.west), std::min(all.south, b.south), std::max(all.east, b.east),
+                   std::max(all.north, b.north)};
+        }
+        return all;
+    }
+
+    void write_layer(const TilesSummary& summary) const {
+        const CrsLabel crs = crs_label(surface_.source().crs_wkt);
+        json levels = json::array();
+        for (const LevelSummary& l : summary.levels)
+            levels.push_back({{"level", l.level},
+                              {"tiles", l.tiles},
+                              {"triangles", l.triangles},
+                              {"error_m", l.error_m},
+                              {"assumed_error_m", l.assumed_error_m}});
+        json layer{{"tilejson", "2.1.0"},
+                   {"name", fs::path(name_).stem().string()},
+                   {"version", "1.0.0"},
+                   {"format", "quantized-mesh-1.0"},
+                   {"scheme", "tms"},
+                   {"projection", options_.tiling == Tiling::geographic ? "EPSG:4326" : "EPSG:3857"},
+                   {"tiles", {"{z}/{x}/{y}.terrain?v={version}"}},
+                   {"minzoom", 0},
+                   {"maxzoom", summary.levels.back().level},
+                   {"bounds", {bounds_.west, bounds_.south, bounds_.east, bounds_.north}},
+                   {"available", available_},
+                   {"extensions", json::array()}};
+        if (options_.normals) layer["extensions"].push_back("octvertexnormals");
+        layer["fjell"] = {{"source", surface_.source().identity()},
+                          {"crs", crs_text(crs)},
+                          {"heights", "metres as the source counts them, taken as heights over WGS 84"},
+                          {"levels", levels}};
+        const std::string text = layer.dump(1) + "\n";
+        io::AtomicFile file(folder_ + "/layer.json");
+        file.write(std::as_bytes(std::span(text)));
+        file.commit();
+    }
+
+    const GroundSurface& surface_;
+    const std::string& name_;
+    const TilesOptions& options_;
+    const std::string &folder_, &work_;
+    const int threads_;
+    Finders finders_;
+    json available_ = json::array();
+    DegreeBox bounds_;
+};
+
+// What the bytes depend on.
+std::string job_of(const HeightSource& source, const TilesOptions& options) {
+    return fmt::format("fjell tiles 1\n{}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n", source.identity(),
+                       static_cast<int>(options.tiling), options.max_level, options.normals, options.gzip);
+}
+
+bool is_empty(const std::string& folder) {
+    std::error_code error;
+    return !fs::exists(folder, error) || (fs::is_directory(folder, error) && fs::is_empty(folder, error));
+}
+
+} // namespace
+
+TilesSummary write_tiles(const HeightSource& source, const std::string& name, const TilesOptions& options,
+                         const std::string& given) {
+    std::string folder = given;
+    while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+    const int last = last_level(source, name, options);
+    const std::string job = job_of(source, options), job_file = folder + ".work/job";
+    std::error_code none;
+    const bool resumed = fs::exists(job_file, none) && io::read_text(job_file) == job;
+    if (!resumed && !is_empty(folder))
+        throw Failure(1, fmt::format("{}: holds something else already; remove it, or choose a new folder", folder));
+    WorkFolder work(folder);
+    work.keep(false); // until there is something to go on with
+    if (!resumed) work.empty();
+    const GroundSurface surface(
+        source, name, {work.path(), options.memory_bytes, resolve_threads(options.threads), options.progress});
+    if (!resumed) {
+        io::AtomicFile file(job_file);
+        file.write(std::as_bytes(std::span(job)));
+        file.commit();
+    }
+    work.keep();
+    fs::create_directories(folder, none);
+    if (none) errno = none.value(), io::disk_failure(folder, "make the folder");
+    TilesSummary summary = Pyramid(surface, name, options, folder, work.path()).write(last);
+    summary.resumed = resumed;
+    work.keep(false);
+    return summary;
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,47 @@
+// A terrain as a pyramid of tiles for globes.
+//
+// Every tile's error is measured against all samples under it, and is below what viewers assume for its level. Tiles of
+// one level have the same vertices where they meet (tile_mesh.h).
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "baker/bake/bake.h"
+#include "baker/outlets/globe.h"
+#include "baker/read/source.h"
+
+namespace fjell::baker {
+
+struct TilesOptions {
+    Tiling tiling = Tiling::geographic;
+    int max_level = -1; // -1: the first whose error is below a fifth of the spacing of samples
+    bool normals = true, gzip = true;
+    int threads = 0;                                       // 0: all cores
+    std::uint64_t memory_bytes = std::uint64_t{512} << 20; // for heights: what is larger lies in the work folder
+    Progress progress;
+};
+
+struct LevelSummary {
+    std::int32_t level = 0;
+    double assumed_error_m = 0; // what viewers take its tiles' errors for
+    double error_m = 0;         // the largest of any tile
+    std::uint64_t tiles = 0, vertices = 0, triangles = 0, bytes = 0;
+    std::uint64_t above = 0; // tiles whose error is above the assumed one: cliffs that their grid is too coarse for
+};
+struct TilesSummary {
+    std::vector<LevelSummary> levels;
+    bool resumed = false;
+};
+
+inline constexpr int most_tile_level = 24;
+
+// Writes FOLDER/{z}/{x}/{y}.terrain (quantized-mesh 1.0, y from the south) and, when all are there, layer.json. Bytes
+// do not depend on the number of threads. Interrupted or failed, the same call goes on with the tiles that are missing:
+// FOLDER.work says which. name: of the source, for messages. Throws Failure: 1 the source, or a folder that holds
+// something else; 3 the disk.
+TilesSummary write_tiles(const HeightSource& source, const std::string& name, const TilesOptions& options,
+                         const std::string& folder);
+
+} // namespace fjell::baker

@@ -1,0 +1,427 @@
+// A pack as an object: heights, rays and patches from any thread, frames, snapshots and pictures.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "arrays.h"
+#include "baker/check/picture.h"
+#include "baking.h"
+#include "fjell/gl/context.h"
+#include "fjell/gl/renderer.h"
+#include "fjell/gl/target.h"
+#include "fjell/gltf/snapshot.h"
+#include "fjell/io/failure.h"
+#include "fjell/io/heights.h"
+#include "fjell/io/live_terrain.h"
+#include "fjell/io/load.h"
+#include "fjell/profile.h"
+#include "fjell/query.h"
+#include "fjell/texture.h"
+#include "watched.h"
+
+namespace fjell::python {
+
+namespace py = pybind11;
+using io::Failure;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+Vec3 vector_of(const std::array<double, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
+
+// What draws, of a terrain of its own: whoever updates the other one without drawing would lose its maps.
+struct Painter {
+    io::LiveTerrain ground;
+    std::unique_ptr<gl::Headless> context;
+    std::unique_ptr<gl::Renderer> renderer;
+    std::unique_ptr<gl::Target> target;
+
+    Painter(const std::string& path, const io::LiveOptions& options) : ground(path, options) {}
+};
+
+// All of a terrain. Arrays that show its memory keep it alive.
+struct Ground {
+    std::string path;
+    Profile profile;
+    std::unique_ptr<io::LoadedPack> whole; // null: streamed
+    std::mutex lock;                       // of what follows, which one thread uses at a time
+    std::unique_ptr<io::LiveTerrain> live; // null: there was no update yet
+    std::unique_ptr<Painter> painter;
+    double clock_s = 0; // of updates that are given no time
+
+    [[nodiscard]] const Terrain& terrain() const { return whole ? whole->terrain : live->terrain(); }
+    void begin_updates() {
+        if (!live) live = std::make_unique<io::LiveTerrain>(path, live_options(profile));
+    }
+};
+
+// Updates until all that the view wants is there, or nothing comes any more.
+const io::LiveFrame& settle(io::LiveTerrain& live, const View& view, double& clock_s,
+                            const std::function<void()>& after_each = {}) {
+    constexpr int patience = 40'000; // updates, of 0.5 ms
+    for (int i = 0;; ++i) {
+        io::check_interrupt();
+        const io::LiveFrame& frame = live.update({&view, 1}, clock_s);
+        clock_s += 1.0 / 60;
+        if (after_each) after_each();
+        if (frame.settled || i == patience) return frame;
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
+    }
+}
+
+// A frame's mesh as it lies in the terrain's memory, and its report.
+struct Frame {
+    std::shared_ptr<Ground> ground;
+    MeshView mesh;
+    CutReport cut;
+    StreamReport stream;
+    bool converged = false, settled = false;
+    std::vector<std::string> short_of;
+};
+
+template <typename T>
+py::array seen(const std::shared_ptr<Ground>& ground, std::span<const T> values, const py::dtype& type) {
+    auto owned = std::make_unique<std::shared_ptr<Ground>>(ground);
+    const py::capsule owner(owned.get(), [](void* held) { delete static_cast<std::shared_ptr<Ground>*>(held); });
+    (void)owned.release();
+    py::array array(type, {static_cast<py::ssize_t>(values.size())}, {static_cast<py::ssize_t>(sizeof(T))},
+                    values.data(), owner);
+    array.attr("flags").attr("writeable") = false;
+    return array;
+}
+
+struct MapCodes {
+    std::int64_t columns = 0, rows = 0;
+    std::uint32_t channels = 0;
+    double samples_per_texel = 1;
+    std::vector<std::uint8_t> codes;
+};
+
+MapCodes read_map(const std::string& path, bool normal) {
+    const io::PackFile file(path);
+    const Pack& pack = file.pack();
+    const PackHeader& h = pack.header;
+    const std::uint32_t log2 = normal ? h.normal_log2 : h.horizon_log2;
+    if (log2 == 0)
+        throw Failure(1, path + (normal ? ": has no normal map; bake it again"
+                                        : ": has no horizon maps; bake it with horizons=\"half\""));
+    const std::uint32_t side = 1u << log2, cells = 1u << h.tile_log2;
+    MapCodes map;
+    map.channels = normal ? 2 : horizon_planes;
+    map.samples_per_texel = static_cast<double>(cells) / (side - 1);
+    const auto texels = [&](std::uint32_t samples) {
+        return static_cast<std::int64_t>(std::ceil((samples - 1) / map.samples_per_texel - 1e-9)) + 1;
+    };
+    map.columns = texels(h.columns), map.rows = texels(h.rows);
+    map.codes.resize(static_cast<std::size_t>(map.columns * map.rows) * map.channels);
+    std::vector<std::byte> blocks;
+    std::vector<std::uint8_t> tile_codes(std::size_t{side} * side * map.channels);
+    for (std::uint32_t tile = 0; tile < pack.tile_count(); ++tile) {
+        io::check_interrupt();
+        file.read_chunk({normal ? ChunkKind::normal : ChunkKind::horizon, tile, 0}, blocks);
+        const Status s = normal ? decode_normal(blocks, side, tile_codes) : decode_horizon(blocks, side, tile_codes);
+        if (!s.ok()) throw Failure(1, path + ": " + message(s.code));
+        const std::uint32_t place = pack.tile_place(tile);
+        const std::int64_t x0 = std::int64_t{place % h.tiles_x} * (side - 1),
+                           y0 = std::int64_t{place / h.tiles_x} * (side - 1);
+        const std::int64_t across = std::min<std::int64_t>(side, map.columns - x0);
+        for (std::int64_t y = 0; y < std::min<std::int64_t>(side, map.rows - y0); ++y)
+            std::copy_n(tile_codes.data() + static_cast<std::size_t>(y) * side * map.channels,
+                        static_cast<std::size_t>(across) * map.channels,
+                        map.codes.data() + static_cast<std::size_t>((y0 + y) * map.columns + x0) * map.channels);
+    }
+    return map;
+}
+
+class PyTerrain {
+public:
+    PyTerrain(const std::string& path, const std::string& profile_path,
+              const std::vector<std::pair<std::string, std::string>>& overrides, bool streaming)
+        : ground_(std::make_shared<Ground>()) {
+        Ground& g = *ground_;
+        run_watched([&](const baker::Progress&) {
+            g.path = path;
+            if (!profile_path.empty()) g.profile = read_profile(profile_path);
+            for (const auto& [key, value] : overrides) set_profile_key(g.profile, key, value);
+            if (streaming)
+                g.begin_updates();
+            else
+                g.whole = std::make_unique<io::LoadedPack>(io::load_pack(io::PackFile(path), io::LoadTerrain::yes));
+        });
+    }
+
+    void close() { ground_.reset(); }
+    [[nodiscard]] bool closed() const { return ground_ == nullptr; }
+    // What a call works on until it returns, closed meanwhile or not.
+    [[nodiscard]] std::shared_ptr<Ground> ground() const {
+        if (!ground_) throw py::value_error("the terrain is closed");
+        return ground_;
+    }
+
+    [[nodiscard]] py::tuple height(double x_m, double z_m) const {
+        const auto g = ground();
+        const GroundHeight h = ground_height(g->terrain(), x_m, z_m);
+        return py::make_tuple(h.inside && !h.hole ? h.height_m : not_a_number, h.error_m);
+    }
+
+    // Heights, errors and normals of places in pairs.
+    [[nodiscard]] py::tuple heights(const Numbers& xs, const Numbers& zs) const {
+        const auto g = ground();
+        const py::ssize_t count = xs.size();
+        py::array_t<double> heights_m(count), errors_m(count);
+        py::array_t<double> normals({count, py::ssize_t{3}});
+        const double *const x = xs.data(), *const z = zs.data();
+        double *const h = heights_m.mutable_data(), *const e = errors_m.mutable_data(), *n = normals.mutable_data();
+        {
+            const py::gil_scoped_release without_gil;
+            for (py::ssize_t i = 0; i < count; ++i, n += 3) {
+                const GroundHeight at = ground_height(g->terrain(), x[i], z[i]);
+                const bool ground = at.inside && !at.hole;
+                h[i] = ground ? at.height_m : not_a_number;
+                e[i] = ground ? static_cast<double>(at.error_m) : not_a_number;
+                n[0] = ground ? at.normal.x : not_a_number;
+                n[1] = ground ? at.normal.y : not_a_number;
+                n[2] = ground ? at.normal.z : not_a_number;
+            }
+        }
+        return py::make_tuple(heights_m, errors_m, normals);
+    }
+
+    // Distance (NaN: no hit), position, normal and error of each ray.
+    [[nodiscard]] py::tuple rays(const Numbers& origins, const Numbers& directions, double most_m) const {
+        const auto g = ground();
+        const py::ssize_t count = origins.size() / 3;
+        py::array_t<double> distances_m(count), errors_m(count);
+        py::array_t<double> positions({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
+        const double *o = origins.data(), *d = directions.data();
+        double *const far = distances_m.mutable_data(), *const e = errors_m.mutable_data();
+        double *p = positions.mutable_data(), *n = normals.mutable_data();
+        {
+            const py::gil_scoped_release without_gil;
+            for (py::ssize_t i = 0; i < count; ++i, o += 3, d += 3, p += 3, n += 3) {
+                const GroundHit hit = cast_ray(g->terrain(), {o[0], o[1], o[2]}, {d[0], d[1], d[2]}, most_m);
+                far[i] = hit.hit ? hit.distance_m : not_a_number;
+                e[i] = hit.hit ? static_cast<double>(hit.error_m) : not_a_number;
+                const Vec3 at = hit.hit ? hit.position_m : Vec3{not_a_number, not_a_number, not_a_number};
+                const Vec3 up = hit.hit ? hit.normal : Vec3{not_a_number, not_a_number, not_a_number};
+                p[0] = at.x, p[1] = at.y, p[2] = at.z;
+                n[0] = up.x, n[1] = up.y, n[2] = up.z;
+            }
+        }
+        return py::make_tuple(distances_m, positions, normals, errors_m);
+    }
+
+    [[nodiscard]] py::tuple patch(std::int32_t column, std::int32_t row, std::uint32_t side, int step_log2) const {
+        const auto g = ground();
+        if (side < 2 || side > max_patch_side)
+            throw py::value_error("side: is " + std::to_string(side) + "; give 2 to " + std::to_string(max_patch_side));
+        const auto across = static_cast<py::ssize_t>(side);
+        py::array_t<float> heights_m({across, across});
+        py::array_t<bool> holes({across, across});
+        const std::span h(heights_m.mutable_data(), std::size_t{side} * side);
+        const std::span v(holes.mutable_data(), h.size());
+        GroundPatch made;
+        {
+            const py::gil_scoped_release without_gil;
+            made = ground_patch(g->terrain(), {column, row}, step_log2, side, h, v);
+            for (std::size_t i = 0; i < h.size(); ++i)
+                if (v[i]) h[i] = std::numeric_limits<float>::quiet_NaN();
+        }
+        if (std::isinf(made.error_m)) throw py::value_error("patch: no such samples; see Terrain.columns and rows");
+        return py::make_tuple(heights_m, made.error_m);
+    }
+
+    [[nodiscard]] py::array samples(int step_log2) const {
+        const auto g = ground();
+        io::FullHeights all = watched([&] {
+            const io::PackFile file(g->path);
+            const PackHeader& h = file.pack().header;
+            const auto shrunk = [&](std::uint32_t count) { return ((std::uint64_t{count} - 2) >> step_log2) + 2; };
+            const auto go_on = [](double) { return io::check_interrupt(), true; };
+            return *io::read_heights(file, shrunk(h.columns) * shrunk(h.rows), go_on);
+        });
+        const auto columns = static_cast<py::ssize_t>(all.columns), rows = static_cast<py::ssize_t>(all.rows);
+        return array_of<float>(std::move(all.heights_m), {rows, columns});
+    }
+
+    // The finest mip of a map of all tiles as one array of bytes, rows x columns x channels, and the samples from texel
+    // to texel. Tiles share the texels on their borders.
+    [[nodiscard]] py::tuple map_codes(const std::string& kind) const {
+        const auto g = ground();
+        const bool normal = kind == "normal";
+        if (!normal && kind != "horizon") throw py::value_error("kind: is '" + kind + "'; give 'normal' or 'horizon'");
+        MapCodes map = watched([&] { return read_map(g->path, normal); });
+        const std::vector<py::ssize_t> shape{map.rows, map.columns, map.channels};
+        return py::make_tuple(array_of<std::uint8_t>(std::move(map.codes), shape), map.samples_per_texel);
+    }
+
+    [[nodiscard]] Frame update(const View& view, const py::object& now_s, bool wait) {
+        const auto g = ground();
+        const double given_s = now_s.is_none() ? not_a_number : now_s.cast<double>();
+        Frame made{g, {}, {}, {}, false, false, {}};
+        run_watched([&](const baker::Progress&) {
+            const std::lock_guard hold(g->lock);
+            g->begin_updates();
+            if (!std::isnan(given_s)) g->clock_s = given_s;
+            const io::LiveFrame& frame =
+                wait ? settle(*g->live, view, g->clock_s) : g->live->update({&view, 1}, g->clock_s);
+            if (std::isnan(given_s) && !wait) g->clock_s += 1.0 / 60;
+            made.mesh = frame.mesh.mesh;
+            made.cut = frame.cut, made.stream = frame.stream;
+            made.converged = frame.converged, made.settled = frame.settled;
+            made.short_of.assign(frame.short_of.begin(), frame.short_of.end());
+        });
+        return made;
+    }
+
+    [[nodiscard]] py::dict snapshot(const std::string& path, const View& view) {
+        const auto g = ground();
+        const gltf::SnapshotCounts counts = watched([&] {
+            const std::lock_guard hold(g->lock);
+            g->begin_updates();
+            (void)settle(*g->live, view, g->clock_s);
+            return gltf::write_snapshot(*g->live, gltf::take_snapshot(*g->live, view), path);
+        });
+        py::dict said;
+        said["tiles"] = counts.tiles, said["vertices"] = counts.vertices, said["triangles"] = counts.triangles;
+        said["converged"] = counts.converged, said["error_bound_px"] = counts.error_bound_px;
+        said["file_bytes"] = counts.file_bytes;
+        return said;
+    }
+
+    // On the calling thread: OpenGL's contexts are a thread's.
+    [[nodiscard]] py::array render(const View& view, const std::string& mode, bool haze) {
+        const auto g = ground();
+        gl::Image image;
+        {
+            const py::gil_scoped_release without_gil;
+            const std::lock_guard hold(g->lock);
+            draw(*g, view, mode, haze, image);
+        }
+        return array_of<std::uint8_t>(std::move(image.rgb), {image.height, image.width, 3});
+    }
+
+    // From above, without OpenGL. Of a terrain that is loaded whole.
+    [[nodiscard]] py::object map(std::uint32_t longest_px) const {
+        const auto g = ground();
+        if (!g->whole) return py::none();
+        baker::Picture picture = watched([&] { return baker::make_picture(g->whole->terrain, {longest_px, 0}); });
+        return array_of<std::uint8_t>(std::move(picture.rgb), {picture.height, picture.width, 3});
+    }
+
+private:
+    static void draw(Ground& g, const View& view, const std::string& mode, bool haze, gl::Image& image) {
+        constexpr std::pair<const char*, gl::Mode> modes[] = {
+            {"shaded", gl::Mode::shaded}, {"levels", gl::Mode::levels}, {"distance", gl::Mode::distance},
+            {"tiles", gl::Mode::tiles},   {"mips", gl::Mode::mips},     {"wire", gl::Mode::shaded}};
+        const auto* const found =
+            std::find_if(std::begin(modes), std::end(modes), [&](const auto& entry) { return entry.first == mode; });
+        if (found == std::end(modes))
+            throw Failure(2, "mode: is " + mode + "; give shaded, wire, levels, distance, tiles or mips");
+        if (!g.painter) {
+            auto painter = std::make_unique<Painter>(g.path, live_options(g.profile));
+            painter->context = gl::Headless::create();
+            painter->renderer = gl::Renderer::create(painter->ground);
+            g.painter = std::move(painter);
+        }
+        Painter& p = *g.painter;
+        if (!p.context->make_current()) throw Failure(3, "render: another thread has the picture's OpenGL context");
+        if (!p.target || p.target->width() != view.width_px || p.target->height() != view.height_px)
+            p.target = gl::Target::create(
+                {view.width_px, view.height_px, std::min(g.profile.samples, gl::max_target_samples())});
+        double clock_s = 0;
+        (void)settle(p.ground, view, clock_s, [&] { p.renderer->upload(p.ground); });
+        gl::DrawOptions options;
+        options.mode = found->second;
+        options.wireframe = mode == "wire";
+        options.light = g.profile.light;
+        options.haze = haze;
+        p.renderer->draw(p.ground, view, options, *p.target);
+        p.target->read_colour(image);
+    }
+
+    std::shared_ptr<Ground> ground_; // null: closed
+};
+
+View view_of(const std::array<double, 3>& eye, const std::array<double, 3>& forward, const std::array<double, 3>& up,
+             double fov_deg, const std::array<std::uint32_t, 2>& size, double near_m, double far_m,
+             double max_error_px) {
+    View view = make_view(vector_of(eye), vector_of(forward), vector_of(up), fov_deg * std::numbers::pi / 180, size[0],
+                          size[1], near_m, far_m);
+    view.max_error_px = max_error_px;
+    if (const Status s = validate(view); !s.ok())
+        throw py::value_error(std::string("view: ") + s.field + ": " + message(s.code));
+    return view;
+}
+
+void add_frame(py::module_& module) {
+    PYBIND11_NUMPY_DTYPE(MeshVertex, column, row, height_m);
+    PYBIND11_NUMPY_DTYPE(TileRange, tile, first_index, index_count, triangles);
+    py::class_<Frame>(module, "Frame")
+        .def_property_readonly(
+            "vertices", [](const Frame& f) { return seen(f.ground, f.mesh.vertices, py::dtype::of<MeshVertex>()); })
+        .def_property_readonly(
+            "indices", [](const Frame& f) { return seen(f.ground, f.mesh.indices, py::dtype::of<std::uint32_t>()); })
+        .def_property_readonly("ranges",
+                               [](const Frame& f) { return seen(f.ground, f.mesh.tiles, py::dtype::of<TileRange>()); })
+        .def_readonly("converged", &Frame::converged)
+        .def_readonly("settled", &Frame::settled)
+        .def_readonly("short_of", &Frame::short_of)
+        .def_property_readonly("error_bound_px", [](const Frame& f) { return f.cut.error_bound_px; })
+        .def_property_readonly("threshold_px", [](const Frame& f) { return f.cut.threshold_px; })
+        .def_property_readonly("active_vertices", [](const Frame& f) { return f.cut.vertices; })
+        .def_property_readonly("triangles", [](const Frame& f) { return f.cut.triangles; })
+        .def_property_readonly("triangles_drawn", [](const Frame& f) { return f.cut.triangles_drawn; })
+        .def_property_readonly("pages_missing", [](const Frame& f) { return f.stream.pages_left; });
+}
+
+template <typename Value>
+auto of_header(Value value) {
+    return [value](const PyTerrain& t) { return value(t.ground()->terrain().header()); };
+}
+
+} // namespace
+
+void add_terrain(py::module_& module) {
+    add_frame(module);
+    py::class_<View>(module, "View").def(py::init(&view_of));
+    py::class_<PyTerrain>(module, "Terrain")
+        .def(py::init<const std::string&, const std::string&, const std::vector<std::pair<std::string, std::string>>&,
+                      bool>())
+        .def("close", &PyTerrain::close)
+        .def_property_readonly("closed", &PyTerrain::closed)
+        .def_property_readonly("columns", of_header([](const PackHeader& h) { return h.columns; }))
+        .def_property_readonly("rows", of_header([](const PackHeader& h) { return h.rows; }))
+        .def_property_readonly(
+            "spacing_m", of_header([](const PackHeader& h) { return py::make_tuple(h.spacing_m[0], h.spacing_m[1]); }))
+        .def_property_readonly("height_range_m",
+                               of_header([](const PackHeader& h) { return py::make_tuple(h.min_m, h.max_m); }))
+        .def_property_readonly("quantum_m", of_header([](const PackHeader& h) { return h.quantum_m; }))
+        .def_property_readonly("has_holes", of_header([](const PackHeader& h) { return h.voids != 0; }))
+        .def("height", &PyTerrain::height)
+        .def("heights", &PyTerrain::heights)
+        .def("rays", &PyTerrain::rays)
+        .def("patch", &PyTerrain::patch)
+        .def("samples", &PyTerrain::samples)
+        .def("map_codes", &PyTerrain::map_codes)
+        .def("update", &PyTerrain::update)
+        .def("snapshot", &PyTerrain::snapshot)
+        .def("render", &PyTerrain::render)
+        .def("map", &PyTerrain::map);
+}
+
+} // namespace fjell::python

@@ -1,0 +1,114 @@
+"""Meshes of one array by Fjell, Martini and Delatin (npm's @mapbox/martini and delatin), all within one true error.
+
+    PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS NODE_MODULES
+
+HEIGHTS: a square of 2^n + 1 samples, .npy or what GDAL's Python reads. Each of the others is asked for smaller errors
+until its true one, as NumPy measures it, is no larger than Fjell's. Times are the least of five calls, of that last one
+alone; Node's after it has compiled. Prints a table, and JSON with --json.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+import fjell
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+from measured import measure  # noqa: E402
+
+NODE = """
+import fs from 'fs';
+const [, , module, file, side, error, out] = process.argv;
+const n = Number(side);
+const heights = new Float32Array(fs.readFileSync(file).buffer.slice(0, n * n * 4));
+let best = Infinity, mesh;
+const martini = module.includes('martini') ? new (await import(module)).default(n) : null;
+const Delatin = martini ? null : (await import(module)).default;
+for (let i = 0; i < 6; ++i) {
+  const start = performance.now();
+  if (martini) mesh = martini.createTile(heights).getMesh(Number(error));
+  else { mesh = new Delatin(heights, n, n); mesh.run(Number(error)); }
+  const took = performance.now() - start;
+  if (i > 0) best = Math.min(best, took);
+}
+const vertices = Uint32Array.from(martini ? mesh.vertices : mesh.coords), triangles = Uint32Array.from(mesh.triangles);
+fs.writeFileSync(out + '.v', Buffer.from(vertices.buffer));
+fs.writeFileSync(out + '.t', Buffer.from(triangles.buffer));
+console.log(best);
+"""
+
+
+def by_node(module, heights, error, folder):
+    script, file, out = (os.path.join(folder, name) for name in ("mesh.mjs", "heights", "mesh"))
+    with open(script, "w") as to:
+        to.write(NODE)
+    heights.astype("<f4").tofile(file)
+    done = subprocess.run(["node", script, module, file, str(len(heights)), str(error), out], capture_output=True, text=True, check=True)
+    places = np.fromfile(out + ".v", "<u4").reshape(-1, 2)
+    triangles = np.fromfile(out + ".t", "<u4").reshape(-1, 3)
+    vertices = np.stack([places[:, 0], heights[places[:, 1], places[:, 0]], places[:, 1]], axis=1).astype(np.float32)
+    x, y = places[triangles, 0].astype(int), places[triangles, 1].astype(int)
+    turned = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0]) > 0
+    triangles[turned] = triangles[turned][:, ::-1]
+    return vertices, triangles, float(done.stdout) / 1000
+
+
+def by_fjell(heights, error):
+    times = []
+    for _ in range(6):
+        start = time.perf_counter()
+        made = fjell.mesh(heights, 1, error, threads=1)
+        times.append(time.perf_counter() - start)
+    return made, min(times[1:])
+
+
+def rows(heights, modules):
+    folder = tempfile.mkdtemp()
+    for error in (5.0, 20.0):
+        made, seconds = by_fjell(heights, error)
+        worst, _ = measure(heights, made.vertices, made.triangles)
+        yield {"method": "Fjell", "asked_m": error, "true_m": worst, "triangles": len(made.triangles), "ms": seconds * 1000}
+        for method, module in (("Martini", "@mapbox/martini/index.js"), ("Delatin", "delatin/index.js")):
+            path = os.path.join(os.path.abspath(modules), module)
+            asked, first = error, True
+            while True:
+                vertices, triangles, seconds = by_node(path, heights, asked, folder)
+                true, _ = measure(heights, vertices, triangles)
+                row = {"method": method, "asked_m": asked, "true_m": true, "triangles": len(triangles), "ms": seconds * 1000}
+                if first:
+                    yield row
+                if true <= worst or asked < error / 50:
+                    break
+                asked, first = asked * min(0.95, 0.99 * worst / true), False
+            if not first:
+                yield row
+
+
+def load(path):
+    if path.endswith(".npy"):
+        return np.load(path).astype(np.float32)
+    from osgeo import gdal
+
+    return gdal.Open(path).ReadAsArray().astype(np.float32)
+
+
+def main():
+    heights, modules = load(sys.argv[1]), sys.argv[2]
+    side = 1 << (min(heights.shape) - 1).bit_length() - 1
+    heights = np.ascontiguousarray(heights[: side + 1, : side + 1])
+    found = list(rows(heights, modules))
+    if "--json" in sys.argv:
+        print(json.dumps(found, indent=2))
+        return
+    print(f"{side + 1} x {side + 1} samples, heights {heights.min():.0f} to {heights.max():.0f} m")
+    for r in found:
+        print(f"{r['method']:8} asked {r['asked_m']:6.2f} m: true {r['true_m']:6.2f} m, {r['triangles']:7} triangles, {r['ms']:8.1f} ms")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+// Pyramids of tiles for globes, read by a program that shares nothing with ours (tiles/check.py) and compared with
+// heights that GDAL has read and placed.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bake_cli.h"
+#include "support/program.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+std::string output_of(const TemporaryFolder& folder, const std::string& command) {
+    const Run r = run_in(folder.path, command);
+    CAPTURE(command, r.out, r.err);
+    REQUIRE(r.code == 0);
+    return r.out;
+}
+
+// Mountains at a place of a CRS, with a cliff and a hole, as pack.fjell; and its samples as GDAL places them, in
+// points.txt: "longitude latitude height".
+struct Place {
+    std::string name, crs;
+    int columns, rows, spacing_m;
+    long west, south; // of its corner, in the CRS
+};
+void bake_at(const TemporaryFolder& folder, const Place& p) {
+    std::string text = "ncols " + std::to_string(p.columns) + "\nnrows " + std::to_string(p.rows) + "\nxllcorner " +
+                       std::to_string(p.west) + "\nyllcorner " + std::to_string(p.south) + "\ncellsize " +
+                       std::to_string(p.spacing_m) + "\nNODATA_value -9999\n";
+    for (int y = 0; y < p.rows; ++y) {
+        for (int x = 0; x < p.columns; ++x) {
+            const int relief_m = std::min(p.spacing_m, 150);
+            const double waves = 900 + relief_m * (7 * std::sin(x * 0.23) * std::cos(y * 0.31) + std::sin(x * 1.7 + y));
+            const bool hole = std::abs(x - 33) < 4 && std::abs(y - 21) < 3;
+            text += hole ? "-9999 " : std::to_string(waves + (x > 40 && y > 25 ? 3 * relief_m : 0)) + " ";
+        }
+        text += "\n";
+    }
+    spit(folder / "dem.asc", text);
+    output_of(folder, "gdal_translate -q -a_srs " + p.crs + " dem.asc placed.tif && " + bake +
+                          "placed.tif -o pack.fjell --quiet --crs none && " + bake +
+                          "heights pack.fjell -o back.tif && gdal_translate -q -of XYZ back.tif back.xyz && "
+                          "grep -vi nan back.xyz >ground.xyz && cut -d' ' -f1,2 ground.xyz | gdaltransform -output_xy "
+                          "-s_srs " +
+                          p.crs +
+                          " -t_srs EPSG:4326 >places && cut -d' ' -f3 ground.xyz >heights && "
+                          "paste -d' ' places heights >points.txt");
+}
+
+std::map<std::string, std::string> files_under(const std::filesystem::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file())
+            files[std::filesystem::relative(entry.path(), folder).string()] = slurp(entry.path());
+    return files;
+}
+
+json checked(const TemporaryFolder& folder, const std::string& tiles) {
+    return json::parse(
+        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check.py " + tiles + " points.txt"));
+}
+
+} // namespace
+
+TEST_CASE("no sample is farther from a globe's tile than the tile says, and tiles meet") {
+    const std::vector<Place> places{
+        {"a fjord", "EPSG:32632", 60, 50, 30, 430000, 6790000},
+        {"the antimeridian", "EPSG:32660", 60, 40, 300, 826000, 6000},
+        {"the pole", "EPSG:3413", 50, 50, 2000, -51000, 49000},
+    };
+    for (const Place& place : places) {
+        const TemporaryFolder folder;
+        CAPTURE(place.name);
+        bake_at(folder, place);
+        for (const std::string tiling : {"geographic", "mercator"}) {
+            if (tiling == "mercator" && place.name != "a fjord") continue; // whose map does not reach the pole
+            CAPTURE(tiling);
+            const json said = json::parse(
+                output_of(folder, bake + "tiles pack.fjell -o " + tiling + " --tiling " + tiling + " --json -"));
+            const json found = checked(folder, tiling);
+            CHECK(found["levels"] == said["levels"].size());
+            CHECK(found["samples"] >= (place.columns * place.rows - 35) * found["levels"].get<int>());
+            CHECK(found["normals"] == found["tiles"]);
+            CHECK(found["border_vertices"].get<int>() > 2 * found["borders"].get<int>());
+            CHECK(found["tightness"].get<double>() > 0.5); // an error is not only never too small
+            std::uint64_t triangles = 0;
+            for (const json& level : said["levels"]) {
+                triangles += level["triangles"].get<std::uint64_t>();
+                CHECK(level["tiles_above"] == 0);
+            }
+            CHECK(found["triangles"] == triangles);
+        }
+    }
+}
+
+TEST_CASE("tiles are the same bytes for any number of threads, and when they were interrupted") {
+    const TemporaryFolder folder;
+    bake_at(folder, {"mountains", "EPSG:32632", 90, 70, 30, 430000, 6790000});
+    output_of(folder, bake + "tiles pack.fjell -o one --threads 1 --quiet");
+    output_of(folder, bake + "tiles pack.fjell -o three --threads 3 --quiet");
+    const auto one = files_under(folder.path / "one");
+    REQUIRE(one.size() > 30);
+    CHECK(files_under(folder.path / "three") == one);
+    CHECK_FALSE(std::filesystem::exists(folder / "one.work"));
+
+    // A disk that is full wherever it is: each run gets some files further.
+    int runs = 0;
+    for (int code = 3; code == 3; ++runs) {
+        REQUIRE(runs < 40);
+        const std::string some = std::to_string(8 + 8 * runs); // KB that a file may have
+        code = run_in(folder.path, "trap '' XFSZ; ulimit -f " + some + "; " + bake + "tiles pack.fjell -o cut --quiet")
+                   .code;
+    }
+    CHECK(runs > 1);
+    CHECK(files_under(folder.path / "cut") == one);
+
+    // Killed in the middle, with a tile half-written.
+    output_of(folder,
+              bake +
+                  "tiles pack.fjell -o killed --quiet & p=$!; "
+                  "until [ -d killed/12 ] || ! kill -0 $p 2>/dev/null; do sleep 0.01; done; kill -9 $p; wait $p; true");
+    if (std::filesystem::exists(folder / "killed.work")) {
+        for (const auto& [name, bytes] : files_under(folder.path / "killed"))
+            if (name.starts_with("12/")) spit(folder.path / "killed" / name, bytes); // as they are
+        output_of(folder, bake + "tiles pack.fjell -o killed --quiet");
+    }
+    CHECK(files_under(folder.path / "killed") == one);
+}
+
+TEST_CASE("tiles need a place on the globe and a folder of their own") {
+    const TemporaryFolder folder;
+    spit(folder / "dem.asc", ascii_grid(17, 17, "5"));
+    output_of(folder, bake + "dem.asc -o pack.fjell --quiet");
+    refused(folder, bake + "tiles pack.fjell -o out", 1, "has no CRS");
+    output_of(folder, "gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 430510 6799490 dem.asc dem.tif");
+    output_of(folder, bake + "dem.tif -o pack.fjell --quiet");
+    std::filesystem::create_directory(folder / "taken");
+    spit(folder / "taken/letter.txt", "dear");
+    refused(folder, bake + "tiles pack.fjell -o taken", 1, "holds something else");
+    refused(folder, bake + "tiles pack.fjell -o out --max-level 20", 1, "give --max-level");
+    refused(folder, bake + "tiles pack.fjell -o no/where/out", 1, "does not exist");
+    refused(folder, bake + "tiles missing.fjell -o out", 1, "missing.fjell");
+    refused(folder, bake + "tiles pack.fjell -o out --tiling polar", 2, "must be one of");
+    output_of(folder, bake + "tiles pack.fjell -o out --max-level 9 --no-gzip --no-normals --quiet");
+    const json layer = json::parse(slurp(folder / "out/layer.json"));
+    CHECK(layer["maxzoom"] == 9);
+    CHECK(layer["extensions"].empty());
+    CHECK(layer["fjell"]["crs"] == "WGS 84 / UTM zone 32N (EPSG:32632)");
+    refused(folder, bake + "tiles pack.fjell -o out", 1, "holds something else");
+}
