@@ -169,6 +169,37 @@ void jumps(benchmark::State& state, double budget_us) {
     state.counters["limit_us"] = budget_us;
 }
 
+// What an update without a limit takes beside the two ways that it has: a rebuild, and to follow, which it must when
+// visits are given. Threshold factors of 0.5 and 2 in turns, or so many cells a frame, fewer than a jump has; by the
+// thread's own time.
+void follow_or_build(benchmark::State& state, double cells, bool thresholds) {
+    const Scene& scene = mountains();
+    const std::vector<View> views = flight_views(scene.pack.terrain, cells, 24);
+    const CutInMemory chosen(scene.pack.terrain, cut_budget), followed(scene.pack.terrain, cut_budget),
+        built(scene.pack.terrain, cut_budget);
+    std::vector<double> us[3];
+    for (auto _ : state)
+        for (std::size_t i = 0; i < views.size(); ++i) {
+            CutSettings settings;
+            settings.max_error_px = thresholds && i % 2 == 1 ? scene.error_px / 2 : scene.error_px;
+            settings.hysteresis = 0.04; // as the profiles have it
+            const auto timed = [&](std::vector<double>& into, const CutInMemory& of, auto&& update) {
+                CutReport report;
+                const double start = worked_us();
+                if (!update(of.cut, std::span(&views[i], 1), settings, report).ok()) std::abort();
+                if (i != 0) into.push_back(worked_us() - start);
+                (void)cut_take_changes(of.cut);
+            };
+            timed(us[0], chosen, update_cut);
+            timed(us[2], built, rebuild_cut);
+            if (i != 0) settings.visits = unlimited_work - 1;
+            timed(us[1], followed, update_cut);
+        }
+    state.counters["chosen_p50_us"] = rank(us[0], 0.5);
+    state.counters["followed_p50_us"] = rank(us[1], 0.5);
+    state.counters["built_p50_us"] = rank(us[2], 0.5);
+}
+
 // A cell a frame in less time than that takes: what does the mesh claim to keep, and what does it cost to say so?
 void lag(benchmark::State& state, double budget_us) {
     const Scene& scene = mountains();
@@ -324,6 +355,10 @@ void teleport_claims(benchmark::State& state, double budget_us) {
 
 void declare_frames_that_time_ends() {
     declare("jumps", [](benchmark::State& s) { jumps(s, 1000); });
+    for (const double cells : {10.0, 16.0})
+        declare("follow-or-build/" + std::to_string(cells).substr(0, 4),
+                [=](benchmark::State& s) { follow_or_build(s, cells, false); });
+    declare("follow-or-build/thresholds", [](benchmark::State& s) { follow_or_build(s, 0.1, true); });
     declare("lag-1500us", [](benchmark::State& s) { lag(s, 1500); });
     declare("lag-500us", [](benchmark::State& s) { lag(s, 500); });
     declare("teleport-300us/all-around", [](benchmark::State& s) { teleport_budget(s, 1); });

@@ -20,10 +20,12 @@ scene() { # NAME PACK PATH FOV_DEG AZIMUTH_DEG ELEVATION_DEG RULES
 
 ground=mountains mountains=$root/content/terrain/mountains.json tile=4096 tiles=256
 sizes='[[1920, 1080], [3840, 2160]]' patch_size='[1920, 1080]' triangles='[1000000, 4000000]' material_size=512
+smaller=3 # in software: 640 x 360 and 1280 x 720
 if [[ $quick == --quick ]]; then
   ground=small mountains=$out/packs/small.json tile=256 tiles=64
   echo '{"columns": 257, "rows": 257, "spacing_m": 60, "seed": 7, "relief_m": 2500, "feature_m": 6000}' >"$mountains"
   sizes='[[96, 54], [192, 108]]' patch_size='[320, 180]' triangles='[20000, 40000]' material_size=32
+  smaller=1
 fi
 bake "$ground-one.fjell" "$mountains" --tile "$tile"
 bake "$ground-tiles.fjell" "$mountains" --tile "$tiles"
@@ -49,7 +51,7 @@ else
   [[ $quick != --quick ]] || scenes=$(scene over "$ground-lit.fjell" flythrough 45 120 10 alpine)
 fi
 cat >"$out/plan.json" <<END
-{"terrain": "$terrain", "profile": "$root/profiles/desktop.toml", "materials": "$materials", "sizes": $sizes,
+{"terrain": "$terrain", "profile": "$root/profiles/desktop.toml", "materials": "$materials", "sizes": $sizes, "smaller_in_software": $smaller,
  "scenes": [$scenes],
  "patches": {"one_tile": "$out/packs/$ground-one.fjell", "tiles": "$out/packs/$ground-tiles.fjell", "size": $patch_size,
              "error_px": 2, "triangles": $triangles}}

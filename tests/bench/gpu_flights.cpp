@@ -71,8 +71,7 @@ public:
         profile.light.azimuth_deg = scene.at("azimuth_deg");
         profile.light.elevation_deg = scene.at("elevation_deg");
         profile.light.shadows = true; // horizon maps are loaded
-        options_.layers =
-            std::make_shared<GroundLayers>(read_ground_layers(plan.at("materials"), scene.at("rules")));
+        options_.layers = std::make_shared<GroundLayers>(read_ground_layers(plan.at("materials"), scene.at("rules")));
         open_session(options_, session_);
         const PackHeader& header = session_.terrain().header();
         // Over the lowest tenth of the heights.
@@ -154,12 +153,18 @@ json told(const bench::Calls& calls) {
     return {{"calls", calls.calls}, {"draws", calls.draws}, {"dispatches", calls.dispatches}};
 }
 
+// A software renderer takes seconds for a large picture.
+std::uint32_t pixels(const json& plan, const json& asked) {
+    const std::uint32_t of_gpu = asked;
+    return bench::in_software() ? of_gpu / plan.at("smaller_in_software").get<std::uint32_t>() : of_gpu;
+}
+
 json fly_scene(const json& plan, const json& place, std::size_t frames, bool timers, const std::string& out) {
     json rows = json::array();
     Scene scene(plan, place);
     for (const auto& size : plan.at("sizes"))
         for (const Setting& setting : settings) {
-            const std::uint32_t width = size.at(0), height = size.at(1);
+            const std::uint32_t width = pixels(plan, size.at(0)), height = pixels(plan, size.at(1));
             const auto number = &setting - settings;
             const std::string picture = fmt::format("{}-{}-{}.png", scene.name(), width, number);
             const Flown flown = scene.fly(setting, width, height, frames, timers, out + "/" + picture);
@@ -191,8 +196,8 @@ bench::PatchPlan patch_plan(const json& plan, bool timers, const std::string& ou
     bench::PatchPlan result;
     result.one_tile = p.at("one_tile");
     result.tiles = p.at("tiles");
-    result.width = p.at("size").at(0);
-    result.height = p.at("size").at(1);
+    result.width = pixels(plan, p.at("size").at(0));
+    result.height = pixels(plan, p.at("size").at(1));
     result.error_px = p.at("error_px");
     result.triangles = p.at("triangles").get<std::vector<std::uint32_t>>();
     result.repeats = timers ? 50 : 3;

@@ -332,8 +332,8 @@ private:
         };
         for (std::int32_t y = 0; y < squares; ++y)
             for (std::int32_t x = 0; x < squares; ++x)
-                index.insert(index.end(), {at(x, y), at(x, y + 1), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1),
-                                           at(x + 1, y)});
+                index.insert(index.end(),
+                             {at(x, y), at(x, y + 1), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1), at(x + 1, y)});
         Grid grid;
         grid.corners = make_buffer(corners.size(), corners.data());
         grid.index = make_buffer(2 * index.size(), index.data());

@@ -1,7 +1,8 @@
 // The same ground drawn twice, with the same light: as a live cut's mesh, and as CDLOD's patches. What a triangle costs
 // the GPU that lies in a buffer, and one that a vertex shader makes of a grid and a texture of heights.
 //
-// Both are drawn with a shader that has next to nothing to do; the cut does not morph, CDLOD does. Failure: io::Failure.
+// Both are drawn with a shader that has next to nothing to do; the cut does not morph, CDLOD does. Failure:
+// io::Failure.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,10 @@ struct PatchPlan {
     std::string out;     // folder of the pictures
 };
 
-// An array, an object a mesh: "method", "asked" (what was held equal), "error_px" (asked of the method), "true_error_px" (at
-// every sample in view), "triangles", "draws", "mesh_bytes" and "height_bytes" on the GPU, "select_us" (the CPU's: the
-// cut from nothing, CDLOD's selection), "draw_us" (null without timers), "frame_ms" (with glFinish), "picture".
+// An array, an object a mesh: "method", "asked" (what was held equal), "error_px" (asked of the method),
+// "true_error_px" (at every sample in view), "triangles", "draws", "mesh_bytes" and "height_bytes" on the GPU,
+// "select_us" (the CPU's: the cut from nothing, CDLOD's selection), "draw_us" (null without timers), "frame_ms" (with
+// glFinish), "picture".
 [[nodiscard]] nlohmann::json draw_patches(const PatchPlan& plan);
 
 } // namespace fjell::bench

@@ -43,8 +43,8 @@ bool timers_are_real() {
     if (bits == 0 || in_software()) return false;
     const auto target = gl::Target::create({1024, 1024, 1});
     const gl::Program program = gl::make_program(
-        {"a known load", "", "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0.5, 1); }",
-         "",
+        {"a known load", "",
+         "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1, 0.5, 1); }", "",
          "out vec4 colour; void main() { float x = gl_FragCoord.x; for (int i = 0; i < 200; ++i) x = sin(x) + 1.0;\n"
          "colour = vec4(x); }"});
     unsigned none = 0;

@@ -133,6 +133,47 @@ TEST_CASE("what is activated late morphs by time, and nothing jumps either") {
     }
 }
 
+TEST_CASE("what waits for a vertex that morphs is looked at when that has arrived, and not whenever another one has") {
+    Random random(611);
+    int waited = 0;
+    for (int round = 0; round < rounds(12, 60); ++round) {
+        const auto pack = rich_terrain(random, 257, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut cut(terrain, ample_cut(terrain));
+        CutSettings settings;
+        settings.max_error_px = 8;
+        settings.morph = Morph::time;
+        View view = random_view(random, terrain);
+        int frame = 0;
+        const auto update = [&] {
+            view.eye_m.x += 0.3 * terrain.header().spacing_m[0]; // so that vertices arrive in most frames
+            settings.now_s = frame++ / 60.0;
+            return cut.update({&view, 1}, settings);
+        };
+        for (int i = 0; i < 20; ++i) (void)update();
+        settings.max_error_px = 0.25;
+        const CutReport first = update();
+        if (first.waiting < 100) continue; // a view from far away
+        ++waited;
+        double evaluations = 0, changes = 0;
+        CutReport report;
+        for (int i = 0; i < 14; ++i) { // the first have not arrived yet
+            report = update();
+            evaluations += report.evaluations;
+            changes += report.activations + report.deactivations;
+        }
+        CAPTURE(round, first.waiting, evaluations, changes);
+        CHECK(evaluations < first.waiting / 16 + 2 * changes);
+        CHECK(report.waiting > first.waiting / 2);
+        for (int i = 0; i < 400 && report.waiting != 0; ++i) {
+            view.eye_m.x -= 0.3 * terrain.header().spacing_m[0]; // it rests
+            report = update();
+        }
+        CHECK(report.waiting == 0); // nobody was forgotten
+    }
+    CHECK(waited > 2);
+}
+
 TEST_CASE("where vertices morph a capacity that is spent moves the mesh in many small steps, and in pops where not") {
     Random random(306);
     int governed = 0;

@@ -138,7 +138,7 @@ struct CutReport {
     // Items: evaluations + activations + deactivations. A mesh that is built beside the drawn one counts in the frames
     // that build it, six of its groups for an item. Its activations are counted below when it is drawn.
     std::uint32_t work = 0;
-    // unlimited_work: the frame had no limit, and the mesh was built from nothing.
+    // unlimited_work: the frame had no limit, and chose the cheaper of two ways.
     std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active vertices, and the corners of all tiles
@@ -188,12 +188,12 @@ Status destroy_cut(LiveCut cut);
 // 1 to CutBudget::views of them, in any order. Views have no identity: when views change places, or when one comes or
 // goes beside an equal one, the update costs nothing. Any other view that comes or goes costs what a move from or to
 // the nearest view would.
-// After a jump of 32 cells or more, and in the first frame, a frame without limits builds the mesh from nothing, as
-// rebuild_cut() does. With a limit of items or time the ground that the views see is built beside the drawn mesh. The
-// old mesh is drawn until the new one is complete, which may take several frames; the ground that is not seen follows.
-// Such a build needs free slots, at least a quarter of those in use. Otherwise the cut is refined vertex by vertex,
-// worst first.
-// Example:
+// In the first frame a frame without limits builds the mesh from nothing, as rebuild_cut() does. Later it does so where
+// a jump, a zoom or another threshold makes that the cheaper way; where vertices morph, after every jump of 16 to 32
+// cells. With a limit of items or time the ground that the views see is built beside the drawn mesh after such a jump.
+// The old mesh is drawn until the new one is complete, which may take several frames; the ground that is not seen
+// follows. Such a build needs free slots, at least a quarter of those in use. Otherwise the cut is refined vertex by
+// vertex, worst first. Example:
 //     if (s.ok()) s = fjell::update_cut(cut, {&view, 1}, {.max_error_px = 1, .max_time_us = 2'000}, report);
 //     if (!s.ok()) std::printf("%s: %s\n", s.field, fjell::message(s.code));
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report);

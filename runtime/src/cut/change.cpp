@@ -147,8 +147,11 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const std::uint32_t ends[2] = {s.mesh.indices[std::size_t{first} * 3 + 1],
                                    s.mesh.indices[std::size_t{first} * 3 + 2]};
     const bool morphing = s.morphing.now.morph != Morph::none;
-    if (morphing && (is_morphing(s.mesh, s.morphing, ends[0]) || is_morphing(s.mesh, s.morphing, ends[1])))
-        return Outcome::gated;
+    if (morphing && (is_morphing(s.mesh, s.morphing, ends[0]) || is_morphing(s.mesh, s.morphing, ends[1]))) {
+        s.morphing.arrives_ticks =
+            std::max(arrival_ticks(s.mesh, s.morphing, ends[0]), arrival_ticks(s.mesh, s.morphing, ends[1]));
+        return Outcome::rising;
+    }
     // What is about to morph out must not get children again, or its page could never be evicted.
     for (int n = 0; morphing && n < count; ++n)
         if (splits[n].parent != no_index &&

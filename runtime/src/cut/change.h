@@ -5,7 +5,8 @@
 
 namespace fjell {
 
-enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, no_pages, gated };
+// gated: a page that is evicted is in the way; rising: a vertex that morphs, until Morphing::arrives_ticks.
+enum class Outcome : std::uint8_t { done, no_vertices, no_triangles, no_pages, gated, rising };
 
 // The vertex must be ready and not active. Evaluates the children that become ready.
 Outcome activate(CutState& s, std::uint32_t vertex);

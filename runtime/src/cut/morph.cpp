@@ -53,8 +53,29 @@ void end_morphing_in(Work& work, Morphing& morphing) {
             morph_age_s(morphing.now.now_s, morphing.late_s[morphing.first_late]) >= morphing.now.morph_s)) {
         morphing.first_late = (morphing.first_late + 1) % morphing.ring_size;
         --morphing.late_count;
-        open_gate(work);
     }
+    Queues& q = work.queues;
+    constexpr std::uint32_t all = (1u << rising_slots) - 1;
+    constexpr std::int64_t slots_a_morph = 8;
+    const auto ticks = static_cast<std::int64_t>(std::ceil(morphing.now.morph_s * ticks_a_second));
+    const std::int64_t slot_ticks = std::max<std::int64_t>((ticks + slots_a_morph - 1) / slots_a_morph, 1),
+                       now = morphing.clock.ticks / slot_ticks;
+    if (morphing.now.morph == Morph::none || slot_ticks != q.slot_ticks) q.open_slots = all; // times count no more
+    for (std::int64_t n = std::max(q.opened, now - rising_slots) + 1; n <= now; ++n)
+        q.open_slots |= 1u << n % rising_slots;
+    q.slot_ticks = slot_ticks;
+    q.opened = now;
+}
+
+std::uint32_t rising_queue(Queues& q, const Morphing& morphing, std::int64_t arrives_ticks) {
+    // A rebuild that cannot be completed refines before the first update has set how long a slot is.
+    const std::int64_t slot_ticks = std::max<std::int64_t>(q.slot_ticks, 1),
+                       wanted = std::max(arrives_ticks, morphing.clock.ticks) / slot_ticks + 1,
+                       n = std::min(wanted, q.opened + rising_slots - 1);
+    // What is left in it from the last time round waits for this one, or groups would be tried in the frame that has
+    // filed them, again and again.
+    q.open_slots &= ~(1u << n % rising_slots);
+    return rising_queues + static_cast<std::uint32_t>(n % rising_slots);
 }
 
 void advance_clock(Morphing& morphing, const Frame& frame, bool first) {

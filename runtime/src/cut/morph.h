@@ -35,7 +35,8 @@ struct Morphing {
     std::uint32_t ring_size; // Mesh::capacity
     float* late_s;           // activated_s of vertices activated late, a ring: oldest first
     std::uint32_t first_late, late_count;
-    std::uint32_t* out; // vertices that morph out, a ring: those that began first
+    std::int64_t arrives_ticks; // of the clock: when what has just gated an activation will have arrived
+    std::uint32_t* out;         // vertices that morph out, a ring: those that began first
     std::uint32_t first_out, out_count;
 };
 
@@ -64,7 +65,13 @@ struct Morphing {
     return morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s) < morphing.now.morph_s;
 }
 
-// What waited for a vertex that morphs, or for a page that is evicted, is tried again.
+// When it will not any more, by the clock.
+[[nodiscard]] inline std::int64_t arrival_ticks(const Mesh& mesh, const Morphing& morphing, std::uint32_t slot) {
+    const float left_s = morphing.now.morph_s - morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s);
+    return morphing.clock.ticks + static_cast<std::int64_t>(std::ceil(left_s * static_cast<float>(ticks_a_second)));
+}
+
+// What waited for a page that was evicted is tried again.
 inline void open_gate(Work& work) {
     work.queues.gate_passes = work.queues.sizes[gated_queues + work.queues.gated_turn] == 0 ? 1 : 2;
 }
@@ -78,8 +85,10 @@ inline void open_gate(Work& work) {
 [[nodiscard]] float activation_time_s(const Views& views, Morphing& morphing, const Frame& frame, float x, float y,
                                       float z, float error_m, float radius_m);
 
-// Forgets vertices that have reached their height.
+// Forgets vertices that have reached their height. What has waited for them is tried again.
 void end_morphing_in(Work& work, Morphing& morphing);
+// The queue of a group that waits for a vertex that arrives then.
+[[nodiscard]] std::uint32_t rising_queue(Queues& queues, const Morphing& morphing, std::int64_t arrives_ticks);
 
 // The vertex is active, has no active children and does not morph out yet. To the shader, a vertex that morphs out is
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.

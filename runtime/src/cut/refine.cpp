@@ -91,7 +91,8 @@ void examine(CutState& s, std::uint32_t number) {
 void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
     const Evaluated group = evaluate_group(s, number);
     CutReport& r = s.frame.report;
-    bool blocked = false, gated = false;
+    bool blocked = false, gated = false, rising = false;
+    std::int64_t arrives_ticks = 0; // the first of those that something waits for
     // Evaluating the group is part of the first change: with one item a frame a mesh must get somewhere, too.
     bool looked = true;
     const auto spend = [&](std::uint32_t& changes) {
@@ -107,6 +108,10 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
         switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
         case Outcome::done: spend(r.activations); break;
         case Outcome::gated: gated = true; break;
+        case Outcome::rising:
+            arrives_ticks = rising ? std::min(arrives_ticks, s.morphing.arrives_ticks) : s.morphing.arrives_ticks;
+            rising = true;
+            break;
         case Outcome::no_vertices:
         case Outcome::no_pages: // states come with vertices
             s.frame.full_capacities |= cut_budget_vertices;
@@ -129,6 +134,8 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
             }
         }
     if (blocked) return queue(s.work, number, group, blocked_queues + s.work.queues.turn);
+    if (rising && may_go_on())
+        return queue(s.work, number, group, rising_queue(s.work.queues, s.morphing, arrives_ticks));
     if (gated && may_go_on()) return queue(s.work, number, group, gated_queues + s.work.queues.gated_turn);
     if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
     if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);
@@ -303,6 +310,12 @@ std::uint32_t next_queue(Work& work, const Mesh& mesh, const Morphing& morphing,
         work.queues.work_ranks &= ~(1u << rank);
     }
     if (can_deactivate) return deactivation_queue;
+    Queues& q = work.queues;
+    for (std::uint32_t n = 1; n <= rising_slots && q.open_slots != 0; ++n) { // those that opened first, first
+        const auto slot = static_cast<std::uint32_t>((q.opened + n) % rising_slots);
+        if ((q.open_slots >> slot & 1) != 0 && q.sizes[rising_queues + slot] != 0) return rising_queues + slot;
+        q.open_slots &= ~(1u << slot);
+    }
     const std::uint32_t gated_before = gated_queues + (work.queues.gated_turn ^ 1);
     const bool open = work.queues.gate_passes != 0 || morphing.now.morph == Morph::none;
     if (open && work.queues.sizes[gated_before] != 0) return gated_before;

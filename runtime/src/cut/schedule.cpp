@@ -344,6 +344,20 @@ void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[pag
     s.vectors.find_spent(s.ticks + std::size_t{slot} * page_ticks, bits);
 }
 
+std::uint32_t count_spent(const Schedule& s, std::uint32_t most) {
+    std::uint32_t count = 0;
+    for (std::uint32_t i = 0; i < s.awake_count && count <= most; ++i) {
+        if (!s.awake[i].due) continue;
+        const PageSchedule& page = s.pages[s.awake[i].slot];
+        const double ticks = std::max(std::ceil((odometer_m(s, page) - page.charged_m) / tick_m(s, page)), 0.0);
+        const auto last = static_cast<std::uint32_t>(std::min(ticks, static_cast<double>(most_ticks))) + soon;
+        const std::uint16_t* const of_page = s.ticks + std::size_t{s.awake[i].slot} * page_ticks;
+        for (std::uint32_t group = 0; group < page_ticks; ++group)
+            count += of_page[group] <= last && of_page[group] != unscheduled;
+    }
+    return count;
+}
+
 namespace {
 
 void charge_scalar(std::uint16_t* ticks, std::uint16_t by) {
@@ -396,7 +410,7 @@ void clear_queues(Queues& queues) {
         queues.ends[i] = {queues.group_count + i, queues.group_count + i};
         queues.sizes[i] = 0;
     }
-    queues.work_ranks = 0;
+    queues.work_ranks = queues.open_slots = 0;
 }
 
 void push_back(Queues& queues, std::uint32_t queue, std::uint32_t group) {

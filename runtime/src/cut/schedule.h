@@ -172,6 +172,8 @@ void put_back_due(Schedule& s, std::uint32_t slot);
 // Charges a due page what has been travelled: the groups that are spent then are to be evaluated.
 void charge_page(Schedule& s, std::uint32_t slot);
 void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]); // a bit a group
+// Of all due pages, as if they were charged now; as far as `most` goes, or a little further. O(due pages).
+[[nodiscard]] std::uint32_t count_spent(const Schedule& s, std::uint32_t most);
 // All of them were: when is the page due again?
 void close_page(Schedule& s, std::uint32_t slot);
 
@@ -195,8 +197,10 @@ inline constexpr QueueId unqueued = 0;                                  // so th
 inline constexpr QueueId work_queues = 1;                               // one a rank: vertices to activate
 inline constexpr QueueId deactivation_queue = work_queues + rank_count; // vertices to deactivate
 inline constexpr QueueId blocked_queues = deactivation_queue + 1;       // for want of a capacity; two that take turns
-inline constexpr QueueId gated_queues = blocked_queues + 2; // behind a vertex that is morphing; two that take turns
-inline constexpr QueueId queue_count = gated_queues + 2;
+inline constexpr QueueId gated_queues = blocked_queues + 2; // behind a page that is evicted; two that take turns
+inline constexpr std::uint32_t rising_slots = 16;           // of time
+inline constexpr QueueId rising_queues = gated_queues + 2;  // behind a vertex that morphs: by when that has arrived
+inline constexpr QueueId queue_count = rising_queues + rising_slots;
 inline constexpr QueueId being_visited = 0xfffe; // taken from its queue, about to be evaluated
 
 struct Queues {
@@ -209,9 +213,14 @@ struct Queues {
     std::uint32_t work_ranks; // which work_queues may hold groups, as bits
     std::uint32_t turn;       // which of blocked_queues takes what is put back
     std::uint32_t gated_turn; // and of gated_queues
-    // Passes over the gated groups that are due, because a vertex has reached its height or is no longer evicted. A
-    // pass may take several frames; groups that were filed before the event may lie in either list.
+    // Passes over the gated groups that are due, because a vertex is no longer evicted. A pass may take several frames;
+    // groups that were filed before the event may lie in either list.
     std::uint8_t gate_passes;
+    // A vertex arrives when its time has come, and not before: until then nobody looks at what waits for it. A slot is
+    // an eighth of the time that vertices take; it opens when all of it is over, and slot n uses queue n %
+    // rising_slots.
+    std::int64_t slot_ticks, opened;
+    std::uint32_t open_slots; // as bits: they may hold groups that are to be tried again
 };
 
 void clear_queues(Queues& queues); // the groups' own states aside

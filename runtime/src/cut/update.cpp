@@ -118,7 +118,8 @@ void report_waiting(CutState& s, bool overlooking, double hidden_px) {
     r.waiting = waiting_groups(s.work) + building + s.pages.some_wait + overlooking;
     for (std::uint32_t i = 0; i < s.pages.evicting_count; ++i)
         r.waiting += s.pages.state[s.pages.evicting[i]].active != 0;
-    const std::uint32_t gated = s.work.queues.sizes[gated_queues] + s.work.queues.sizes[gated_queues + 1];
+    std::uint32_t gated = 0;
+    for (std::uint32_t queue = gated_queues; queue < queue_count; ++queue) gated += s.work.queues.sizes[queue];
     s.frame.lagging = r.waiting != r.blocked + gated + s.pages.some_wait;
     r.converged = r.waiting == 0 && r.morphing == 0 && r.threshold_px <= r.error_px_requested &&
                   hidden_px <= r.error_px_requested;
@@ -230,6 +231,33 @@ bool has_no_limit(const Frame& frame) {
            frame.settings.max_time_us == 0;
 }
 
+// What both ways cost, in parts of some 20 ns (docs/notes/live-cut.md, "Follow or build"): for a new mesh its vertices
+// and pages, which are about as many as now; to follow, the groups whose slack is spent, each with what comes of it.
+// Where something is off-screen groups that come into sight are due as well.
+constexpr std::uint64_t page_parts = 210, spent_parts = 26, spent_parts_with_offscreen = 36, item_parts = 6;
+
+std::uint64_t building_parts(const CutState& s) {
+    const std::uint32_t active = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
+    return active + page_parts * s.pages.busy;
+}
+
+// Of a frame without a limit whose views have leapt or zoomed: is a new mesh cheaper than what follows them? Where
+// vertices morph only a jump has one, for none of them would rise.
+bool is_build_cheaper(const CutState& s) {
+    // Where a capacity is short a new mesh is tried at many thresholds, and what follows ends where it is spent.
+    const bool short_of_room = s.governor.cause != 0;
+    if (s.frame.settings.morph != Morph::none || s.frame.number == 1 || short_of_room) return s.views.leapt;
+    const std::uint64_t parts = s.frame.settings.offscreen_factor > 1 ? spent_parts_with_offscreen : spent_parts;
+    const auto most = static_cast<std::uint32_t>(building_parts(s) / parts);
+    return count_spent(s.work.schedule, most) > most;
+}
+
+// So many items of following cost more than twice as much as a new mesh: when they are spent, that is made after all.
+// Nobody can tell beforehand how much comes of a group that is spent.
+std::uint32_t items_of_a_build(const CutState& s) {
+    return static_cast<std::uint32_t>(building_parts(s) / item_parts) + 256;
+}
+
 } // namespace
 
 Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& settings, CutReport& report) {
@@ -246,13 +274,17 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (s.governor.cause == 0) s.governor.aim_px = settings.max_error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
-    if (s.views.leapt && has_no_limit(s.frame)) {
+    // What replays a frame that has chosen its way: it chooses again.
+    const bool unlimited = has_no_limit(s.frame), chooses = unlimited && (s.views.leapt || s.views.zoomed);
+    const auto build = [&] {
         build_from_nothing(s, views);
-        r.visits = unlimited_work; // what replays it
+        r.visits = unlimited_work;
         report = r;
         FJELL_WALK(s.frame.number, validate_cut(s));
-        return {};
-    }
+        return Status{};
+    };
+    if (chooses && is_build_cheaper(s)) return build();
+    if (chooses) s.views.leapt = false; // nor is one built beside
     if (run_bulk(s)) {
         const auto built = Clock::now();
         finish(s);
@@ -270,14 +302,22 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     const auto prepared = Clock::now();
     evict_pages(s);
     keep_pages_at_hand(s.pages, s.work, s.mesh);
+    const bool may_build = chooses && settings.morph == Morph::none && s.governor.cause == 0;
+    if (may_build) s.frame.item_limit = items_of_a_build(s);
     refine(s);
     FJELL_ASSERT(changes() - r.work == beside);
+    if (may_build && (r.exhausted & cut_budget_work) != 0) {
+        s.frame.item_limit = unlimited_work;
+        r.exhausted = r.deactivations = s.frame.full_capacities = 0;
+        return build();
+    }
     const auto refined = Clock::now();
     finish(s);
     r.prepare_us = microseconds(s.frame.started, prepared);
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
     if (s.frame.lagging && !s.views.jumped) s.frame.output_us = r.output_us;
+    if (chooses) r.visits = unlimited_work;
     report = r;
     FJELL_WALK(s.frame.number, validate_cut(s));
     return {};

@@ -146,6 +146,11 @@ void charge_views(const Grid& grid, Schedule& schedule, BulkPass& bulk, Views& v
     // By 32 cells, or by a threshold as far: most of what is awake is due.
     views.jumped = metres[grade_count / 2] > 1024 * schedule.tick_m;
     views.leapt = change.at(0) > 1024 * schedule.tick_m;
+    views.zoomed = false;
+    const Criterion& now = views.criterion;
+    for (std::uint32_t i = 0; now.views == before.views && i < now.views; ++i)
+        views.zoomed = views.zoomed || now.reach[i].q > before.keep[i].q || now.keep[i].q < before.reach[i].q;
+    views.zoomed = views.zoomed && metres[grade_count / 2] > 256 * schedule.tick_m;
 }
 
 // --- the governor

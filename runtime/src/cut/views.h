@@ -40,6 +40,7 @@ struct Views {
     double largest_ratio;                     // of a view's threshold to that of the settings
     bool jumped;                              // an eye has, so far that much is due
     bool leapt;                               // and it is not only a threshold that has
+    bool zoomed;                              // no eye has leapt, but a threshold, by more than hysteresis takes up
     bool still;                               // no eye has moved, come or gone since the frame before
     void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
     float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
