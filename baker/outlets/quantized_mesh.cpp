@@ -46,7 +46,7 @@ TileSphere sphere_around(const std::vector<GlobePlace>& places) {
 
 // The place over a tile's middle that lies behind the horizon only when all of the tile does, in units of the
 // ellipsoid's radii: https://cesium.com/blog/2013/05/09/computing-the-horizon-occlusion-point/ derives it.
-GlobePlace horizon_place(const GlobePlace& towards, const std::vector<GlobePlace>& places, bool all_around) {
+GlobePlace horizon_place(const GlobePlace& towards, const std::vector<GlobePlace>& places, bool whole_globe) {
     const auto scaled = [](const GlobePlace& p) {
         return GlobePlace{p[0] / globe_radius_m, p[1] / globe_radius_m, p[2] / globe_polar_radius_m};
     };
@@ -57,7 +57,7 @@ GlobePlace horizon_place(const GlobePlace& towards, const std::vector<GlobePlace
     constexpr double farthest = 1000; // for half of a globe
     // No place stands for all of a globe: what is no place is hidden by nothing.
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-    if (all_around) return {nowhere, nowhere, nowhere};
+    if (whole_globe) return {nowhere, nowhere, nowhere};
     double most = 1;
     for (const GlobePlace& place : places) {
         const GlobePlace p = scaled(place);
