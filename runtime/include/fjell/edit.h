@@ -140,8 +140,8 @@ struct GroundRect {
 };
 // What has changed since the consumer's last call, for physics, path finding, or a host's own copy: up to rects.size()
 // rectangles, in order. cursor: the consumer's own, 0 at first. Returns how many. lost: more has changed than is
-// remembered (the last 1,024 changes), and rects[0] is the whole terrain. A query made afterwards sees the new ground. The
-// frame's thread, O(rectangles).
+// remembered (the last 1,024 changes), and rects[0] is the whole terrain. A query made afterwards sees the new ground.
+// The frame's thread, O(rectangles).
 [[nodiscard]] std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std::span<GroundRect> rects,
                                                 bool& lost);
 
