@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
@@ -128,7 +129,7 @@ void road(benchmark::State& state, std::int32_t samples) {
     int n = 0;
     for (auto _ : state) { // 1,000 x 12 samples, across pages and tiles
         const double from = middle - 500 * cell + (n % 7) * cell,
-                     height = s.pack.terrain.header().min_m + 100 + 10 * (n % 5);
+                     height = static_cast<double>(s.pack.terrain.header().min_m) + 100 + 10 * (n % 5);
         const StampPoint points[3] = {
             {from, from + 40 * cell, static_cast<float>(height)},
             {middle, middle, static_cast<float>(height + 40)},

@@ -216,7 +216,7 @@ TEST_CASE("a walk over a terrain names every page and slot that was tampered wit
     plant(walk, m.page_table[0].slot, other, "a page's slot holds another page");
     plant(walk, m.page_table[0].slot, t.slot_count, "a page lies in a slot that there is not");
     plant(walk, m.page_table[0].slot, no_index, "missing pages are counted wrongly");
-    plant(walk, m.page_table[0].base, -1, "a page's base is off the height scale");
+    plant(walk, m.page_table[0].base, max_height_steps + 1, "a page's base is off the height scale");
     plant(walk, t.pages_missing, t.pages_missing + 1, "missing pages are counted wrongly");
     plant(walk, m.slot_page[slot], no_index, "a page's slot holds another page");
     plant(walk, m.slot_page[m.free_slots[0]], 1u, "a slot's page lies elsewhere");
