@@ -403,12 +403,10 @@ void raise_errors(EditsData& e, const Change& change) {
                     const std::int32_t s = 1 << z;
                     const bool affected = change.places.meets({v.column - s, v.row - s, v.column + s, v.row + s});
                     std::uint32_t code = before;
-                    if (!asked_for.all) {
-                        code = std::max(grown_code(t, before, by_m), asked);
-                    } else if (affected && (z <= measured_at_once || midpoint)) {
+                    if (asked_for.all && affected && (z <= measured_at_once || midpoint)) {
                         const OwnError own = own_error(e, heights, v, asked);
                         code = own.exact ? own.code : std::max(grown_code(t, before, by_m), asked);
-                    } else if (affected) {
+                    } else if (affected || !asked_for.all) {
                         code = std::max(grown_code(t, before, by_m), asked);
                     } else {
                         code = std::max(before, asked);
