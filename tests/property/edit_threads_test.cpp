@@ -61,10 +61,10 @@ TEST_CASE("stamps and queries come from any thread", "[edit][threads]") {
         });
     const View view = make_view({64, 160, 64}, {0.3, -1, 0.2}, {0, 1, 0}, 1, 800, 600, 0.1, 1000);
     int samples = 0;
-    for (int frame = 0; frame < rounds(60, 600); ++frame) {
+    for (int frame = 0; frame < rounds(40, 120); ++frame) {
         EditReport report;
         EditSettings settings;
-        settings.max_work = 400;
+        settings.max_work = 6; // every stamp is one or two
         REQUIRE(update_edits(edits, {&view, 1}, settings, report).ok());
         samples += static_cast<int>(report.samples);
         (void)cut.update({&view, 1}, {.max_error_px = 1});
