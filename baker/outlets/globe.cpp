@@ -115,9 +115,10 @@ bool SamplePlaces::fill(const HeightSource& source, double nodes_apart) {
     const OGRSpatialReference own = crs_of(source), globe = wgs84();
     const std::unique_ptr<OGRCoordinateTransformation> way(OGRCreateCoordinateTransformation(&own, &globe));
     if (!way) return false;
-    const auto [crs_x, crs_y] = step_of(source);
+    const auto crs_step = step_of(source); // whole: clang 14 captures no part of it
     const auto exact = [&](double column, double row, GlobePlace& place) {
-        double x = source.crs_origin[0] + column * crs_x, y = source.crs_origin[1] - row * crs_y;
+        double x = source.crs_origin[0] + column * std::get<0>(crs_step),
+               y = source.crs_origin[1] - row * std::get<1>(crs_step);
         if (!way->Transform(1, &x, &y) || !std::isfinite(x) || !std::isfinite(y)) return false;
         place = on_globe({x, y}, 0);
         return true;

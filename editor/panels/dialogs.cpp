@@ -7,6 +7,7 @@
 
 #include <imgui_internal.h> // ClosePopupToLevel: the state closes a dialog, not only its own buttons
 
+#include "editor/number_text.h"
 #include "editor/panels/forms.h"
 #include "editor/panels/keyboard.h"
 #include "editor/panels/panels.h"
