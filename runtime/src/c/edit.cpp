@@ -54,8 +54,8 @@ uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGrou
                                    bool* lost) {
     std::uint64_t from = cursor == nullptr ? 0 : *cursor;
     bool missed = false;
-    const std::uint32_t taken = take_ground_changes(
-        to_cpp(edits), from, span_of(reinterpret_cast<GroundRect*>(rects), rect_count), missed);
+    const std::uint32_t taken =
+        take_ground_changes(to_cpp(edits), from, span_of(reinterpret_cast<GroundRect*>(rects), rect_count), missed);
     if (cursor != nullptr) *cursor = from;
     if (lost != nullptr) *lost = missed;
     return taken;
