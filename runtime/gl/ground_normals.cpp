@@ -52,7 +52,7 @@ std::uint8_t code_of(double component) {
 class NormalGrid {
 public:
     NormalGrid(const Terrain& terrain, int step_log2, std::int32_t first_x, std::int32_t first_y, std::uint32_t side,
-                std::vector<float>& heights_m)
+               std::vector<float>& heights_m)
         : terrain_(terrain), step_(1 << step_log2), first_x_(first_x), first_y_(first_y), side_(side),
           heights_m_(heights_m) {
         heights_m_.resize(std::size_t{side} * side);
@@ -85,11 +85,9 @@ private:
     }
     [[nodiscard]] Vec3 at(std::int32_t column, std::int32_t row) const {
         const PackHeader& h = terrain_.header();
-        return normalised(Vec3{-rise(height(column - 1, row), height(column + 1, row), first_x_ + column, h.columns,
-                                     h.spacing_m[0]),
-                               1,
-                               -rise(height(column, row - 1), height(column, row + 1), first_y_ + row, h.rows,
-                                     h.spacing_m[1])});
+        return normalised(
+            Vec3{-rise(height(column - 1, row), height(column + 1, row), first_x_ + column, h.columns, h.spacing_m[0]),
+                 1, -rise(height(column, row - 1), height(column, row + 1), first_y_ + row, h.rows, h.spacing_m[1])});
     }
 
     const Terrain& terrain_;
@@ -194,7 +192,8 @@ void GroundNormals::paint_mip(std::uint32_t tile, std::uint32_t mip, const Groun
               y = texels(rect.first.row - origin.row, rect.last.row - origin.row);
     if (x.count <= 0 || y.count <= 0) return;
 
-    const int step_log2 = std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(axis.spacing + 0.5))) - 1, 0);
+    const int step_log2 =
+        std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(axis.spacing + 0.5))) - 1, 0);
     const auto grid = [&](double sample) { return static_cast<std::int32_t>(std::floor(sample / (1 << step_log2))); };
     const std::int32_t grid_x = grid(origin.column + axis.sample(x.first)) - 1,
                        grid_y = grid(origin.row + axis.sample(y.first)) - 1;
@@ -209,8 +208,8 @@ void GroundNormals::paint_mip(std::uint32_t tile, std::uint32_t mip, const Groun
         for (std::int32_t column = x.first; column < x.first + x.count; column += 4, block += normal_block_bytes) {
             std::uint8_t east[16], south[16];
             for (std::int32_t i = 0; i < 16; ++i) {
-                const Vec3 n = heights.normal(origin.column + axis.sample(column + i % 4),
-                                              origin.row + axis.sample(row + i / 4));
+                const Vec3 n =
+                    heights.normal(origin.column + axis.sample(column + i % 4), origin.row + axis.sample(row + i / 4));
                 east[i] = code_of(n.x), south[i] = code_of(n.z);
             }
             encode(east, block);

@@ -19,9 +19,7 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
 
     fjell::Profile profile = fjell::read_profile(FJELL_SOURCE_DIR "/profiles/laptop.toml");
     fjell::set_profile_key(profile, "refine.max_error_px", "2");
-    fjell::io::LiveOptions options = fjell::live_options(profile);
-    options.edits = fjell::EditBudget{}; // the ground may change
-    fjell::io::LiveTerrain ground(path, options);
+    fjell::io::LiveTerrain ground(path, fjell::live_options(profile));
     const double wide_m = ground.terrain().extent_x_m(), high_m = ground.pack().header.max_m;
     const fjell::Vec3 eye_m{wide_m / 4, high_m + wide_m / 8, ground.terrain().extent_z_m() / 4};
     const fjell::View view = fjell::make_view(eye_m, {1, -1, 1}, {0, 1, 0}, 0.8, 1280, 720, 1, 1e5);
@@ -39,7 +37,10 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     const fjell::GroundHit hit = fjell::cast_ray(ground.terrain(), eye_m, view.forward, 10'000);
     if (hit.hit) std::printf("ground %.1f m away, to %.2f m\n", hit.distance_m, hit.error_m);
     CHECK(hit.hit);
-    const fjell::Edits edits = ground.edits(); // empty, unless the options ask for them
+    fjell::io::LiveOptions options = fjell::live_options(profile);
+    options.edits = fjell::EditBudget{}; // the ground may change
+    fjell::io::LiveTerrain changing(path, options);
+    const fjell::Edits edits = changing.edits();
     fjell::Stamp crater;
     crater.shape = fjell::StampShape::crater;
     crater.x_m = hit.position_m.x, crater.z_m = hit.position_m.z;
@@ -49,7 +50,7 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     if (!pushed.ok()) std::printf("%s: %s\n", pushed.field, fjell::message(pushed.code));
     CHECK(pushed.ok());
     CHECK(fjell::stamp_state(edits, id).state == fjell::StampState::waiting);
-    ground.update({&view, 1}, now_s);
+    changing.update({&view, 1}, now_s);
     std::uint64_t cursor = 0; // a consumer's own
     bool lost = false;
     fjell::GroundRect changed[16];

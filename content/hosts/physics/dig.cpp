@@ -33,8 +33,9 @@ fjell::Vec3 whole_place(const fjell::Terrain& whole) {
 class Digging {
 public:
     Digging(ground::StreamedGround& ground, ground::Yardstick& whole, double accuracy_m, float good_m)
-        : ground_(ground), whole_(whole), accuracy_m_(accuracy_m), place_(whole_place(whole.terrain())),
-          origin_{place_}, patches_(world_, ground.terrain(), origin_, good_m), check_(whole.terrain(), origin_) {
+        : ground_(ground), whole_(whole), accuracy_m_(accuracy_m),
+          place_(whole_place(whole.terrain())), origin_{place_}, patches_(world_, ground.terrain(), origin_, good_m),
+          check_(whole.terrain(), origin_) {
         world_.setGravity(btVector3(0, -9.81f, 0));
         btVector3 inertia;
         box_.calculateLocalInertia(mass_kg, inertia);
@@ -99,7 +100,8 @@ private:
         const fjell::Vec3 reach{2, 0, 2}, at = centre();
         const bool carried = patches_.want(at - reach, at + reach);
         if (carried && !placed_) {
-            body_->setWorldTransform(btTransform(btQuaternion::getIdentity(), origin_.to_bullet(eye + fjell::Vec3{0, 1, 0})));
+            body_->setWorldTransform(
+                btTransform(btQuaternion::getIdentity(), origin_.to_bullet(eye + fjell::Vec3{0, 1, 0})));
             placed_ = true;
         }
         if (carried && !in_world_) world_.addRigidBody(body_.get()), in_world_ = true;

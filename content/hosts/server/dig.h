@@ -10,7 +10,7 @@
 namespace server {
 
 struct Dug {
-    std::string broken; // the promise that was; empty: none
+    std::string broken;                    // the promise that was; empty: none
     int tiles = 0, touched = 0, again = 0; // wanted, in reach of the crater, and made again
     std::vector<double> ms;                // what each of those took
 };
