@@ -72,31 +72,33 @@ private:
     }
     // How steep the ground is, and how far neighbours move apart: along all edges of samples that change. Those to a
     // piece before this one were looked at with that.
-    void look_at_steps(const Rect& places, Change& change) const {
-        struct Sample {
-            std::int32_t steps, off;
-            bool known;
+    void look_at_steps(const Rect& places, Change& change) {
+        const auto see = [&](std::int32_t a, std::int32_t old_a, std::int32_t b, std::int32_t old_b) {
+            change.steepest = std::max(change.steepest, std::abs(a - b));
+            change.bend = std::max(change.bend, std::abs((a - old_a) - (b - old_b)));
         };
-        const auto sample_at = [&](std::int32_t x, std::int32_t y) -> Sample {
-            const Cell& now = e_.window.at({x, y});
-            if (e_.piece.rect.contains(SampleIndex{x, y})) {
-                const std::int32_t to = e_.piece.at({x, y});
-                return {to, to - now.steps, now.loaded};
+        const Rect r = change.places.grown(1).within(e_.piece.rect);
+        for (std::int32_t y = r.y0; y <= r.y1; ++y) {
+            const std::int32_t* const to = &e_.piece.at({r.x0, y});
+            const Cell* const now = &e_.window.at({r.x0, y});
+            const bool has_below = y < r.y1;
+            for (std::int32_t k = 0; k < r.columns(); ++k) {
+                if (!now[k].loaded) continue;
+                if (k + 1 < r.columns() && now[k + 1].loaded) see(to[k], now[k].steps, to[k + 1], now[k + 1].steps);
+                if (has_below && now[k + window_side].loaded)
+                    see(to[k], now[k].steps, to[k + largest_piece], now[k + window_side].steps);
             }
-            return {now.steps, 0, now.loaded && !places.contains(SampleIndex{x, y})};
+        }
+        const auto see_beyond = [&](SampleIndex at, SampleIndex beyond) { // what no stamp changes
+            if (places.contains(beyond) || !e_.window.rect.contains(beyond)) return;
+            const Cell &now = e_.window.at(at), &other = e_.window.at(beyond);
+            if (now.loaded && other.loaded) see(e_.piece.at(at), now.steps, other.steps, other.steps);
         };
-        const auto see = [&](const Sample& a, const Sample& b) {
-            if (!a.known || !b.known) return;
-            change.steepest = std::max(change.steepest, std::abs(a.steps - b.steps));
-            change.bend = std::max(change.bend, std::abs(a.off - b.off));
-        };
-        const Rect r = change.places.grown(1).within(e_.window.rect);
-        for (std::int32_t y = r.y0; y <= r.y1; ++y)
-            for (std::int32_t x = r.x0; x <= r.x1; ++x) {
-                const Sample here = sample_at(x, y);
-                if (x < r.x1) see(here, sample_at(x + 1, y));
-                if (y < r.y1) see(here, sample_at(x, y + 1));
-            }
+        const Rect all = e_.piece.rect;
+        for (std::int32_t x = all.x0; x <= all.x1; ++x)
+            see_beyond({x, all.y0}, {x, all.y0 - 1}), see_beyond({x, all.y1}, {x, all.y1 + 1});
+        for (std::int32_t y = all.y0; y <= all.y1; ++y)
+            see_beyond({all.x0, y}, {all.x0 - 1, y}), see_beyond({all.x1, y}, {all.x1 + 1, y});
     }
 
     EditsData& e_;
@@ -114,6 +116,16 @@ Rect piece_at(const Rect& places, std::uint32_t n) {
     const std::int32_t x = x0 + static_cast<std::int32_t>(n % across) * piece_side,
                        y = y0 + static_cast<std::int32_t>(n / across) * piece_side;
     return Rect{x, y, x + piece_side - 1, y + piece_side - 1}.within(places);
+}
+
+// The next piece that a stamp may change; empty: there is none. n: its number, and then that of the one after it.
+Rect next_piece(const TerrainData& t, const Waiting& w, std::uint32_t& n) {
+    for (;;) {
+        const Rect piece = piece_at(w.places, n++);
+        if (piece.empty()) return piece;
+        const SampleIndex first = t.tree.sample({piece.x0, piece.y0}), last = t.tree.sample({piece.x1, piece.y1});
+        if (may_change(t, w.stamp, {first.column, first.row, last.column, last.row})) return piece;
+    }
 }
 
 // unknown: it has to be looked at again. at_once: not piece by piece.
@@ -186,12 +198,14 @@ bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samp
         w.change = {};
         return false;
     };
+    const bool is_only = piece_at(w.places, 1).empty();
     bool unknown = false, is_last = false;
     do {
-        const Rect piece = piece_at(w.places, w.piece++);
-        is_last = piece_at(w.places, w.piece).empty();
+        const Rect piece = next_piece(*e.terrain, w, w.piece);
         if (piece.empty()) return true;
-        const bool is_only = is_last && w.piece == 1, applies = w.fits || is_only;
+        std::uint32_t after = w.piece;
+        is_last = next_piece(*e.terrain, w, after).empty();
+        const bool applies = w.fits || is_only;
         read(*e.terrain, piece.grown(applies ? window_margin : 2), e.window);
         const Rect rect = Rect{piece.x0, piece.y0, piece.x1 + !applies, piece.y1 + !applies}.within(w.places);
         Change change = Evaluation(e, w.stamp).evaluate(piece, rect, w.places);

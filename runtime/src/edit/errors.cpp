@@ -115,6 +115,60 @@ Measured scan(const EditsData& e, const Ground& ground, SampleIndex v) {
     return {diamond_error(ground, terms, v, [&](SampleIndex apex) { return t.tree.contains(apex); }).code, true};
 }
 
+// What lies under a small diamond, looked at sample by sample in the window: the largest difference from its triangles,
+// in units of 1 / 2s steps. v: its vertex, of step s, with all around it loaded.
+class SmallDiamond {
+public:
+    SmallDiamond(const Cell* v, std::int32_t s) : v_(v), s_(s) {}
+    [[nodiscard]] std::int32_t side_x() {
+        const std::int32_t west = h(-s_, 0), east = h(s_, 0), gx = east - west, middle = west + east;
+        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
+            const std::int32_t far = std::abs(dy), rise = 2 * h(0, dy < 0 ? -s_ : s_) - middle;
+            row(dy, far - s_, s_ - far, s_ * middle + far * rise, gx);
+        }
+        return worst_;
+    }
+    [[nodiscard]] std::int32_t side_y() {
+        const std::int32_t north = h(0, -s_), south = h(0, s_), gy = south - north, middle = north + south;
+        const std::int32_t to_west = 2 * h(-s_, 0) - middle, to_east = 2 * h(s_, 0) - middle;
+        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
+            const std::int32_t half = s_ - std::abs(dy), at = s_ * middle + gy * dy;
+            row(dy, -half, 0, at, -to_west);
+            row(dy, 0, half, at, to_east);
+        }
+        return worst_;
+    }
+    // from_sw: its hypotenuse runs from south-west to north-east, otherwise from north-west to south-east.
+    [[nodiscard]] std::int32_t centre(bool from_sw) {
+        const std::int32_t sign = from_sw ? -1 : 1;
+        const std::int32_t north = h(-s_ * sign, -s_), south = h(s_ * sign, s_); // ends of the hypotenuse
+        const std::int32_t west = h(-s_, s_ * sign), east = h(s_, -s_ * sign);   // apexes
+        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
+            // Across the west triangle's row heights change as along its leg, and so across the east one's.
+            const std::int32_t split = dy * sign, at = s_ * (north + south) + dy * (south - north);
+            row(dy, -s_, split, at, from_sw ? north - west : south - west, split);
+            row(dy, split, s_, at, from_sw ? east - south : east - north, split);
+        }
+        return worst_;
+    }
+
+private:
+    [[nodiscard]] std::int32_t h(std::int32_t dx, std::int32_t dy) const {
+        return v_[dy * window_side + dx].steps - v_->steps;
+    }
+    // at: the triangle's height at dx = origin.
+    void row(std::int32_t dy, std::int32_t from, std::int32_t to, std::int32_t at, std::int32_t gx,
+             std::int32_t origin = 0) {
+        const Cell* const cells = v_ + dy * window_side;
+        std::int32_t plane = at + gx * (from - origin), worst = worst_;
+        for (std::int32_t dx = from; dx <= to; ++dx, plane += gx)
+            worst = std::max(worst, std::abs(2 * s_ * (cells[dx].steps - v_->steps) - plane));
+        worst_ = worst;
+    }
+    const Cell* v_;
+    std::int32_t s_, worst_ = 0;
+};
+
 // Of the ground under its triangles alone. least: a smaller code is not told from this one.
 Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least) {
     const TerrainData& t = ground.terrain;
@@ -126,6 +180,17 @@ Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v,
         const std::int64_t jump = std::abs(2 * std::int64_t{own.steps} - a.steps - b.steps);
         return {t.memory->leaf.code(static_cast<std::uint32_t>(jump)), true};
     }
+    const int z = Tree::step_log2(v);
+    const std::int32_t s = 1 << z;
+    if (Window* const w = ground.window(); w != nullptr && w->complete && z <= measured_at_once &&
+                                           w->rect.contains(Rect{v.column - s, v.row - s, v.column + s, v.row + s})) {
+        SmallDiamond small(&w->at(v), s);
+        const VertexKind kind = Tree::kind(v);
+        const std::int32_t worst = kind == VertexKind::side_x   ? small.side_x()
+                                   : kind == VertexKind::side_y ? small.side_y()
+                                                                : small.centre(d.ends[0].row > v.row);
+        return {t.errors.code_up(0.5 * static_cast<double>(t.header.quantum_m) / s * worst), true};
+    }
     Search search(ground, v, least);
     for (const SampleIndex apex : d.apexes)
         if (t.tree.contains(apex)) search.triangle(apex, d.ends, v);
@@ -135,6 +200,17 @@ Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v,
 } // namespace
 
 Asked asked_by_children(const Ground& ground, SampleIndex v) {
+    const std::int32_t s = 1 << Tree::step_log2(v);
+    const bool centre = Tree::kind(v) == VertexKind::centre;
+    if (!centre && s == 1) return {0, true};
+    if (Window* const w = ground.window();
+        w != nullptr && w->complete && w->rect.contains(Rect{v.column - s, v.row - s, v.column + s, v.row + s})) {
+        const Cell* const own = &w->at(v);
+        const std::ptrdiff_t h = centre ? s : s / 2, across = centre ? 0 : h;
+        const std::ptrdiff_t a = h + across * window_side, b = h * window_side - across;
+        const std::uint32_t most = std::max({own[a].error, own[-a].error, own[b].error, own[-b].error});
+        return {std::min(ground.terrain.errors.above(most), 255u), true};
+    }
     const Children below = children(v);
     Asked asked{0, true};
     for (int k = 0; k < below.count; ++k) {

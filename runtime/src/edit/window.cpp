@@ -2,14 +2,24 @@
 
 namespace fjell::edit {
 
+Cell Ground::beyond(SampleIndex v) const {
+    return cell_at(terrain, v);
+}
+
 void read(const TerrainData& t, const Rect& rect, Window& window) {
     window.rect = rect.within(grid_of(t.tree));
-    for (std::int32_t y = window.rect.y0; y <= window.rect.y1; ++y)
-        std::fill_n(&window.at({window.rect.x0, y}), window.rect.columns(), Cell{});
+    const bool all_loaded = t.pages_missing == 0;
+    if (!all_loaded)
+        for (std::int32_t y = window.rect.y0; y <= window.rect.y1; ++y)
+            std::fill_n(&window.at({window.rect.x0, y}), window.rect.columns(), Cell{});
+    window.complete = !t.has_voids();
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
         for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
             const PageEntry entry = t.page_table[run.page];
-            if (entry.slot == no_index) return;
+            if (entry.slot == no_index) {
+                window.complete = false;
+                return;
+            }
             const VertexRecord* const from = t.records + std::size_t{entry.slot} * t.page_capacity + run.index;
             Cell* const to = &window.at(plane.at(run.i, run.j));
             for (std::int32_t k = 0; k < run.count; ++k)

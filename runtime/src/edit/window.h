@@ -11,11 +11,13 @@ namespace fjell::edit {
 inline constexpr std::int32_t piece_side = 64, largest_piece = 72;
 // Errors of steps up to 2^measured_at_once are measured at once, in the window.
 inline constexpr int measured_at_once = 3;
-inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) << measured_at_once) + 4,
+// Diamonds of the vertices that these depend on lie in it.
+inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) + 1) << measured_at_once,
                               window_side = largest_piece + 2 * window_margin;
 
 struct Window {
-    Rect rect; // places
+    Rect rect;             // places
+    bool complete = false; // all are loaded, and none is a hole
     Cell cells[window_side * window_side];
     [[nodiscard]] Cell& at(SampleIndex v) {
         return cells[static_cast<std::size_t>(v.row - rect.y0) * window_side +
@@ -31,10 +33,12 @@ public:
     Ground(const TerrainData& t, Window* window) : terrain(t), tree(t.tree), window_(window) {}
     const TerrainData& terrain;
     const Tree& tree;
+    [[nodiscard]] Window* window() const { return window_; }
 
     [[nodiscard]] Cell at(SampleIndex v) const {
-        if (window_ != nullptr && window_->rect.contains(v)) return window_->at(v);
-        return cell_at(terrain, v);
+        if (window_ != nullptr && window_->rect.contains(v)) [[likely]]
+            return window_->at(v);
+        return beyond(v);
     }
     // As diamond_error() asks (shared/diamond_error.h).
     [[nodiscard]] std::int32_t h(SampleIndex v) const { return at(v).steps; }
@@ -65,6 +69,7 @@ public:
     }
 
 private:
+    [[nodiscard]] Cell beyond(SampleIndex v) const; // not inline, so that at() is
     Window* window_;
 };
 
