@@ -93,8 +93,9 @@ private:
                                                        asked_m);
         return below;
     }
-    [[nodiscard]] float distance_m(float along_ground, std::int32_t a, std::int32_t b) const {
-        const float climb = static_cast<float>(std::abs(a - b)) * terms_.quantum + terms_.height_pad;
+    // steps: that one end is higher by.
+    [[nodiscard]] float distance_m(float along_ground, std::int32_t steps) const {
+        const float climb = static_cast<float>(steps) * terms_.quantum + terms_.height_pad;
         return std::sqrt(along_ground + climb * climb);
     }
     // most: of the radii so far. False: something is not loaded, and most is of the rest.
@@ -109,20 +110,33 @@ private:
         const float to_end = along_x ? terms_.along_x[0] : terms_.along_y[0],
                     to_apex = along_x ? terms_.along_y[0] : terms_.along_x[0];
         const Diamond d = diamond(t_.tree, v);
-        float end_m = 0, apex_m = 0;
+        std::int32_t end = 0, apex = 0; // largest differences: the larger one is farther away
         for (int k = 0; k < 2; ++k) {
             // An apex beyond the terrain stands where the vertex does.
-            const Cell end = ground_.at(d.ends[k]),
-                       apex = t_.tree.contains(d.apexes[k]) ? ground_.at(d.apexes[k]) : own;
-            if (!end.loaded || !apex.loaded) return false;
-            end_m = std::max(end_m, distance_m(to_end, end.steps, own.steps));
-            apex_m = std::max(apex_m, distance_m(to_apex, apex.steps, own.steps));
+            const Cell at_end = ground_.at(d.ends[k]),
+                       at_apex = t_.tree.contains(d.apexes[k]) ? ground_.at(d.apexes[k]) : own;
+            if (!at_end.loaded || !at_apex.loaded) return false;
+            end = std::max(end, std::abs(at_end.steps - own.steps));
+            apex = std::max(apex, std::abs(at_apex.steps - own.steps));
         }
-        most = std::max(most, (std::max(end_m, apex_m) + terms_.leaf_pad) * radius_rounding);
+        const float largest_m = std::max(distance_m(to_end, end), distance_m(to_apex, apex));
+        most = std::max(most, (largest_m + terms_.leaf_pad) * radius_rounding);
         return true;
     }
     // Contains its children's spheres.
     [[nodiscard]] bool add_parent(SampleIndex v, const Cell& own, VertexKind kind, float& most) const {
+        const bool centre = kind == VertexKind::centre;
+        const float unit_m = terms_.unit_m[centre ? 2 * z_ : 2 * z_ - 1];
+        struct Farthest { // of children that lie as far along the ground, and have one radius
+            float along = 0;
+            std::uint32_t radius = 0;
+            std::int32_t climb = -1;
+        } farthest;
+        const auto add_farthest = [&] {
+            if (farthest.climb < 0) return;
+            const float radius_m = unit_m * t_.radii.factor[farthest.radius];
+            most = std::max(most, (distance_m(farthest.along, farthest.climb) + radius_m) * radius_rounding);
+        };
         bool known = true;
         for (const SampleIndex at : children(v).at) {
             if (!t_.tree.contains(at)) continue;
@@ -131,13 +145,16 @@ private:
                 known = false;
                 continue;
             }
-            const bool centre = kind == VertexKind::centre;
-            const float along = !centre           ? terms_.across[z_]
-                                : at.row == v.row ? terms_.along_x[z_]
-                                                  : terms_.along_y[z_],
-                        radius_m = terms_.unit_m[centre ? 2 * z_ : 2 * z_ - 1] * t_.radii.factor[child.radius];
-            most = std::max(most, (distance_m(along, child.steps, own.steps) + radius_m) * radius_rounding);
+            const float along = !centre ? terms_.across[z_] : at.row == v.row ? terms_.along_x[z_] : terms_.along_y[z_];
+            const std::int32_t climb = std::abs(child.steps - own.steps);
+            if (farthest.climb >= 0 && farthest.along == along && farthest.radius == child.radius) {
+                farthest.climb = std::max(farthest.climb, climb);
+                continue;
+            }
+            add_farthest();
+            farthest = {along, child.radius, climb};
         }
+        add_farthest();
         return known;
     }
 
