@@ -112,10 +112,10 @@ Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id);
 
 inline constexpr std::uint32_t unlimited_edit_work = 0xffff'ffff;
 struct EditSettings {
-    // Work items: a piece of 64 x 64 samples of a stamp, or a coarse vertex measured again. A stamp between whose pieces
-    // there would be a cliff that the pack cannot bound is one item.
+    // Work items: a piece of 64 x 64 samples of a stamp, or a coarse vertex measured again. A stamp between whose
+    // pieces there would be a cliff that the pack cannot bound is one item.
     std::uint32_t max_work = unlimited_edit_work;
-    std::uint32_t max_time_us = 0;                // 0: no limit; overrun by one item at most
+    std::uint32_t max_time_us = 0; // 0: no limit; overrun by one item at most
 };
 
 enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2, edit_budget_blocks = 4 };
