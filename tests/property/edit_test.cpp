@@ -368,6 +368,12 @@ TEST_CASE("what other edits of a terrain have changed is followed, too", "[edit]
     dig(0.7); // its log says nothing of the first
     (void)settle(cut, views, settings, 50);
     CHECK(recursive_triangles(pack.terrain, views[0], settings.max_error_px) == triangles_of(cut.mesh()));
+    const MeshView mesh = cut.mesh();
+    for (const TileRange& range : mesh.tiles)
+        for (std::uint32_t k = 0; k < range.index_count; ++k) {
+            const MeshVertex& v = mesh.vertices[mesh.indices[range.first_index + k]];
+            REQUIRE(v.height_m == data_of(pack.terrain).height_m({v.column, v.row}));
+        }
 }
 
 TEST_CASE("ground rises and sinks beyond what the pack holds, in one piece or in many", "[edit]") {
