@@ -353,8 +353,7 @@ TEST_CASE("what other edits of a terrain have changed is followed, too", "[edit]
     const std::vector<View> views{random_view(random, pack.terrain)};
     CutSettings settings;
     settings.max_error_px = 1;
-    const auto dig = [&](double at) {
-        Editor editor(pack.terrain);
+    const auto dig = [&](Editor& editor, double at) {
         Stamp stamp;
         stamp.x_m = at * static_cast<double>(pack.terrain.extent_x_m());
         stamp.z_m = at * static_cast<double>(pack.terrain.extent_z_m());
@@ -364,8 +363,12 @@ TEST_CASE("what other edits of a terrain have changed is followed, too", "[edit]
         REQUIRE(stamp_state(editor.edits, id).state == StampState::applied);
     };
     (void)settle(cut, views, settings, 50);
-    dig(0.3);
-    dig(0.7); // its log says nothing of the first
+    {
+        Editor editor(pack.terrain);
+        dig(editor, 0.3);
+    }
+    Editor editor(pack.terrain); // whose log says nothing of the first
+    dig(editor, 0.7);
     (void)settle(cut, views, settings, 50);
     CHECK(recursive_triangles(pack.terrain, views[0], settings.max_error_px) == triangles_of(cut.mesh()));
     const MeshView mesh = cut.mesh();
