@@ -411,6 +411,44 @@ TEST_CASE("ground rises and sinks beyond what the pack holds, in one piece or in
     CHECK(data_of(pack.terrain).range.high_m > 150);
 }
 
+TEST_CASE("ground that comes and goes leaves nothing behind", "[edit]") {
+    Random random(20261203);
+    const auto pack = framed_terrain(random, 6, 193, 193, PageOrder::planar);
+    const TerrainData& t = data_of(pack.terrain);
+    baker::Dem before = heights_of(t);
+    before.native_quantum_m = 1;
+    const EditBudget budget{24, 8, 8};
+    Editor editor(pack.terrain, budget);
+    int applied = 0;
+    std::uint32_t most = 0;
+    for (int round = 0; round < rounds(60, 3000); ++round) {
+        Stamp stamp = random_stamp(random, pack.terrain);
+        if (touches_frame(pack.terrain, stamp)) continue;
+        if (pick(random, 0, 1) != 0) stamp.shape = StampShape::restore, stamp.falloff_m = 0;
+        const StampId id = editor.push(stamp);
+        most = std::max(most, editor.update().blocks);
+        applied += stamp_state(editor.edits, id).state == StampState::applied;
+        if (round % 10 != 9) continue;
+        Stamp all;
+        all.shape = StampShape::restore;
+        all.radius_m = 1e6f;
+        const StampId last = editor.push(all);
+        const EditReport report = editor.update();
+        REQUIRE(stamp_state(editor.edits, last).state == StampState::applied);
+        REQUIRE(report.blocks == 0);
+        REQUIRE((heights_of(t).heights_m == before.heights_m));
+    }
+    CHECK(applied > rounds(15, 800));
+    CHECK(most > 8);
+    CHECK(difference_of(t, data_of(bake_and_load(baker::Dem(before),
+                                                 [] {
+                                                     baker::BakeOptions options = small_bake(6);
+                                                     options.order = PageOrder::planar;
+                                                     return options;
+                                                 }())
+                                       .terrain)) == "");
+}
+
 TEST_CASE("a stamp that cannot be is refused by its field's name, and changes nothing", "[edit]") {
     Random random(20261130);
     const auto pack = rich_terrain(random, 129, 5);
@@ -455,6 +493,7 @@ TEST_CASE("a stamp that cannot be is refused by its field's name, and changes no
     // All the way back.
     CHECK(applied([](Stamp& s) { s.shape = StampShape::restore, s.radius_m = 1e6f; }).state == StampState::applied);
     CHECK((heights_of(t).heights_m == before));
+    CHECK(editor.update().blocks == 0);
     // More blocks than there are, a cliff that no code bounds, heights that 16 bits do not hold: nothing changes.
     StampResult result = applied([](Stamp& s) { s.radius_m = 1e6f; });
     CHECK(result.state == StampState::refused);

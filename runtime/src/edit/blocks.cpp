@@ -8,11 +8,15 @@ namespace fjell::edit {
 
 namespace {
 
-// Where the block at x, y, in blocks, stands in the table, or would.
+// The table is one of open addresses: where the search for a block at x, y, in blocks, begins.
+std::uint32_t home_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
+    return (static_cast<std::uint32_t>(x) * 0x9e37'79b9u ^ static_cast<std::uint32_t>(y) * 0x85eb'ca6bu) &
+           (e.block_table_size - 1);
+}
+// Where it stands, or would.
 std::uint32_t cell_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
     const std::uint32_t mask = e.block_table_size - 1;
-    std::uint32_t at =
-        (static_cast<std::uint32_t>(x) * 0x9e37'79b9u ^ static_cast<std::uint32_t>(y) * 0x85eb'ca6bu) & mask;
+    std::uint32_t at = home_of_block(e, x, y);
     while (e.block_table[at] != no_index && (e.blocks[e.block_table[at]].x != x || e.blocks[e.block_table[at]].y != y))
         at = (at + 1) & mask;
     return at;
@@ -43,6 +47,23 @@ void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* e
     base = to;
 }
 
+// Gives a block back: the last one takes its number, and what was found past its cell moves up.
+void remove_block(EditsData& e, std::uint32_t cell) {
+    const std::uint32_t mask = e.block_table_size - 1, number = e.block_table[cell];
+    e.block_table[cell] = no_index;
+    for (std::uint32_t at = (cell + 1) & mask; e.block_table[at] != no_index; at = (at + 1) & mask) {
+        const Block& b = e.blocks[e.block_table[at]];
+        const std::uint32_t home = home_of_block(e, b.x, b.y);
+        if (((at - home) & mask) < ((at - cell) & mask)) continue; // its search begins after the cell
+        std::swap(e.block_table[cell], e.block_table[at]);
+        cell = at;
+    }
+    const std::uint32_t last = --e.block_count;
+    if (number == last) return;
+    e.block_table[cell_of_block(e, e.blocks[last].x, e.blocks[last].y)] = number;
+    e.blocks[number] = e.blocks[last];
+}
+
 // visit(x, y), in blocks, for the samples that vertices at these places stand at.
 template <typename Visit>
 void for_each_block(const TerrainData& t, const Rect& places, const Visit& visit) {
@@ -67,7 +88,8 @@ bool counts_from(std::int32_t base, const StepRange& r) {
 
 void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_t after) {
     const std::int32_t x = sample.column >> block_log2, y = sample.row >> block_log2;
-    std::uint32_t& number = e.block_table[cell_of_block(e, x, y)];
+    const std::uint32_t cell = cell_of_block(e, x, y);
+    std::uint32_t& number = e.block_table[cell];
     if (number == no_index) {
         number = e.block_count++;
         Block& b = e.blocks[number];
@@ -78,10 +100,15 @@ void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_
     }
     Block& b = e.blocks[number];
     const std::size_t k = in_block(sample);
-    // In this order: `edited` tells which values there are, and changes with its base.
     if (b.edited[k] == as_in_pack) {
         make_room(b.pack_base, b.pack, b.edited, before);
         b.pack[k] = static_cast<std::uint16_t>(before - b.pack_base);
+        ++b.differing;
+    }
+    if (after == b.pack_base + b.pack[k]) {
+        b.edited[k] = as_in_pack;
+        if (--b.differing == 0) remove_block(e, cell);
+        return;
     }
     make_room(b.base, b.edited, b.edited, after);
     b.edited[k] = static_cast<std::uint16_t>(after - b.base);
@@ -125,10 +152,19 @@ bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights,
     return fit;
 }
 
-std::uint32_t missing_blocks(const EditsData& e, const Rect& places) {
+std::uint32_t missing_blocks(EditsData& e, const Rect& places) {
+    const auto differs = [&](const Rect& samples) {
+        for (std::int32_t y = samples.y0; y <= samples.y1; ++y)
+            for (std::int32_t x = samples.x0; x <= samples.x1; ++x)
+                if (e.piece.at({x, y}) != e.window.at({x, y}).steps) return true;
+        return false;
+    };
     std::uint32_t count = 0;
-    for_each_block(*e.terrain, places,
-                   [&](std::int32_t x, std::int32_t y) { count += find_block(e, x, y) == nullptr ? 1 : 0; });
+    for_each_block(*e.terrain, places, [&](std::int32_t x, std::int32_t y) {
+        const Rect samples{x << block_log2, y << block_log2, (x << block_log2) + block_side - 1,
+                           (y << block_log2) + block_side - 1};
+        count += find_block(e, x, y) == nullptr && differs(samples.within(places)) ? 1 : 0;
+    });
     return count;
 }
 

@@ -13,8 +13,8 @@ void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_
 // Would blocks and loaded pages still span fewer than 65,536 steps, if heights of samples at these places were in
 // `heights`, and the pack's in `pack`?
 [[nodiscard]] bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights, const StepRange& pack);
-// How many blocks of samples at these places there are not yet.
-[[nodiscard]] std::uint32_t missing_blocks(const EditsData& e, const Rect& places);
+// How many blocks there are not yet of the samples that differ between e.piece and e.window, at these places.
+[[nodiscard]] std::uint32_t missing_blocks(EditsData& e, const Rect& places);
 
 // What errors of vertices around these places may be larger by than the pack says, in metres.
 [[nodiscard]] double growth_m(const EditsData& e, const Rect& places);

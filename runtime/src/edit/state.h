@@ -19,7 +19,8 @@ inline constexpr int block_log2 = 5;
 inline constexpr std::int32_t block_side = 1 << block_log2;
 inline constexpr std::uint16_t as_in_pack = 0xffff; // of Block::edited
 struct Block {
-    std::int32_t x, y; // in blocks
+    std::int32_t x, y;      // in blocks
+    std::int32_t differing; // samples that do, 1 at least
     std::int32_t pack_base, base;
     std::int32_t least_off, most_off;              // of edited heights over the pack's, ever, 0 among them
     std::uint16_t pack[block_side * block_side];   // steps above pack_base, where `edited` says that there are any
