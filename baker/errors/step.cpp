@@ -124,8 +124,9 @@ void saturate_errors(const StepInput& input) {
 namespace {
 
 // Distances are found in float from whole differences of heights, and rounded up by more than that loses
-// (radius_rounding). A block's radius is the largest of its vertices'; where the other terms are one block's, that of the largest difference: floats
-// round alike, so larger differences never come out with smaller radii, and one root a block will do.
+// (radius_rounding). A block's radius is the largest of its vertices'; where the other terms are one block's, that of
+// the largest difference: floats round alike, so larger differences never come out with smaller radii, and one root a
+// block will do.
 
 // Largest differences of a row of squares, over the rows of its blocks.
 struct Differences {
