@@ -156,7 +156,7 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
     CHECK(stamp_state(terrain.edits(), id).state == StampState::waiting);
     terrain.settings.edits.max_work = 2; // and many updates
     bool seen = false, short_of_work = false, unsettled = false;
-    for (int frame = 0; frame < 20'000; ++frame) {
+    for (const Patience patience; patience.left();) {
         const io::LiveFrame& f = terrain.update({&view, 1}, now_s += 1.0 / 60);
         seen |= f.edits.applied == 1;
         unsettled |= !f.settled;
@@ -188,7 +188,7 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
     REQUIRE(push_stamp(terrain.edits(), crater, id).ok());
     terrain.settings.edits = {};
     bool short_of_blocks = false;
-    for (int frame = 0; frame < 5000 && stamp_state(terrain.edits(), id).state == StampState::waiting; ++frame)
+    for (const Patience patience; stamp_state(terrain.edits(), id).state == StampState::waiting && patience.left();)
         for (const std::string_view field : terrain.update({&view, 1}, now_s += 1.0 / 60).short_of)
             short_of_blocks |= field == "EditBudget::blocks";
     CHECK((short_of_blocks && stamp_state(terrain.edits(), id).state == StampState::refused));
