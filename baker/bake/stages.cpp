@@ -466,10 +466,9 @@ void make_near_splat(const BakeContext& context, const BakePlan& plan, const Hei
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,
                  samples = context.tree.side() + 120.0;
     const auto rasters = static_cast<double>(context.splat.rasters.size());
-    const auto tile_bytes =
-        static_cast<std::uint64_t>(points * points * max_splat_names * (10 + 4 * rasters) + samples * samples * 4 +
-                                   smooth_bytes(plan.maps)) +
-        (std::uint64_t{6} << 20);
+    const auto tile_bytes = static_cast<std::uint64_t>(points * points * max_splat_names * (10 + 4 * rasters) +
+                                                       samples * samples * 4 + smooth_bytes(plan.maps)) +
+                            (std::uint64_t{6} << 20);
     ReaderSets sets(context.splat_images);
     const auto make_tile = [&](std::uint64_t u) {
         const std::uint32_t tile = context.tile_at(u);

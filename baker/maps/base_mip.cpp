@@ -65,8 +65,7 @@ private:
         const std::size_t skip = slot(y) + static_cast<std::size_t>(from - first_);
         const HeightWindow& shape = ground_.shape;
         normals_of_row(at(shape, west, y), at(shape, east, y), at(shape, from, north), at(shape, from, south), per_east,
-                       per_south,
-                       parts_[0].data() + skip, parts_[1].data() + skip, parts_[2].data() + skip,
+                       per_south, parts_[0].data() + skip, parts_[1].data() + skip, parts_[2].data() + skip,
                        static_cast<std::size_t>(to - from));
     }
     void make(std::int32_t y) {

@@ -138,8 +138,9 @@ Window shapes_for_splat(const SplatGround& ground, const Window& points) {
 class Shapes {
 public:
     Shapes(const SplatGround& ground, const Window& points, const float* heights_m)
-        : ground_(ground), at_(shapes_for_splat(ground, points)),
-          heights_{heights_m, 0, heights_for_splat(ground, points)}, shape_(heights_m) {
+        : ground_(ground),
+          at_(shapes_for_splat(ground, points)), heights_{heights_m, 0, heights_for_splat(ground, points)},
+          shape_(heights_m) {
         heights_.stride = heights_.at.columns;
         if (!ground.smooth.smooths()) return;
         smooth_ = smooth_heights(ground.smooth, heights_, at_);
@@ -172,7 +173,7 @@ public:
 private:
     [[nodiscard]] float height(std::int32_t x, std::int32_t y) const { // of the shape
         return shape_[static_cast<std::size_t>(y - at_.y) * static_cast<std::size_t>(at_.columns) +
-                        static_cast<std::size_t>(x - at_.x)];
+                      static_cast<std::size_t>(x - at_.x)];
     }
     const SplatGround& ground_;
     Window at_; // of the shape
@@ -292,8 +293,7 @@ std::vector<float> raster_shares(const SplatRaster& raster, const ImageLayer& im
 class Evaluation {
 public:
     Evaluation(const SplatPlan& plan, const SplatGround& ground, const Window& points, const SplatInput& in)
-        : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)),
-          shapes_(ground, points, in.heights_m) {
+        : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)), shapes_(ground, points, in.heights_m) {
         for (const Prepared& p : rules_) curved_ |= p.rule->curvature.given, wet_ |= p.rule->wetness.given;
         for (std::size_t i = 0; i < plan.rasters.size(); ++i)
             rasters_.push_back(raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));

@@ -94,8 +94,8 @@ double others_percent(const std::vector<float>& a, const std::vector<float>& b) 
 
 double slope_of_hills(const float* h, std::int32_t columns, std::int32_t x, std::int32_t y) {
     const auto at = [&](std::int32_t u, std::int32_t v) {
-        return static_cast<double>(h[static_cast<std::size_t>(v) * static_cast<std::size_t>(columns) +
-                                     static_cast<std::size_t>(u)]);
+        return static_cast<double>(
+            h[static_cast<std::size_t>(v) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(u)]);
     };
     return std::atan(std::hypot(at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)) / 2) * 180 / 3.14159265358979;
 }
@@ -139,8 +139,7 @@ TEST_CASE("an even slope of whole metres stays one up to the rim, and level grou
         for (int x = 0; x < dem.columns; ++x) dem.heights_m.push_back(static_cast<float>(2 * x - y));
     const Window all{0, 0, dem.columns, dem.rows};
     Buffer<float> smooth = surface(dem, smooth_of(dem), all);
-    for (std::size_t i = 0; i < smooth.size(); ++i)
-        REQUIRE(smooth[i] == Approx(dem.heights_m[i]).margin(1e-3));
+    for (std::size_t i = 0; i < smooth.size(); ++i) REQUIRE(smooth[i] == Approx(dem.heights_m[i]).margin(1e-3));
     std::fill(dem.heights_m.begin(), dem.heights_m.end(), 7.0f);
     smooth = surface(dem, smooth_of(dem), all);
     CHECK(std::all_of(smooth.begin(), smooth.end(), [](float h) { return h == 7; }));
@@ -168,7 +167,8 @@ TEST_CASE("slopes of whole metres and decimetres come within a degree or two of 
 
 TEST_CASE("a terrain of whole metres or decimetres and the same with 2 cm of noise get the same layers to 2%") {
     for (const double step : {1.0, 0.1}) {
-        const std::vector<float> whole = shares_of_all(counted_hills(step, 0)), noisy = shares_of_all(counted_hills(step, 0.02));
+        const std::vector<float> whole = shares_of_all(counted_hills(step, 0)),
+                                 noisy = shares_of_all(counted_hills(step, 0.02));
         const double others = others_percent(whole, noisy);
         std::printf("steps of %g m, and with noise: %.2f%% of the ground in other layers\n", step, others);
         CHECK(others < 2);
