@@ -192,8 +192,9 @@ using PlaceValue = float (*)(const FlownPlace&);
 float ms_of(const FlownPlace& p) {
     return p.update_us / 1000;
 }
+// Measured, where it was: bounds lie at the threshold wherever it is kept.
 float px_of(const FlownPlace& p) {
-    return p.error_px;
+    return p.measured_px >= 0 ? p.measured_px : p.error_px;
 }
 
 // What the scale reaches to: without the dearest hundredth of all places, which get a mark at the rim.
@@ -395,7 +396,7 @@ void draw_heat_choice(const State& state, Commands& commands) {
         ui::control(
             "heat", heat_names[i],
             "Colours the latest run's path on the overview (View > Overview). Blue is fast or exact, red is the "
-            "run's p99 time or its threshold, white is above that.");
+            "run's p99 time or its threshold, white is above that. Errors are those that were measured.");
     }
 }
 
@@ -423,7 +424,12 @@ void draw_runs(const State& state, Commands& commands) {
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is exhausted");
+    const bool measured = !latest.places.empty() && latest.places.front().measured_px >= 0;
+    ui::note(measured
+                 ? "The error is measured at every sample; the line across is the threshold. Red below: a budget is "
+                   "exhausted."
+                 : "The error is its bound: the terrain is too large to be measured. Red below: a budget is "
+                   "exhausted.");
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }
@@ -436,7 +442,7 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size) {
     const float radius = 0.32F * ImGui::GetFontSize();
     const ui::PlainEdges one_over_the_other(list);
     for (const FlownPlace& p : run.places) {
-        const double value = static_cast<double>(time ? p.update_us : p.error_px);
+        const double value = static_cast<double>(time ? p.update_us : px_of(p));
         const ImVec2 at{from.x + static_cast<float>(p.pose.position_m.x / state.scene.width_m()) * size.x,
                         from.y + static_cast<float>(p.pose.position_m.z / state.scene.depth_m()) * size.y};
         list.AddCircleFilled(at, radius, heat_colour(value / (time ? full : full * (1 + 1e-6))), 8);
