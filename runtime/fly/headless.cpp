@@ -82,6 +82,7 @@ public:
 
     FrameEntry fly(std::size_t frame, const View& view, bool replay) {
         const double now_s = static_cast<double>(frame) / options_.hz;
+        if (!replay) begin_frame(session_, frame);
         const auto follow = [&](const FrameEntry& entry) {
             if (pictures_) pictures_->follow(session_, entry);
         };

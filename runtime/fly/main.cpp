@@ -68,6 +68,10 @@ int run(int argc, char** argv) {
         if (shortfall.exit_code != 0) throw Failure(shortfall.exit_code, what);
         fmt::print(stderr, "fjell-fly: {}\n", what);
     }
+    if (session.edits && session.edits->totals().refused != 0)
+        throw Failure(1, fmt::format("{}: {} ({} stamps refused in all)",
+                                     options.edits_path.empty() ? options.replay : options.edits_path,
+                                     session.edits->totals().first_refusal, session.edits->totals().refused));
     if (verification.exceeded)
         throw Failure(
             1, fmt::format(

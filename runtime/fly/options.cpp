@@ -65,6 +65,15 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--size", f.size, "picture in pixels, WIDTHxHEIGHT");
 }
 
+void declare_edits(CLI::App& app, FlightOptions& o) {
+    auto* const edits = app.add_option("--edits", o.edits_path,
+                                       "stamps that move the ground, each in its frame (content/edits/*.json)");
+    app.add_option("--edit-blocks", o.edit_budget.blocks,
+                   "blocks of 32 x 32 samples, 4.2 KB each, that --edits may change (default 1024)")
+        ->check(io::whole_within(1, 1u << 24))
+        ->needs(edits);
+}
+
 void declare_light(CLI::App& app, FlightOptions& o, Flags& f) {
     auto* const materials =
         app.add_option("--materials", o.materials_path, "textures of near ground: a file of fjell-bake materials");
@@ -332,10 +341,10 @@ void check_together(const FlightOptions& o) {
         throw Failure(2, "--record needs --method incremental: the recursive method keeps nothing to repeat");
     if (!o.replay.empty()) {
         if (!o.headless) throw Failure(2, "--replay needs --headless");
-        if (!o.path.empty() || o.seeded || o.still || o.frames || !o.record.empty() || !o.exports.empty())
-            throw Failure(
-                2,
-                "--replay repeats a flight as it was: leave out --path, --seed, --eye, --frames, --record, --export");
+        if (!o.path.empty() || o.seeded || o.still || o.frames || !o.record.empty() || !o.exports.empty() ||
+            !o.edits_path.empty())
+            throw Failure(2, "--replay repeats a flight as it was: leave out --path, --seed, --eye, --frames, "
+                             "--edits, --record, --export");
         if (o.streaming == Streaming::on || o.wait || o.cold || o.read_mb_s > 0 || o.read_latency_ms > 0)
             throw Failure(2, "--replay repeats the page arrivals that were recorded and streams nothing: leave out "
                              "--stream, --wait, --cold, --read-mb-s, --read-latency-ms");
@@ -344,7 +353,8 @@ void check_together(const FlightOptions& o) {
     }
     std::vector<std::string> outputs{o.csv, o.json, o.record};
     for (const Export& e : o.exports) outputs.push_back(e.path);
-    const std::vector<std::string> inputs{o.pack, o.path, o.profile_path, o.materials_path, o.rules_path, o.replay};
+    const std::vector<std::string> inputs{o.pack,       o.path,   o.profile_path, o.materials_path,
+                                          o.rules_path, o.replay, o.edits_path};
     io::refuse_overwriting(outputs, inputs);
     std::vector<std::string> others = outputs;
     others.insert(others.end(), inputs.begin(), inputs.end());
@@ -355,6 +365,16 @@ void check_together(const FlightOptions& o) {
     }
 }
 
+// A flight in a window goes on until it is closed, unless its frames are given.
+void read_edits(FlightOptions& o) {
+    o.stamps = parse_stamps(io::read_text(o.edits_path), o.edits_path);
+    const std::size_t frames = o.frames ? o.frames : default_frames;
+    if ((o.headless || o.frames) && o.stamps.back().frame >= frames)
+        throw Failure(1, fmt::format("{}: a stamp is pushed in frame {}, and the flight has frames 0 to {}; raise "
+                                     "--frames, or lower its \"frame\"",
+                                     o.edits_path, o.stamps.back().frame, frames - 1));
+}
+
 } // namespace
 
 bool parse_options(int argc, char** argv, FlightOptions& options) {
@@ -362,6 +382,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     CLI::App app{"Flies a camera over a Fjell pack, in a window or --headless.", "fjell-fly"};
     app.set_version_flag("--version", fmt::format("fjell-fly, pack version {}", pack_version));
     declare_flight(app, options, flags);
+    declare_edits(app, options);
     declare_light(app, options, flags);
     declare_methods(app, options, flags);
     declare_streaming(app, options, flags);
@@ -376,6 +397,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     check_method(flags, options.profile);
     if (!options.replay.empty()) check_replay(flags);
     check_together(options);
+    if (!options.edits_path.empty()) read_edits(options);
     if (!options.materials_path.empty())
         options.layers =
             std::make_shared<const GroundLayers>(read_ground_layers(options.materials_path, options.rules_path));

@@ -105,6 +105,27 @@ void add_stream(json& j, const FlightOptions& o, const Session& session) {
                              {"map_upload_bytes", s.map_bytes}};
 }
 
+void add_edits(json& j, const Session& session) {
+    j["edits"] = json(); // the ground stayed as it was
+    if (!session.edits) return;
+    const EditTotals& t = session.edits->totals();
+    j["edits"] = {{"stamps", session.edits->stamps()},
+                  {"applied", t.applied},
+                  {"refused", t.refused},
+                  {"waiting", t.last.waiting},
+                  {"held", t.last.held},
+                  {"samples", t.samples},
+                  {"blocks", t.last.blocks},
+                  {"blocks_capacity", session.edits->budget().blocks},
+                  {"bytes", session.edits->bytes()},
+                  {"loose", t.last.loose},
+                  {"unmeasured", t.last.unmeasured},
+                  {"apply_us", t.apply_us},
+                  {"measure_us", t.measure_us},
+                  {"apply_us_max", t.apply_us_max},
+                  {"update_us_max", t.update_us_max}};
+}
+
 json flight_json(const FlightOptions& o, const Session& session, const CameraPath& path, const Summary& summary,
                  const Verification& v) {
     json j = summary_json(summary);
@@ -120,6 +141,7 @@ json flight_json(const FlightOptions& o, const Session& session, const CameraPat
     j["verified_ok"] = summary.verified ? json(!v.exceeded) : json();
     j["pack"] = pack_json(session);
     add_stream(j, o, session);
+    add_edits(j, session);
     return j;
 }
 

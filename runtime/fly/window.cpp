@@ -181,6 +181,7 @@ private:
     FrameEntry show(const Pose& pose, std::size_t frame, Verification& verification) {
         const View view = view_of(pose, session_.terrain(), profile_);
         const double now_s = std::chrono::duration<double>(Clock::now() - start_).count();
+        begin_frame(session_, frame);
         FrameEntry entry = update_frame(session_, view, profile_, now_s);
         if (options_.verify_every && frame % options_.verify_every == 0)
             verify_frame(session_, view, profile_, frame, entry, verification);

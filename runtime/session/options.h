@@ -11,6 +11,7 @@
 #include "fjell/io/pack_file.h"
 #include "fjell/profile.h"
 #include "session/layers_file.h"
+#include "session/stamps.h"
 
 namespace fjell::session {
 
@@ -48,6 +49,9 @@ struct FlightOptions {
     bool cold = false;                         // the system forgets the file first
     std::string csv, json;
     std::string record, replay; // of the incremental method (session/record.h)
+    std::string edits_path;
+    std::vector<TimedStamp> stamps; // and what is in it
+    EditBudget edit_budget;
     std::vector<Export> exports;
     double export_texel_m = 0;     // width of a texel of the file's textures; 0: as fine as the maps are
     bool export_converged = false; // the mesh that the view would settle on, not the frame's

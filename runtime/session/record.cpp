@@ -1,5 +1,6 @@
 #include "session/record.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -19,7 +20,7 @@ namespace {
 using io::Failure;
 using nlohmann::json;
 
-constexpr std::uint32_t version = 3, oldest_version = 2;
+constexpr std::uint32_t version = 4, oldest_version = 2;
 constexpr const char* morph_names[] = {"none", "error", "time"};
 constexpr std::uint32_t page_events = 4; // PageEvent's values, as they are written
 static_assert(static_cast<std::uint32_t>(PageEvent::removed) == page_events - 1,
@@ -125,19 +126,15 @@ json frame_json(const RecordedFrame& f) {
     const CutSettings& s = f.settings;
     json pages = json::array();
     for (const PageArrival& p : f.pages) pages.push_back({p.tile, p.page, static_cast<std::uint32_t>(p.event)});
-    return {{"views", std::move(views)},
-            {"pages", std::move(pages)},
-            {"missing_px", f.missing_px},
-            {"rebuild", f.rebuild},
-            {"items", s.max_work},
-            {"visits", s.visits},
-            {"error_px", s.max_error_px},
-            {"hysteresis", s.hysteresis},
-            {"offscreen_factor", s.offscreen_factor},
-            {"corner_safe", s.corner_safe},
-            {"morph", morph_names[static_cast<int>(s.morph)]},
-            {"morph_s", s.morph_s},
-            {"now_s", s.now_s},
+    json stamps = json::array();
+    for (const KeptStamp& stamp : f.stamps) stamps.push_back(stamp_json(stamp));
+    return {{"views", std::move(views)},    {"stamps", std::move(stamps)},
+            {"pages", std::move(pages)},    {"missing_px", f.missing_px},
+            {"rebuild", f.rebuild},         {"items", s.max_work},
+            {"visits", s.visits},           {"error_px", s.max_error_px},
+            {"hysteresis", s.hysteresis},   {"offscreen_factor", s.offscreen_factor},
+            {"corner_safe", s.corner_safe}, {"morph", morph_names[static_cast<int>(s.morph)]},
+            {"morph_s", s.morph_s},         {"now_s", s.now_s},
             {"mesh", hex(f.mesh_hash)}};
 }
 
@@ -173,6 +170,8 @@ RecordedFrame frame_of(const json& j) {
     s.now_s = number_of(j, "now_s");
     s.morph = morph_of(j);
     f.mesh_hash = hash_of(j, "mesh");
+    if (j.contains("stamps")) // since version 4
+        for (const json& stamp : list(j, "stamps")) f.stamps.push_back(stamp_of(stamp));
     for (const json& p : list(j, "pages")) {
         if (!p.is_array() || p.size() != 3 || whole_number(p[2], "pages") >= page_events)
             refuse("what became of a page is its tile, its number and 0 to 3");
@@ -186,13 +185,17 @@ RecordedFrame frame_of(const json& j) {
 void read_head(const json& j, Recording& r) {
     const std::uint32_t is = text_of(j, "fjell") == "recording" ? whole_number_of(j, "version") : 0;
     if (is < oldest_version || is > version)
-        refuse(fmt::format("it must be of version {} or {}; record it again", oldest_version, version));
+        refuse(fmt::format("it must be of version {} to {}; record it again", oldest_version, version));
     r.pack_hash = hash_of(j, "pack");
     r.budget.vertices = whole_number_of(j, "vertices");
     r.budget.triangles = whole_number_of(j, "triangles");
     r.budget.segment_triangles = whole_number_of(j, "chunk_triangles");
     r.budget.views = whole_number_of(j, "views");
     r.page_slots = whole_number_of(j, "page_slots");
+    if (j.contains("edits")) { // since version 4
+        const json& e = value(j, "edits");
+        r.edits = {whole_number_of(e, "blocks"), whole_number_of(e, "stamps"), whole_number_of(e, "areas")};
+    }
 }
 
 } // namespace
@@ -209,7 +212,7 @@ std::uint64_t mesh_hash(const MeshView& mesh) {
 
 RecordedFrame recorded(std::span<const View> views, const CutSettings& settings, const CutReport& report,
                        const MeshView& mesh) {
-    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, 0};
+    RecordedFrame f{{views.begin(), views.end()}, settings, report.rebuilt, mesh_hash(mesh), {}, {}, 0};
     if (settings.max_time_us > 0 && !report.rebuilt) f.settings.visits = report.visits;
     f.settings.max_time_us = 0;
     f.settings.jobs = {};
@@ -236,17 +239,16 @@ Status replay_pages(const Pack& pack, Terrain& terrain, LiveCut cut, const Recor
 }
 
 std::string write_recording(const Recording& r) {
-    std::string text = json{
-        {"fjell", "recording"},
-        {"version", version},
-        {"pack", hex(r.pack_hash)},
-        {"vertices", r.budget.vertices},
-        {"triangles", r.budget.triangles},
-        {"chunk_triangles", r.budget.segment_triangles},
-        {"page_slots", r.page_slots},
-        {"views",
-         r.budget.views}}.dump();
-    text += '\n';
+    json head = {{"fjell", "recording"},
+                 {"version", version},
+                 {"pack", hex(r.pack_hash)},
+                 {"vertices", r.budget.vertices},
+                 {"triangles", r.budget.triangles},
+                 {"chunk_triangles", r.budget.segment_triangles},
+                 {"page_slots", r.page_slots},
+                 {"views", r.budget.views}};
+    if (r.edits) head["edits"] = {{"blocks", r.edits->blocks}, {"stamps", r.edits->stamps}, {"areas", r.edits->areas}};
+    std::string text = head.dump() + '\n';
     for (const RecordedFrame& f : r.frames) {
         text += frame_json(f).dump();
         text += '\n';
@@ -272,6 +274,8 @@ Recording parse_recording(std::string_view text, const std::string& name) {
         }
         text.remove_prefix(end + 1);
     }
+    if (!r.edits && std::ranges::any_of(r.frames, [](const RecordedFrame& f) { return !f.stamps.empty(); }))
+        throw Failure(1, fmt::format("{}: not a recording: stamps without \"edits\" in the first line", name));
     if (r.frames.empty()) throw Failure(1, fmt::format("{}: the recording has no frames", name));
     return r;
 }

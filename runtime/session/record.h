@@ -5,7 +5,8 @@
 // threshold if it has one), the settings, the groups that the frame visited, and a hash of the mesh after it. Of a
 // streamed run the first line has the page slots, and a frame what happened to pages before its update and the error
 // that missing ones may hide: it is replayed from the whole pack, and the disk of the replaying machine does not matter
-// either. Numbers are written so that they are read back exactly. A frame that ran out of time is replayed by its
+// either. Of moving ground the first line has the budget of edits, and a frame the stamps that were pushed before its
+// update. Numbers are written so that they are read back exactly. A frame that ran out of time is replayed by its
 // visits, so the clock of the replaying machine does not matter.
 //
 // Throws io::Failure: 1 for a file that is damaged, of another version, or of another pack; 3 when it cannot be
@@ -13,6 +14,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,6 +25,7 @@
 #include "fjell/stream.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
+#include "session/stamps.h"
 
 namespace fjell::session {
 
@@ -31,6 +34,7 @@ struct RecordedFrame {
     CutSettings settings; // without budget_us; visits: what the frame did, if there was one
     bool rebuild = false;
     std::uint64_t mesh_hash = 0;
+    std::vector<KeptStamp> stamps;  // in their order; before the pages
     std::vector<PageArrival> pages; // in their order, before the update
     double missing_px = 0;          // Terrain::missing_px at the update
 };
@@ -40,6 +44,7 @@ struct Recording {
     CutBudget budget;
     std::uint32_t page_slots = 0; // TerrainBudget::page_slots; 0: the pack was loaded whole
     std::vector<RecordedFrame> frames;
+    std::optional<EditBudget> edits = {}; // of moving ground
 };
 
 // Of the ranges that are drawn, in their order, and of every vertex slot. O(mesh).

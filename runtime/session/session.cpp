@@ -80,6 +80,21 @@ void open_terrain(const FlightOptions& options, Session& session) {
         });
 }
 
+// Before the method, whose mesh follows them from its first update on.
+void make_edits(const FlightOptions& options, Session& session) {
+    std::vector<TimedStamp> stamps = options.stamps;
+    EditBudget budget = options.edit_budget;
+    if (!options.replay.empty()) {
+        stamps.clear();
+        if (session.recording->edits) budget = *session.recording->edits;
+        for (std::size_t frame = 0; frame < session.recording->frames.size(); ++frame)
+            for (const KeptStamp& stamp : session.recording->frames[frame].stamps) stamps.push_back({frame, stamp});
+    }
+    if (stamps.empty()) return;
+    session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));
+    if (session.reference) session.edits->mirror(session.reference->terrain);
+}
+
 void begin_stream(const FlightOptions& options, Session& session) {
     StreamBudget budget = options.profile.stream_budget;
     budget.horizons = options.profile.light.shadows;
@@ -105,10 +120,14 @@ void open_session(const FlightOptions& options, Session& session) {
     const std::uint64_t pack_hash = session.loaded.pack.header.directory_hash;
     if (!options.replay.empty() && session.recording->pack_hash != pack_hash)
         throw Failure(1, fmt::format("{}: recorded over another pack than {}", options.replay, options.pack));
+    make_edits(options, session);
     make_method(options, options.replay.empty() ? nullptr : &session.recording->budget, session);
     if (!options.record.empty())
-        session.recording = Recording{
-            pack_hash, session.method->cut_budget(), session.streamed ? session.loaded.terrain.page_slots() : 0, {}};
+        session.recording = Recording{pack_hash,
+                                      session.method->cut_budget(),
+                                      session.streamed ? session.loaded.terrain.page_slots() : 0,
+                                      {},
+                                      session.edits ? std::optional(session.edits->budget()) : std::nullopt};
     session.load_seconds = microseconds(Clock::now() - start) / 1e6;
     session.started = Clock::now();
     if (session.streamed) begin_stream(options, session);
@@ -149,8 +168,14 @@ View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile) {
                      profile.height_px, near_m, far_m);
 }
 
+void begin_frame(Session& session, std::size_t frame) {
+    if (session.edits) session.edits->begin_frame(frame);
+}
+
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
     const std::span views(&view, 1);
+    std::span<const TimedStamp> pushed;
+    if (session.edits) pushed = session.edits->update(views);
     if (session.streamed) {
         const bool failed = session.streamed->report().failed != 0;
         const StreamReport& r =
@@ -162,6 +187,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
     if (session.recording) {
         RecordedFrame frame = session.method->recorded();
         frame.missing_px = session.terrain().missing_px();
+        for (const TimedStamp& stamp : pushed) frame.stamps.push_back(stamp.what);
         if (session.streamed) {
             const auto pages = stream_page_arrivals(session.streamed->stream());
             frame.pages.assign(pages.begin(), pages.end());
@@ -226,6 +252,8 @@ void adopt_recorded(const Session& session, Profile& profile) {
 
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
+    begin_frame(session, frame);
+    if (session.edits) (void)session.edits->update(f.views);
     if (session.recording->page_slots != 0)
         if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.method->cut(), f);
             !s.ok())

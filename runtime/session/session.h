@@ -17,6 +17,7 @@
 #include "fjell/query.h"
 #include "io/pack_stream.h"
 #include "session/file_ground.h"
+#include "session/flight_edits.h"
 #include "session/log.h"
 #include "session/methods/method.h"
 #include "session/options.h"
@@ -34,6 +35,7 @@ struct Session {
     std::shared_ptr<const io::PackFile> file;  // open as long as the session, and whoever else wants this pack
     std::unique_ptr<FileGround> file_ground;   // of a streamed pack: for camera paths
     std::optional<Area> start;                 // of a sparse terrain
+    std::unique_ptr<FlightEdits> edits;        // of moving ground; null: it stays as it is
     std::unique_ptr<RunningMethod> method;
     std::optional<Recording> recording; // of --record, frame by frame; or what --replay repeats
     bool begun = false;                 // a frame was updated, or the first one shall be like any other
@@ -82,6 +84,9 @@ void remake_method(const FlightOptions& options, Session& session);
 // metre at most: depth is reversed and float, so their ratio costs nothing.
 [[nodiscard]] View view_of(const Pose& pose, const Terrain& terrain, const Profile& profile);
 
+// Stamps that are due in this frame of the flight are pushed from its next update on.
+void begin_frame(Session& session, std::size_t frame);
+
 // Times one update; of a streamed pack the stream's first. The incremental method builds its first frame from scratch
 // in one go, whatever the profile allows a frame; with --items or --budget-us it starts from the coarsest mesh instead,
 // like an engine that must not miss one. now_s: for morphing.
@@ -107,7 +112,7 @@ struct Verification {
 };
 // Measures the mesh of the last update at every sample of the whole terrain (inside the frustum, unless all was drawn)
 // against the effective threshold, which is the requested one in a converged frame. A frame that lags is measured and
-// promises nothing. O(samples).
+// promises nothing. Of moving ground the samples are the edited ones. O(samples).
 void verify_frame(const Session& session, const View& view, const Profile& profile, std::size_t frame,
                   FrameEntry& entry, Verification& verification);
 

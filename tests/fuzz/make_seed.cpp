@@ -350,6 +350,14 @@ void make_seeds(const std::filesystem::path& folder) {
     write_text(folder / "path/recorded",
                "F 0  1 0 0  0 1 0  0 0 1  0.1 0.2 0.3  1\nF 0  1 0 0  0 1 0  0 0 1  0.2 0.2 0.3  1\n");
     copy_texts(folder / "profile", {"profiles"});
+    copy_texts(folder / "stamps", {"content/edits"});
+    write_text(folder / "stamps/all",
+               R"({"stamps": [{"shape": "raise", "at": [300, 200], "radius_m": 90, "amount_m": 9},
+{"shape": "noise", "at": [500, 300], "radius_m": 90, "falloff_m": 20, "amount_m": 5, "wavelength_m": 60, "seed": 3},
+{"shape": "heights", "first": [3, 4], "columns": 2, "rows": 2, "heights_m": [1, null, 3, 4], "mask": [9, 9, 255, 0]},
+{"frame": 2, "shape": "path", "radius_m": 30, "falloff_m": 20, "points": [[0, 0, 40], [400, 300, 90], [900, 100, 80]]},
+{"frame": 1, "shape": "smooth", "at": [400, 400], "radius_m": 100}, {"frame": 3, "shape": "restore", "at": [400, 400],
+"radius_m": 50, "falloff_m": 50}, {"shape": "level", "at": [100, 600], "radius_m": 70, "height_m": 50}]})");
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");
     make_materials(folder / "materials");

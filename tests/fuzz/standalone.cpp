@@ -22,7 +22,8 @@
     X(fuzz_materials)                                                                                                  \
     X(fuzz_netcdf)                                                                                                     \
     X(fuzz_pack)                                                                                                       \
-    X(fuzz_page) X(fuzz_path) X(fuzz_profile) X(fuzz_ramp) X(fuzz_recipe) X(fuzz_record) X(fuzz_set) X(fuzz_terrain)
+    X(fuzz_page)                                                                                                       \
+    X(fuzz_path) X(fuzz_profile) X(fuzz_ramp) X(fuzz_recipe) X(fuzz_record) X(fuzz_set) X(fuzz_stamps) X(fuzz_terrain)
 #define DECLARE(name) int name(const std::uint8_t* data, std::size_t size);
 extern "C" {
 FUZZ_TARGETS(DECLARE)

@@ -21,6 +21,7 @@ struct Objects {
     FjellLiveCut cut;
     FjellStream stream;
     FjellRecursiveMethod method;
+    FjellEdits edits;
 };
 
 class MisuseOfC {
@@ -41,7 +42,7 @@ public:
     }
 
     void call() {
-        switch (pick(random_, 0, 8)) {
+        switch (pick(random_, 0, 9)) {
         case 0: return replace();
         case 1: return query();
         case 2: return pages();
@@ -50,6 +51,7 @@ public:
         case 5: return requests();
         case 6: return read_pack();
         case 7: return create_wrongly();
+        case 8: return edit();
         default: return refine();
         }
     }
@@ -68,7 +70,7 @@ public:
 
 private:
     struct Blocks {
-        fjell::io::AlignedMemory terrain, cut, method, stream;
+        fjell::io::AlignedMemory terrain, cut, method, stream, edits;
     };
     // Memory that is taken once, and used again by whoever comes next.
     static void* in(fjell::io::AlignedMemory& block, std::size_t bytes) {
@@ -88,6 +90,8 @@ private:
         bytes = fjell_recursive_bytes(o.terrain, &recursive_budget_);
         ok(fjell_create_recursive(o.terrain, &recursive_budget_, in(blocks.method, bytes), bytes, &o.method));
         if (!streamed) return o;
+        bytes = fjell_edits_bytes(&pack_.header, nullptr);
+        ok(fjell_create_edits(o.terrain, nullptr, in(blocks.edits, bytes), bytes, &o.edits));
         bytes = fjell_stream_bytes(&pack_, o.terrain, &stream_budget_);
         ok(fjell_create_stream(&pack_, o.terrain, o.cut, &stream_budget_, in(blocks.stream, bytes), bytes, &o.stream));
         return o;
@@ -146,8 +150,9 @@ private:
         if (objects_.size() > 40) objects_.resize(1);
         if (one_in(3)) return objects_.push_back(begin(of_others_, true));
         const Objects o = any();
-        switch (pick(random_, 0, 3)) {
+        switch (pick(random_, 0, 4)) {
         case 0: return count(fjell_destroy_terrain(o.terrain));
+        case 4: return count(fjell_destroy_edits(o.edits));
         case 1: return count(fjell_destroy_cut(o.cut));
         case 2: return count(fjell_destroy_stream(o.stream));
         default: return count(fjell_destroy_recursive(o.method));
@@ -290,6 +295,35 @@ private:
                                    maybe(little.data()), sizeof little, maybe(&none)));
         count(fjell_load_terrain(maybe(&pack_), maybe(little.data()), sizeof little, maybe(&none)));
         REQUIRE(!fjell_terrain_valid(none));
+    }
+    void edit() {
+        const FjellEdits edits = any().edits;
+        FjellStamp stamp = fjell_stamp_default();
+        stamp.shape = one_in(4) ? odd_byte() : std::uint32_t{FJELL_STAMP_SHAPE_CRATER};
+        stamp.x_m = one_in(3) ? odd_number() : uniform(random_, 0, 2000);
+        stamp.z_m = one_in(3) ? odd_number() : uniform(random_, 0, 2000);
+        stamp.radius_m = one_in(4) ? static_cast<float>(odd_number()) : 100;
+        stamp.amount_m = one_in(4) ? static_cast<float>(odd_number()) : 10;
+        if (one_in(6)) stamp.point_count = odd_index();                            // of NULL
+        if (one_in(6)) stamp.columns = stamp.rows = static_cast<int>(odd_index()); // without heights or mask
+        std::uint64_t id = odd_index();
+        count(fjell_push_stamp(edits, odd(&stamp), maybe(&id)));
+        sum_ += fjell_stamp_state(any().edits, id).state;
+        FjellView view = a_view();
+        FjellEditSettings s = fjell_edit_settings_default();
+        s.max_work = 50;
+        FjellEditReport report;
+        report.struct_size = sizeof report;
+        count(fjell_update_edits(any().edits, odd(&view), 1, odd(&s), odd(&report)));
+        std::uint64_t cursor = odd_index();
+        bool lost = false;
+        FjellGroundRect rects[3];
+        REQUIRE(fjell_take_ground_changes(any().edits, maybe(&cursor), maybe(rects), 3, maybe(&lost)) <= 3);
+        FjellEditBudget budget = fjell_edit_budget_default();
+        budget.blocks = odd_index();
+        sum_ += double(fjell_edits_bytes(maybe(&pack_.header), odd(&budget)) % 7);
+        alignas(64) std::array<std::byte, 64> little;
+        count(fjell_create_edits(any().terrain, odd(&budget), maybe(little.data()), sizeof little, nullptr));
     }
     void refine() {
         const FjellRecursiveMethod method = any().method;

@@ -253,6 +253,7 @@ TEST_CASE("the JSON of a flight has every key that scripts rely on") {
                             "pack",
                             "error_px",
                             "error_px_effective_max",
+                            "edits",
                             "exhausted",
                             "selected_ns_per_vertex",
                             "items_max",

@@ -102,6 +102,18 @@ int c_abi_is_compiled(void) {
         AT(layer, 8) AT(from_layer, 12) AT(blocks, 16) AT(block_bytes, 24))
     TYPE(FjellTileMap, 12, AT(layer, 0) AT(side_log2, 4) AT(min_lod, 8))
     TYPE(FjellStreamRequest, 40, AT(ticket, 0) AT(id, 4) AT(chunks, 16) AT(offset, 24) AT(bytes, 32))
+    TYPE(FjellEdits, 16, AT(object, 0) AT(identity, 8))
+    TYPE(FjellStampPoint, 24, AT(x_m, 0) AT(z_m, 8) AT(height_m, 16))
+    TYPE(FjellStamp, 112, AT(struct_size, 0) AT(shape, 8) AT(x_m, 16) AT(z_m, 24) AT(radius_m, 32) AT(falloff_m, 36)
+        AT(amount_m, 40) AT(height_m, 44) AT(slope_x, 48) AT(slope_z, 52) AT(wavelength_m, 56) AT(seed, 60)
+        AT(points, 64) AT(point_count, 72) AT(first, 76) AT(columns, 84) AT(rows, 88) AT(heights_m, 96) AT(mask, 104))
+    TYPE(FjellEditBudget, 24, AT(struct_size, 0) AT(blocks, 8) AT(stamps, 12) AT(areas, 16))
+    TYPE(FjellStampResult, 24, AT(state, 0) AT(status, 8))
+    TYPE(FjellEditSettings, 16, AT(struct_size, 0) AT(max_work, 8) AT(max_time_us, 12))
+    TYPE(FjellEditReport, 64, AT(struct_size, 0) AT(applied, 8) AT(refused, 12) AT(waiting, 16) AT(held, 20)
+        AT(samples, 24) AT(loose, 28) AT(unmeasured, 32) AT(work, 36) AT(blocks, 40) AT(exhausted, 44)
+        AT(apply_us, 48) AT(measure_us, 56))
+    TYPE(FjellGroundRect, 16, AT(first, 0) AT(last, 8))
     /* clang-format on */
     return 1;
 }

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -285,4 +287,85 @@ TEST_CASE("a job system of C is given a cut's jobs, and the cut is that of one t
     CHECK(report.vertices > 1000);
     CHECK(report.vertices == said.vertices);
     CHECK(report.triangles == said.triangles);
+}
+
+TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of it") {
+    const auto ours = a_pack(), theirs = a_pack();
+    Memory memory;
+    const EditBudget budget{.blocks = 64, .stamps = 4, .areas = 8};
+    FjellEditBudget c_budget = fjell_edit_budget_default();
+    CHECK((c_budget.blocks == EditBudget{}.blocks && c_budget.stamps == EditBudget{}.stamps &&
+           c_budget.areas == EditBudget{}.areas));
+    c_budget.blocks = budget.blocks, c_budget.stamps = budget.stamps, c_budget.areas = budget.areas;
+    const FjellTerrain terrain = as_c(theirs.terrain);
+    const std::size_t bytes = fjell_edits_bytes(fjell_terrain_header(terrain), &c_budget);
+    CHECK(bytes == edits_bytes(ours.pack.header, budget));
+    Edits edits;
+    REQUIRE(create_edits(ours.terrain, budget, memory.span(bytes), edits).ok());
+    FjellEdits c_edits{};
+    REQUIRE(fjell_create_edits(terrain, &c_budget, Memory::give(&memory, bytes), bytes, &c_edits).code == FJELL_OK);
+    CHECK(fjell_create_edits(terrain, nullptr, Memory::give(&memory, bytes), bytes, nullptr).code ==
+          FJELL_OUT_OF_RANGE);
+
+    const StampPoint points[] = {{300, 200, 90}, {500, 300, 120}};
+    const FjellStampPoint c_points[] = {{300, 200, 90}, {500, 300, 120}};
+    Stamp road, crater;
+    road.shape = StampShape::path, road.radius_m = 25, road.falloff_m = 40, road.points = points, road.point_count = 2;
+    crater.shape = StampShape::crater, crater.x_m = 800, crater.z_m = 400;
+    crater.radius_m = 60, crater.falloff_m = 30, crater.amount_m = 20;
+    FjellStamp c_road = fjell_stamp_default(), c_crater = c_road;
+    CHECK((c_road.shape == FJELL_STAMP_SHAPE_RAISE && c_road.points == nullptr && c_road.radius_m == 0));
+    c_road.shape = FJELL_STAMP_SHAPE_PATH, c_road.radius_m = 25, c_road.falloff_m = 40;
+    c_road.points = c_points, c_road.point_count = 2;
+    c_crater.shape = FJELL_STAMP_SHAPE_CRATER, c_crater.x_m = 800, c_crater.z_m = 400;
+    c_crater.radius_m = 60, c_crater.falloff_m = 30, c_crater.amount_m = 20;
+    StampId id = 0;
+    std::uint64_t c_id = 0;
+    REQUIRE((push_stamp(edits, road, id).ok() && push_stamp(edits, crater, id).ok()));
+    REQUIRE(fjell_push_stamp(c_edits, &c_road, &c_id).code == FJELL_OK);
+    REQUIRE(fjell_push_stamp(c_edits, &c_crater, &c_id).code == FJELL_OK);
+    CHECK(c_id == id);
+    CHECK(fjell_stamp_state(c_edits, c_id).state == FJELL_STAMP_STATE_WAITING);
+    CHECK(fjell_stamp_state(c_edits, 0).state == FJELL_STAMP_STATE_UNKNOWN);
+    c_crater.amount_m = std::numeric_limits<float>::quiet_NaN();
+    const FjellStatus refused = fjell_push_stamp(c_edits, &c_crater, &c_id);
+    CHECK((refused.code == FJELL_OUT_OF_RANGE && std::string_view(refused.field) == "Stamp::amount_m"));
+    c_crater.struct_size = sizeof c_crater + 8;
+    CHECK(std::string_view(fjell_push_stamp(c_edits, &c_crater, &c_id).field) == "struct_size");
+    CHECK(c_id == id);
+
+    EditReport report;
+    FjellEditReport c_report;
+    c_report.struct_size = sizeof c_report;
+    FjellEditSettings settings = fjell_edit_settings_default();
+    CHECK((settings.max_work == FJELL_UNLIMITED_EDIT_WORK && settings.max_time_us == 0));
+    settings.max_work = 3;
+    int calls = 0;
+    do {
+        REQUIRE(update_edits(edits, {}, {.max_work = 3}, report).ok());
+        REQUIRE(fjell_update_edits(c_edits, nullptr, 0, &settings, &c_report).code == FJELL_OK);
+        REQUIRE((c_report.applied == report.applied && c_report.refused == report.refused &&
+                 c_report.waiting == report.waiting && c_report.samples == report.samples &&
+                 c_report.loose == report.loose && c_report.work == report.work && c_report.blocks == report.blocks &&
+                 c_report.exhausted == report.exhausted));
+        ++calls;
+    } while (report.waiting + report.loose != 0);
+    CHECK(calls > 2);
+    CHECK(fjell_stamp_state(c_edits, c_id).state == FJELL_STAMP_STATE_APPLIED);
+    for (const auto& [x_m, z_m] : {std::pair{400.0, 250.0}, {800.0, 400.0}, {100.0, 700.0}})
+        CHECK(fjell_ground_height(terrain, x_m, z_m, 0).height_m == ground_height(ours.terrain, x_m, z_m).height_m);
+    CHECK(ground_height(ours.terrain, 400, 250).height_m == Approx(105).margin(1));
+
+    std::uint64_t cursor = 0, c_cursor = 0;
+    bool lost = false, c_lost = true;
+    GroundRect rects[64];
+    FjellGroundRect c_rects[64];
+    const std::uint32_t changes = take_ground_changes(edits, cursor, rects, lost);
+    REQUIRE(fjell_take_ground_changes(c_edits, &c_cursor, c_rects, 64, &c_lost) == changes);
+    CHECK((changes > 1 && c_cursor == cursor && !c_lost && !lost));
+    CHECK(std::memcmp(rects, c_rects, changes * sizeof *rects) == 0);
+    CHECK(fjell_take_ground_changes(c_edits, &c_cursor, c_rects, 64, nullptr) == 0);
+    CHECK(fjell_take_ground_changes(c_edits, nullptr, c_rects, 1, nullptr) == 1);
+    CHECK(fjell_destroy_edits(c_edits).code == FJELL_OK);
+    CHECK(fjell_destroy_edits(c_edits).code == FJELL_INVALID_HANDLE);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <sstream>
 
@@ -25,6 +26,7 @@ Recording random_recording(std::mt19937_64& random) {
     r.pack_hash = random();
     r.budget.vertices = static_cast<std::uint32_t>(random() % 1000000);
     r.page_slots = static_cast<std::uint32_t>(random());
+    r.edits = EditBudget{7, 8, 9};
     for (int frame = 0; frame < 5; ++frame) {
         RecordedFrame f;
         f.views.resize(static_cast<std::size_t>(1 + frame % 3));
@@ -44,6 +46,19 @@ Recording random_recording(std::mt19937_64& random) {
             f.pages.push_back({static_cast<std::uint32_t>(random()), static_cast<std::uint32_t>(random() % 100),
                                static_cast<PageEvent>(random() % 4)});
         f.missing_px = real();
+        if (frame % 2 == 1) { // of every kind of field
+            KeptStamp noise, road, heights;
+            noise.plain.shape = StampShape::noise, noise.plain.x_m = real(), noise.plain.z_m = real();
+            noise.plain.radius_m = noise.plain.wavelength_m = static_cast<float>(std::abs(real()) + 1);
+            noise.plain.amount_m = static_cast<float>(real()), noise.plain.seed = static_cast<std::uint32_t>(random());
+            road.plain.shape = StampShape::path, road.plain.radius_m = 3;
+            for (int n = 0; n < 3; ++n) road.points.push_back({real(), real(), static_cast<float>(real())});
+            heights.plain.shape = StampShape::heights, heights.plain.first = {-3, 8};
+            heights.plain.columns = 2, heights.plain.rows = 1;
+            heights.heights_m = {static_cast<float>(real()), std::numeric_limits<float>::quiet_NaN()};
+            heights.mask = {0, 200};
+            f.stamps = {noise, road, heights};
+        }
         r.frames.push_back(f);
     }
     return r;
@@ -150,6 +165,8 @@ TEST_CASE("a recording is read back bit for bit") {
         const Recording back = parse_recording(text, "r.json");
         CHECK(write_recording(back) == text);
         CHECK(back.page_slots == r.page_slots);
+        REQUIRE(back.edits);
+        CHECK((back.edits->blocks == 7 && back.edits->stamps == 8 && back.edits->areas == 9));
         REQUIRE(back.frames.size() == r.frames.size());
         for (std::size_t i = 0; i < r.frames.size(); ++i) {
             CHECK(back.frames[i].mesh_hash == r.frames[i].mesh_hash);
@@ -158,6 +175,14 @@ TEST_CASE("a recording is read back bit for bit") {
             CHECK(back.frames[i].settings.morph == r.frames[i].settings.morph);
             CHECK(back.frames[i].settings.max_error_px == r.frames[i].settings.max_error_px);
             CHECK(back.frames[i].missing_px == r.frames[i].missing_px);
+            REQUIRE(back.frames[i].stamps.size() == r.frames[i].stamps.size());
+            if (!r.frames[i].stamps.empty()) {
+                const Stamp noise = back.frames[i].stamps[0].stamp(), heights = back.frames[i].stamps[2].stamp();
+                CHECK(noise.x_m == r.frames[i].stamps[0].plain.x_m);
+                CHECK(noise.amount_m == r.frames[i].stamps[0].plain.amount_m);
+                CHECK(back.frames[i].stamps[1].points[2].height_m == r.frames[i].stamps[1].points[2].height_m);
+                CHECK((heights.heights_m[0] == r.frames[i].stamps[2].heights_m[0] && std::isnan(heights.heights_m[1])));
+            }
             REQUIRE(back.frames[i].pages.size() == r.frames[i].pages.size());
             for (std::size_t p = 0; p < r.frames[i].pages.size(); ++p) {
                 CHECK(back.frames[i].pages[p].tile == r.frames[i].pages[p].tile);
@@ -190,7 +215,7 @@ TEST_CASE(
         view << "\"views\":[[1.0,2.0,3.0,0.0,0.0,-1.0,0.0,1.0,0.0," << fov << ',' << width << ',' << height
              << ",1.0,1000000.0," << lambda << "]]";
         std::string text = now;
-        text.replace(text.find("\"version\":3"), 11, "\"version\":2");
+        text.replace(text.find("\"version\":4"), 11, "\"version\":2");
         const std::size_t views = text.rfind("\"views\":[[");
         text.replace(views, text.find("]]", views) + 2 - views, view.str());
         const View back = parse_recording(text, "r.json").frames[0].views[0];
@@ -247,7 +272,7 @@ TEST_CASE("what is not a recording is refused with the line and what to do") {
     CHECK(recording_refusal(text.substr(0, text.size() - 1)).find("r.json:6: the recording ends in the middle") == 0);
     CHECK(recording_refusal(text + "[]\n").find("r.json:7: not a recording") == 0);
     std::string later = text;
-    later.replace(later.find("\"version\":3"), 11, "\"version\":4");
+    later.replace(later.find("\"version\":4"), 11, "\"version\":5");
     CHECK(recording_refusal(later).find("r.json:1: not a recording") == 0);
     CHECK(recording_refusal("{}\n") == "r.json:1: not a recording: \"fjell\" is missing");
     const auto with = [&](const std::string& key, const std::string& value) {
@@ -265,6 +290,21 @@ TEST_CASE("what is not a recording is refused with the line and what to do") {
     const std::size_t pages = event.find("\"pages\":[") + 9;
     event.insert(pages, event[pages] == ']' ? "[1,2,4]" : "[1,2,4],");
     CHECK(recording_refusal(event).find("r.json:2: not a recording") == 0);
+}
+
+TEST_CASE("a recording of version 3, which knew no stamps, is read as one of ground that stays as it is") {
+    std::mt19937_64 random(5);
+    Recording r = random_recording(random);
+    r.edits.reset();
+    for (RecordedFrame& f : r.frames) f.stamps.clear();
+    std::string text = write_recording(r);
+    text.replace(text.find("\"version\":4"), 11, "\"version\":3");
+    for (std::size_t at = 0; (at = text.find("\"stamps\":[],")) != std::string::npos;) text.erase(at, 12);
+    const Recording back = parse_recording(text, "r.json");
+    CHECK(!back.edits);
+    REQUIRE(back.frames.size() == r.frames.size());
+    CHECK(back.frames[3].mesh_hash == r.frames[3].mesh_hash);
+    CHECK(back.frames[1].stamps.empty());
 }
 
 TEST_CASE("a recording cut or changed at any byte is refused or read") {

@@ -219,6 +219,19 @@ bool fjell_stream_still_wanted(FjellStream stream, uint32_t ticket);
 FjellStatus fjell_stream_provide(FjellStream stream, uint32_t ticket, const void* stored, size_t stored_bytes);
 FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted);
 
+// --- fjell/edit.h ---
+
+size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget);
+FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budget, void* memory, size_t memory_bytes,
+                               FjellEdits* edits);
+FjellStatus fjell_destroy_edits(FjellEdits edits);
+FjellStatus fjell_push_stamp(FjellEdits edits, const FjellStamp* stamp, uint64_t* id);
+FjellStampResult fjell_stamp_state(FjellEdits edits, uint64_t id);
+FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t view_count,
+                               const FjellEditSettings* settings, FjellEditReport* report);
+uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
+                                   bool* lost);
+
 // --- defaults of the descriptors ---
 
 // Sets as many fields as struct_size says. A host calls the _default() functions below instead. They are compiled into
@@ -231,6 +244,9 @@ void fjell_set_default_recursive_budget(FjellRecursiveBudget* budget);
 void fjell_set_default_refine_settings(FjellRefineSettings* settings);
 void fjell_set_default_stream_budget(FjellStreamBudget* budget);
 void fjell_set_default_stream_settings(FjellStreamSettings* settings);
+void fjell_set_default_edit_budget(FjellEditBudget* budget);
+void fjell_set_default_stamp(FjellStamp* stamp);
+void fjell_set_default_edit_settings(FjellEditSettings* settings);
 
 #define FJELL_DEFAULT(Type, name)                                                                                      \
     static inline Type fjell_##name##_default(void) {                                                                  \
@@ -247,6 +263,9 @@ FJELL_DEFAULT(FjellRecursiveBudget, recursive_budget)
 FJELL_DEFAULT(FjellRefineSettings, refine_settings)
 FJELL_DEFAULT(FjellStreamBudget, stream_budget)
 FJELL_DEFAULT(FjellStreamSettings, stream_settings)
+FJELL_DEFAULT(FjellEditBudget, edit_budget)
+FJELL_DEFAULT(FjellStamp, stamp)
+FJELL_DEFAULT(FjellEditSettings, edit_settings)
 #undef FJELL_DEFAULT
 
 #ifdef __cplusplus

@@ -608,4 +608,91 @@ typedef struct FjellStreamRequest {
     uint32_t bytes;
 } FjellStreamRequest;
 
+// --- fjell/edit.h ---
+
+typedef struct FjellEdits {
+    void* object;
+    uint64_t identity;
+} FjellEdits;
+
+typedef uint32_t FjellStampShape;
+enum {
+    FJELL_STAMP_SHAPE_RAISE,
+    FJELL_STAMP_SHAPE_LEVEL,
+    FJELL_STAMP_SHAPE_CRATER,
+    FJELL_STAMP_SHAPE_PATH,
+    FJELL_STAMP_SHAPE_NOISE,
+    FJELL_STAMP_SHAPE_SMOOTH,
+    FJELL_STAMP_SHAPE_HEIGHTS,
+    FJELL_STAMP_SHAPE_RESTORE
+};
+
+typedef struct FjellStampPoint {
+    double x_m, z_m;
+    float height_m;
+} FjellStampPoint;
+
+typedef struct FjellStamp {
+    uint64_t struct_size;
+    FjellStampShape shape;
+    double x_m, z_m;
+    float radius_m, falloff_m;
+    float amount_m;
+    float height_m, slope_x, slope_z;
+    float wavelength_m;
+    uint32_t seed;
+    const FjellStampPoint* points;
+    uint32_t point_count;
+    FjellSampleIndex first;
+    int32_t columns, rows;
+    const float* heights_m;
+    const uint8_t* mask;
+} FjellStamp;
+
+#define FJELL_MAX_PATH_POINTS 256
+
+typedef struct FjellEditBudget {
+    uint64_t struct_size;
+    uint32_t blocks;
+    uint32_t stamps;
+    uint32_t areas;
+} FjellEditBudget;
+
+typedef uint32_t FjellStampState;
+enum { FJELL_STAMP_STATE_UNKNOWN, FJELL_STAMP_STATE_WAITING, FJELL_STAMP_STATE_APPLIED, FJELL_STAMP_STATE_REFUSED };
+
+typedef struct FjellStampResult {
+    FjellStampState state;
+    FjellStatus status;
+} FjellStampResult;
+
+#define FJELL_UNLIMITED_EDIT_WORK 0xffffffff
+
+typedef struct FjellEditSettings {
+    uint64_t struct_size;
+    uint32_t max_work;
+    uint32_t max_time_us;
+} FjellEditSettings;
+
+typedef uint32_t FjellEditBudgetBit;
+enum { FJELL_EDIT_BUDGET_WORK = 1, FJELL_EDIT_BUDGET_TIME = 2, FJELL_EDIT_BUDGET_BLOCKS = 4 };
+
+typedef struct FjellEditReport {
+    uint64_t struct_size;
+    uint32_t applied, refused;
+    uint32_t waiting;
+    uint32_t held;
+    uint32_t samples;
+    uint32_t loose;
+    uint32_t unmeasured;
+    uint32_t work;
+    uint32_t blocks;
+    uint32_t exhausted;
+    double apply_us, measure_us;
+} FjellEditReport;
+
+typedef struct FjellGroundRect {
+    FjellSampleIndex first, last;
+} FjellGroundRect;
+
 #endif

@@ -1,0 +1,85 @@
+#include "session/flight_edits.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fjell/io/failure.h"
+
+namespace fjell::session {
+
+namespace {
+
+void require_edit(const Status& status) {
+    if (!status.ok()) throw io::Failure(1, fmt::format("edits: {}: {}", status.field, message(status.code)));
+}
+
+} // namespace
+
+FlightEdits::FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<TimedStamp> stamps)
+    : budget_(budget), stamps_(std::move(stamps)) {
+    create(terrain, live_);
+}
+
+FlightEdits::~FlightEdits() {
+    (void)destroy_edits(live_.edits);
+    (void)destroy_edits(mirror_.edits);
+}
+
+void FlightEdits::create(const Terrain& terrain, Place& place) const {
+    place.bytes = edits_bytes(terrain.header(), budget_);
+    place.memory = io::allocate(place.bytes);
+    require_edit(create_edits(terrain, budget_, {place.memory.get(), place.bytes}, place.edits));
+}
+
+void FlightEdits::mirror(const Terrain& terrain) {
+    create(terrain, mirror_);
+}
+
+void FlightEdits::settle(const Open& open, const StampResult& result) {
+    if (result.state == StampState::refused) {
+        if (totals_.first_refusal.empty())
+            totals_.first_refusal =
+                fmt::format("stamp {}: {}: {}", open.stamp, result.status.field, message(result.status.code));
+        return;
+    }
+    if (!mirror_.memory) return;
+    StampId id = 0;
+    EditReport report;
+    require_edit(push_stamp(mirror_.edits, stamps_[open.stamp].what.stamp(), id));
+    require_edit(update_edits(mirror_.edits, {}, {}, report));
+    require_edit(stamp_state(mirror_.edits, id).status);
+}
+
+std::span<const TimedStamp> FlightEdits::update(std::span<const View> views) {
+    const std::size_t first = next_;
+    for (; next_ < stamps_.size() && stamps_[next_].frame <= frame_; ++next_) {
+        StampId id = 0;
+        const Status pushed = push_stamp(live_.edits, stamps_[next_].what.stamp(), id);
+        if (pushed.code == StatusCode::out_of_slots) break; // the next update goes on
+        require_edit(pushed);
+        open_.push_back({id, next_});
+    }
+    EditReport report;
+    require_edit(update_edits(live_.edits, views, {}, report));
+    // In the order of pushing, in which those that overlap were applied.
+    std::erase_if(open_, [&](const Open& open) {
+        const StampResult result = stamp_state(live_.edits, open.id);
+        if (result.state == StampState::waiting) return false;
+        settle(open, result);
+        return true;
+    });
+    totals_.applied += report.applied;
+    totals_.refused += report.refused;
+    totals_.samples += report.samples;
+    totals_.exhausted |= report.exhausted;
+    totals_.apply_us += report.apply_us;
+    totals_.measure_us += report.measure_us;
+    totals_.apply_us_max = std::max(totals_.apply_us_max, report.apply_us);
+    totals_.update_us_max = std::max(totals_.update_us_max, report.apply_us + report.measure_us);
+    totals_.last = report;
+    return std::span(stamps_).subspan(first, next_ - first);
+}
+
+} // namespace fjell::session

@@ -1,0 +1,62 @@
+// fjell/fjell_c.h: moving ground.
+#include "shared/c_convert.h"
+
+using namespace fjell;
+using namespace fjell::c_api;
+
+void fjell_set_default_edit_budget(FjellEditBudget* budget) {
+    write(EditBudget{}, budget);
+}
+void fjell_set_default_stamp(FjellStamp* stamp) {
+    write(Stamp{}, stamp);
+}
+void fjell_set_default_edit_settings(FjellEditSettings* settings) {
+    write(EditSettings{}, settings);
+}
+size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget) {
+    const In in(budget);
+    return in.ok ? edits_bytes(at(header), in.value) : 0;
+}
+FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budget, void* memory, size_t memory_bytes,
+                               FjellEdits* edits) {
+    const In in(budget);
+    if (!in.ok) return refused(struct_size);
+    if (edits == nullptr) return refused("edits");
+    Edits made;
+    return give(create_edits(to_cpp(terrain), in.value, span_of(memory, memory_bytes), made), made, edits);
+}
+FjellStatus fjell_destroy_edits(FjellEdits edits) {
+    return to_c(destroy_edits(to_cpp(edits)));
+}
+FjellStatus fjell_push_stamp(FjellEdits edits, const FjellStamp* stamp, uint64_t* id) {
+    const In in(stamp);
+    if (!in.ok) return refused(struct_size);
+    if (id == nullptr) return refused("id");
+    StampId pushed = 0;
+    const Status status = push_stamp(to_cpp(edits), in.value, pushed);
+    if (status.ok()) *id = pushed;
+    return to_c(status);
+}
+FjellStampResult fjell_stamp_state(FjellEdits edits, uint64_t id) {
+    return to_c(stamp_state(to_cpp(edits), id));
+}
+FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t view_count,
+                               const FjellEditSettings* settings, FjellEditReport* report) {
+    const Views seen(views, view_count);
+    const In in(settings);
+    if (!seen.ok || !in.ok || !fits(report)) return refused(struct_size);
+    EditReport done;
+    const Status status = update_edits(to_cpp(edits), seen.all(), in.value, done);
+    if (status.ok()) write(done, report);
+    return to_c(status);
+}
+uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
+                                   bool* lost) {
+    std::uint64_t from = cursor == nullptr ? 0 : *cursor;
+    bool missed = false;
+    const std::uint32_t taken =
+        take_ground_changes(to_cpp(edits), from, span_of(reinterpret_cast<GroundRect*>(rects), rect_count), missed);
+    if (cursor != nullptr) *cursor = from;
+    if (lost != nullptr) *lost = missed;
+    return taken;
+}

@@ -1,0 +1,108 @@
+// Stamps as JSON: what is read is what was written, and what cannot be a stamp is refused with its line, its number and
+// the field.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+#include "fjell/io/failure.h"
+#include "io/file.h"
+#include "session/stamps.h"
+
+using namespace fjell;
+using namespace fjell::session;
+
+namespace {
+
+std::string stamp_refusal(const std::string& stamp) {
+    try {
+        (void)parse_stamps("{\"stamps\": [\n" + stamp + "\n]}", "s.json");
+    } catch (const io::Failure& failure) {
+        return failure.exit_code == 1 ? failure.what() : "another exit code";
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("the example of stamps is read as it is written, and comes back the same when it is written and read") {
+    const std::string path = FJELL_SOURCE_DIR "/content/edits/craters.json";
+    const std::vector<TimedStamp> stamps = parse_stamps(io::read_text(path), path);
+    REQUIRE(stamps.size() > 3);
+    int craters = 0, paths = 0;
+    for (std::size_t i = 0; i < stamps.size(); ++i) {
+        const Stamp s = stamps[i].what.stamp();
+        CHECK((i == 0 || stamps[i - 1].frame <= stamps[i].frame));
+        craters += s.shape == StampShape::crater && s.radius_m > 0 && s.amount_m > 0;
+        paths += s.shape == StampShape::path && s.point_count > 1 && s.points == stamps[i].what.points.data();
+    }
+    CHECK((craters > 1 && paths == 1));
+    const std::string text = write_stamps(stamps);
+    CHECK(write_stamps(parse_stamps(text, "written")) == text);
+}
+
+TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
+    const std::string text = R"({"comment": "all", "stamps": [
+      {"frame": 7, "shape": "noise", "at": [1.5, -2], "radius_m": 3.25, "falloff_m": 4, "amount_m": -5,
+       "wavelength_m": 6, "seed": 4294967295},
+      {"shape": "level", "at": [1, 2], "radius_m": 3, "height_m": -7, "slope_x": 0.25, "slope_z": -0.5},
+      // the rectangle alone
+      {"frame": 2, "shape": "heights", "first": [-1, 4], "columns": 3, "rows": 2, "heights_m": [1, 2, null, 4, 5, 6],
+       "mask": [0, 255, 1, 2, 3, 4]},
+      {"frame": 2, "shape": "restore", "first": [0, 0], "columns": 9, "rows": 9}]})";
+    const std::vector<TimedStamp> stamps = parse_stamps(text, "s.json");
+    REQUIRE(stamps.size() == 4);
+    const Stamp level = stamps[0].what.stamp(), heights = stamps[1].what.stamp(), restore = stamps[2].what.stamp(),
+                noise = stamps[3].what.stamp();
+    CHECK((stamps[0].frame == 0 && stamps[1].frame == 2 && stamps[2].frame == 2 && stamps[3].frame == 7));
+    CHECK((level.height_m == -7 && level.slope_x == 0.25f && level.slope_z == -0.5f && level.falloff_m == 0));
+    CHECK((heights.first.column == -1 && heights.first.row == 4 && heights.columns == 3 && heights.rows == 2));
+    CHECK((heights.heights_m[1] == 2 && std::isnan(heights.heights_m[2]) && heights.mask[1] == 255));
+    CHECK((restore.shape == StampShape::restore && restore.columns == 9 && restore.heights_m == nullptr &&
+           restore.mask == nullptr));
+    CHECK((noise.x_m == 1.5 && noise.z_m == -2 && noise.radius_m == 3.25f && noise.falloff_m == 4 &&
+           noise.amount_m == -5 && noise.wavelength_m == 6 && noise.seed == 4294967295u));
+    const std::string written = write_stamps(stamps);
+    CHECK(write_stamps(parse_stamps(written, "written")) == written);
+}
+
+TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {
+    const std::string crater = R"({"shape": "crater", "at": [1, 2], "radius_m": 3, "amount_m": 4})";
+    CHECK(stamp_refusal(crater).empty());
+    CHECK(stamp_refusal(crater + ",\n{\"shape\": \"hole\"}").starts_with("s.json:3: stamp 1: \"shape\" must be one of "
+                                                                         "raise, level, crater,"));
+    const auto refused = [](const std::string& stamp, const std::string& part) {
+        const std::string what = stamp_refusal(stamp);
+        INFO(stamp << "\n" << what);
+        CHECK(what.starts_with("s.json:2: stamp 0: "));
+        CHECK(what.find(part) != std::string::npos);
+        CHECK(what.find("content/edits/craters.json") != std::string::npos);
+    };
+    refused("[]", "must be an object");
+    refused(R"({"shape": "crater", "at": [1, 2], "radius_m": 0, "amount_m": 4})", "\"radius_m\" of a crater");
+    refused(R"({"shape": "crater", "at": [1, 2], "radius_m": 1e-60, "amount_m": 4})", "\"radius_m\" of a crater");
+    refused(R"({"shape": "crater", "at": [1, 2], "radius_m": -3, "amount_m": 4})", "\"radius_m\" must hold numbers in");
+    refused(R"({"shape": "crater", "at": [1, 2e9], "radius_m": 3, "amount_m": 4})", "\"at\" must hold numbers in");
+    refused(R"({"shape": "crater", "at": [1], "radius_m": 3, "amount_m": 4})", "\"at\" must be a list of 2");
+    refused(R"({"shape": "crater", "at": [1, 2], "radius_m": 3})", "\"amount_m\" is missing");
+    refused(R"({"shape": "crater", "at": [1, 2], "radius_m": 3, "amount_m": 4, "height_m": 1})",
+            "\"height_m\" is no field of a stamp of shape crater");
+    refused(R"({"frame": -1, "shape": "smooth", "at": [1, 2], "radius_m": 3})", "\"frame\" must hold whole numbers");
+    refused(R"({"frame": 1.5, "shape": "smooth", "at": [1, 2], "radius_m": 3})", "\"frame\" must hold whole numbers");
+    refused(R"({"shape": "smooth", "radius_m": 3})", "\"at\" is missing");
+    refused(R"({"shape": "noise", "at": [1, 2], "radius_m": 3, "amount_m": 4, "wavelength_m": 0})", "\"wavelength_m\"");
+    refused(R"({"shape": "path", "radius_m": 3, "points": [[1, 2, 3]]})", "\"points\" must be a list of 2 to 256");
+    refused(R"({"shape": "path", "radius_m": 3, "points": [[1, 2, 3], [1, 2]]})", "points: [x, z, height]");
+    refused(R"({"shape": "heights", "first": [0, 0], "columns": 2, "rows": 2, "heights_m": [1, 2, 3]})",
+            "\"heights_m\" must be a list of 4");
+    refused(R"({"shape": "heights", "first": [0, 0], "columns": 2, "heights_m": [1, 2]})", "\"rows\" is missing");
+    refused(R"({"shape": "restore", "first": [0, 0], "columns": 1, "rows": 1, "mask": [256]})", "\"mask\" must hold");
+    for (const char* file : {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {
+        try {
+            (void)parse_stamps(file, "s.json");
+            FAIL("taken: " << file);
+        } catch (const io::Failure& failure) {
+            CHECK(std::string(failure.what()).starts_with("s.json"));
+        }
+    }
+}
