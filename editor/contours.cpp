@@ -36,6 +36,9 @@ struct LabelSearch {
             if (!there.hit) return;
             ((there.position_m.y < height_m) == rises ? low_y : high_y) = middle;
         }
+        // Where the ground is hidden between the two, the edge of what hides it was found.
+        const GroundHit there = hit(x, low_y);
+        if (!there.hit || std::abs(there.position_m.y - height_m) > 0.1 * labels.every_m) return;
         if (has_room(x, low_y)) labels.all[labels.count++] = {x, low_y, height_m};
     }
     void along(double x, double step_m) {

@@ -337,12 +337,17 @@ TuneResult tune_others(OtherKeys& others, TuneResult found, TuneSettings setting
                        const std::function<void(const TuneResult&)>& each) {
     if (others.make_cheaper(found.best_px) && found.best_px > rounded_up(settings.least_px)) {
         settings.most_px = found.best_px;
-        TuneResult smaller = find_threshold(settings, fly, [&](TuneResult so_far) {
-            so_far.flights += found.flights;
-            so_far.expected += found.flights;
-            each(so_far);
-        });
-        smaller.flights += found.flights;
+        // With what the first search flew above it: the curve has its span.
+        const auto beside_first = [&](TuneResult result) {
+            std::vector<TunePoint> curve;
+            for (const TunePoint& p : found.curve)
+                if (p.error_px > found.best_px) curve.push_back(p);
+            result.curve.insert(result.curve.begin(), curve.begin(), curve.end());
+            result.expected += found.flights;
+            return result;
+        };
+        TuneResult smaller =
+            beside_first(find_threshold(settings, fly, [&](const TuneResult& so_far) { each(beside_first(so_far)); }));
         if (smaller.best_px == 0)
             others.take_back(); // only by chance
         else

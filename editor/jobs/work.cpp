@@ -210,6 +210,7 @@ void run(const ExportPlan& plan, JobControl& control) {
     control.progress("open", 0, 1);
     const gltf::SnapshotCounts r = plan.frame.empty() ? write_refined(plan, control) : write(plan, plan.frame, control);
     control.publish([&](JobView& view) {
+        view.share = 1;
         view.output = plan.path;
         view.preview = {r.error_bound_px, r.vertices, r.triangles, r.file_bytes};
         view.result = fmt::format("{}{} vertices, {} triangles, {} within {:.3g} px{}",

@@ -324,7 +324,7 @@ void draw_position(const State& state, PanelState&, Commands& commands) {
     if (!there.crs().empty()) {
         const auto [east, north] = there.in_crs(place.position_m.x, place.position_m.z);
         const int digits = there.projected() ? 1 : 6;
-        labelled("Camera there");
+        labelled("In the CRS");
         ImGui::Text("%.*f, %.*f %s", digits, east, digits, north, there.unit().c_str());
         ui::tip("The camera's place in the CRS, east and north. The probe (I) shows that of the ground under the "
                 "pointer, and its degrees.");

@@ -267,13 +267,15 @@ void profile_rows(const Probe& probe, Rows& rows) {
     char text[96];
     const HeightProfile& p = probe.profile;
     const double rise_m = probe.mark_m[probe.marks - 1].y - probe.mark_m[0].y;
-    std::snprintf(text, sizeof text, "%.20s m; along the ground %.20s m", metre_text(p.length_m).text,
-                  metre_text(p.ground_length_m).text);
-    rows.row("Distance", text, mark_colour);
+    const auto metres = [&](const char* label, double m) {
+        std::snprintf(text, sizeof text, "%.20s m", metre_text(m).text);
+        rows.row(label, text, mark_colour);
+    };
+    metres("Distance", p.length_m);
+    metres("On ground", p.ground_length_m);
     if (probe.marks > 2) {
-        std::snprintf(text, sizeof text, "%s; of the ground %s", area_text(p.area_m2).text,
-                      area_text(p.ground_area_m2).text);
-        rows.row("Area", text, mark_colour);
+        rows.row("Area", area_text(p.area_m2).text, mark_colour);
+        rows.row("Of ground", area_text(p.ground_area_m2).text, mark_colour);
     }
     std::snprintf(text, sizeof text, "1 to %zu: %.20s m %s", probe.marks, metre_text(std::abs(rise_m)).text,
                   rise_m < 0 ? "down" : "up");
@@ -333,7 +335,7 @@ ProbePlate probe_plate(const State& state, const ui::Rect& view) {
     const Probe& probe = state.probe;
     const float em = ImGui::GetFontSize();
     const bool both = probe.marks >= 2;
-    const int rows = 6 + coordinate_rows(state) + (both ? 3 : 0) + (probe.marks > 2 ? 1 : 0);
+    const int rows = 6 + coordinate_rows(state) + (both ? 4 : 0) + (probe.marks > 2 ? 2 : 0);
     ProbePlate p;
     p.graph = both ? 5 * em : 0;
     p.rect = {view.x + 0.6F * em, view.y + 0.6F * em, std::min(28 * em, view.width - 1.2F * em), 0};

@@ -20,11 +20,11 @@ namespace fjell::session {
 struct EditTotals {
     std::uint32_t applied = 0, refused = 0;
     std::uint64_t samples = 0;
-    std::uint32_t exhausted = 0;            // EditBudgetBits
-    double apply_us = 0, measure_us = 0;    // sums
+    std::uint32_t exhausted = 0;                // EditBudgetBits
+    double apply_us = 0, measure_us = 0;        // sums
     double apply_us_max = 0, update_us_max = 0; // of one update
-    EditReport last;                        // waiting, held, loose, unmeasured and blocks at the end
-    std::string first_refusal;              // "stamp 3: EditBudget::blocks: why"; empty: none
+    EditReport last;                            // waiting, held, loose, unmeasured and blocks at the end
+    std::string first_refusal;                  // "stamp 3: EditBudget::blocks: why"; empty: none
 };
 
 class FlightEdits {
@@ -40,8 +40,8 @@ public:
 
     // The stamps of this frame, and of all before it, are due.
     void begin_frame(std::size_t frame) { frame_ = frame; }
-    // Pushes what is due, as far as the queue has room, and applies what can be. An update of the stream and of the mesh
-    // follows. Returns the stamps that it has pushed.
+    // Pushes what is due, as far as the queue has room, and applies what can be. An update of the stream and of the
+    // mesh follows. Returns the stamps that it has pushed.
     std::span<const TimedStamp> update(std::span<const View> views);
 
     [[nodiscard]] const EditTotals& totals() const { return totals_; }

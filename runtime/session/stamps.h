@@ -1,8 +1,8 @@
 // Stamps of moving ground (fjell/edit.h) as JSON: those of a flight (fjell-fly --edits, content/edits), and those of a
 // recording. content/README.md has the fields.
 //
-// Failure: io::Failure with exit code 1. parse_stamps() names the file, the line, the stamp and the field. What it takes
-// push_stamp() takes too.
+// Failure: io::Failure with exit code 1. parse_stamps() names the file, the line, the stamp and the field. What it
+// takes push_stamp() takes too.
 #pragma once
 
 #include <cstddef>

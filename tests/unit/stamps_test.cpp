@@ -69,8 +69,9 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
 TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {
     const std::string crater = R"({"shape": "crater", "at": [1, 2], "radius_m": 3, "amount_m": 4})";
     CHECK(stamp_refusal(crater).empty());
-    CHECK(stamp_refusal(crater + ",\n{\"shape\": \"hole\"}").starts_with("s.json:3: stamp 1: \"shape\" must be one of "
-                                                                         "raise, level, crater,"));
+    CHECK(stamp_refusal(crater + ",\n{\"shape\": \"hole\"}")
+              .starts_with("s.json:3: stamp 1: \"shape\" must be one of "
+                           "raise, level, crater,"));
     const auto refused = [](const std::string& stamp, const std::string& part) {
         const std::string what = stamp_refusal(stamp);
         INFO(stamp << "\n" << what);
@@ -97,7 +98,8 @@ TEST_CASE("a stamp that cannot be one is refused with its line, its number and t
             "\"heights_m\" must be a list of 4");
     refused(R"({"shape": "heights", "first": [0, 0], "columns": 2, "heights_m": [1, 2]})", "\"rows\" is missing");
     refused(R"({"shape": "restore", "first": [0, 0], "columns": 1, "rows": 1, "mask": [256]})", "\"mask\" must hold");
-    for (const char* file : {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {
+    for (const char* file :
+         {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {
         try {
             (void)parse_stamps(file, "s.json");
             FAIL("taken: " << file);
