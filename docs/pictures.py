@@ -86,7 +86,8 @@ class Page:
     def run(self, command):
         home = os.path.join(self.folder, "home")  # of an editor that has kept nothing yet
         shutil.rmtree(home, ignore_errors=True)
-        env = {**os.environ, "PATH": self.binaries + ":" + os.environ["PATH"]}
+        shaders = os.path.join(os.path.dirname(self.binaries), "shaders")  # where Mesa finds what it has compiled
+        env = {"MESA_SHADER_CACHE_DIR": shaders, **os.environ, "PATH": self.binaries + ":" + os.environ["PATH"]}
         env.update({f"XDG_{kind}_HOME": home for kind in ("CONFIG", "DATA", "STATE", "CACHE")})
         if command.startswith("fjell-editor") and "--headless" not in command:
             command = "xvfb-run -a -s '-screen 0 1920x1200x24' " + command

@@ -123,10 +123,10 @@ void saturate_errors(const StepInput& input) {
 
 namespace {
 
-// Distances are found in float from whole differences of heights, and rounded up by more than that loses. A block's
-// radius is the largest of its vertices'; where the other terms are one block's, that of the largest difference: floats
-// round alike, so larger differences never come out with smaller radii, and one root a block will do.
-constexpr float float_rounding = 1 + 0x1p-19f;
+// Distances are found in float from whole differences of heights, and rounded up by more than that loses
+// (radius_rounding). A block's radius is the largest of its vertices'; where the other terms are one block's, that of
+// the largest difference: floats round alike, so larger differences never come out with smaller radii, and one root a
+// block will do.
 
 // Largest differences of a row of squares, over the rows of its blocks.
 struct Differences {
@@ -242,7 +242,7 @@ private:
     [[nodiscard]] FJELL_ALWAYS_INLINE float leaf(std::int32_t block) const {
         const float end = distance_m(ends_ground, ends.of(block * size, size)),
                     apex = distance_m(apexes_ground, apexes.of(block * size, size));
-        return (std::max(end, apex) + leaf_pad) * float_rounding;
+        return (std::max(end, apex) + leaf_pad) * radius_rounding;
     }
 
     // Over two rows of finer centres, two of them each: (2 i + first) and the next. Each has a radius of its own.
@@ -256,7 +256,7 @@ private:
             for (std::int32_t i = 0; i < count; ++i) {
                 const float a = distance_m(across, std::abs(steps[2 * i] - h[i])) + radius[2 * i];
                 const float b = distance_m(across, std::abs(steps[2 * i + 1] - h[i])) + radius[2 * i + 1];
-                const float most = (a > b ? a : b) * float_rounding;
+                const float most = (a > b ? a : b) * radius_rounding;
                 to[i] = most > to[i] ? most : to[i];
             }
         }
@@ -290,7 +290,7 @@ private:
             const float w =
                 distance_m(along_x, std::max(to_west.of(first, size), to_east.of(first, size - 1))) + side_m[side_y[b]];
             const float e = distance_m(along_x, to_east.of(first + size - 1, 1)) + side_m[side_y[b + 1]];
-            out.centre.push_back(code_up(centre_m, std::max({n, s, w, e}) * float_rounding));
+            out.centre.push_back(code_up(centre_m, std::max({n, s, w, e}) * radius_rounding));
         }
     }
 

@@ -50,8 +50,4 @@ struct ScaleInput {
 };
 [[nodiscard]] Scales choose_scales(const ScaleInput& input);
 
-// A parent's sphere is larger by this factor than containment asks for: more than the roundings of a distance in float,
-// so that spheres that touch nest in float arithmetic too.
-inline constexpr double sphere_margin = 1 + 0x1p-16;
-
 } // namespace fjell::baker

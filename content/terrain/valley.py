@@ -97,9 +97,9 @@ def route(heights, kinds):
     """The easiest way for wheels through the places of ROAD_THROUGH, as points 8 m apart."""
     grid = 8
     columns, rows = WIDE // grid, HIGH // grid
-    height = lambda c, r: heights[(r * grid + 4) * WIDE + c * grid + 4] / 10
-    wet = lambda c, r: any(kinds[(r * grid + y) * WIDE + c * grid + x] == WATER for y in (-8, 4, 16) for x in (-8, 4, 16)
-                           if 0 <= r * grid + y < HIGH and 0 <= c * grid + x < WIDE)
+    height = [[heights[(r * grid + 4) * WIDE + c * grid + 4] / 10 for c in range(columns)] for r in range(rows)]
+    wet = [[any(kinds[(r * grid + y) * WIDE + c * grid + x] == WATER for y in (-8, 4, 16) for x in (-8, 4, 16)
+                if 0 <= r * grid + y < HIGH and 0 <= c * grid + x < WIDE) for c in range(columns)] for r in range(rows)]
     moves = [(c, r, math.hypot(c, r)) for c in range(-2, 3) for r in range(-2, 3) if math.gcd(c, r) == 1]
     points = []
     for (ax, ay), (bx, by) in zip(ROAD_THROUGH, ROAD_THROUGH[1:]):
@@ -113,9 +113,9 @@ def route(heights, kinds):
                 continue
             for c, r, cells in moves:
                 to = (at[0] + c, at[1] + r)
-                if not (0 <= to[0] < columns and 0 <= to[1] < rows) or wet(*to):
+                if not (0 <= to[0] < columns and 0 <= to[1] < rows) or wet[to[1]][to[0]]:
                     continue
-                slope = abs(height(*to) - height(*at)) / (cells * grid)
+                slope = abs(height[to[1]][to[0]] - height[at[1]][at[0]]) / (cells * grid)
                 total = spent + cells * (1 + (slope / 0.08) ** 2)
                 if total < cost.get(to, 1e30):
                     cost[to], before[to] = total, at

@@ -61,18 +61,18 @@ TEST_CASE("stamps and queries come from any thread", "[edit][threads]") {
         });
     const View view = make_view({64, 160, 64}, {0.3, -1, 0.2}, {0, 1, 0}, 1, 800, 600, 0.1, 1000);
     int samples = 0;
-    for (int frame = 0; frame < rounds(40, 120); ++frame) {
+    // On one core the other threads may not have begun when the last of few frames is over.
+    for (int frame = 0; frame < rounds(40, 120) || samples == 0 || asked < 100 || pushed < 4; ++frame) {
         EditReport report;
         EditSettings settings;
         settings.max_work = 6; // every stamp is one or two
         REQUIRE(update_edits(edits, {&view, 1}, settings, report).ok());
         samples += static_cast<int>(report.samples);
         (void)cut.update({&view, 1}, {.max_error_px = 1});
+        std::this_thread::yield();
     }
-    while (asked < 100 || pushed < 4) std::this_thread::yield();
     stop = true;
     for (std::thread& thread : threads) thread.join();
     CHECK(wrong == 0);
-    CHECK(samples > 0);
     CHECK(destroy_edits(edits).ok());
 }

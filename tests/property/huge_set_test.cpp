@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
-#include <thread>
 
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/stream_reader.h"
 #include "fjell/query.h"
 #include "session/file_ground.h"
 #include "session/path.h"
+#include "support/patience.h"
 #include "support/set_scene.h"
 #include "support/stream_scene.h"
 
@@ -78,12 +78,11 @@ struct Flown {
     }
     void rest(const View& view) {
         io::StreamReader reader(stream, file);
-        for (int frame = 0; frame < 200'000; ++frame) {
+        for (const Patience patience; patience.left();) {
             settings.now_s = stream_settings.now_s += 1.0 / 60;
             REQUIRE(update_stream(stream, {&view, 1}, settings, stream_settings, report).ok());
             cut_report = cut->update({&view, 1}, settings);
             if (report.converged && report.complete && cut_report.converged) return;
-            std::this_thread::yield();
         }
         FAIL("the stream does not come to rest");
     }

@@ -8,7 +8,6 @@
 #include <limits>
 #include <optional>
 #include <string_view>
-#include <thread>
 
 #include <catch2/catch.hpp>
 
@@ -18,6 +17,7 @@
 #include "fjell/io/live_terrain.h"
 #include "fjell/pack_set.h"
 #include "support/cut_check.h"
+#include "support/patience.h"
 #include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
@@ -509,10 +509,9 @@ TEST_CASE("no misuse of the terrain in one object crashes, and it goes on once i
     CHECK(accepted > 0);
     live.settings = good.settings;
     const View view = random_view(random, live.terrain());
-    for (int n = 0; n < 20'000 && (n == 0 || !live.frame().settled); ++n) {
-        (void)live.update({&view, 1}, now_s += 1.0 / 60);
-        std::this_thread::yield();
-    }
+    const Patience patience;
+    do (void)live.update({&view, 1}, now_s += 1.0 / 60);
+    while (!live.frame().settled && patience.left());
     CHECK(live.frame().converged);
     CHECK(live.first_failure().empty());
 }

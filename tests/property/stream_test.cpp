@@ -156,7 +156,7 @@ TEST_CASE("reads that never return leave a whole mesh, and what does return is u
 TEST_CASE("several cuts of one streamed terrain each claim what is true of their own views") {
     Random random(304);
     std::size_t beyond = 0, served = 0;
-    for (int round = 0; round < rounds(10, 120); ++round) {
+    for (int round = 0; round < rounds(6, 120); ++round) {
         const auto pack = streamed_terrain(random, false);
         const std::uint32_t slots = pack.terrain.tile_count() + static_cast<std::uint32_t>(pick(random, 2, 30));
         Streamed on(pack.pack, std::min(slots, pack.terrain.page_count()));

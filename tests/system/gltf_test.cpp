@@ -69,7 +69,7 @@ TEST_CASE("a snapshot of several textured tiles is valid, sound and within the r
     // Neither spacing is a float, and the terrain ends inside its last tiles.
     const BakedTerrain baked(folder, hills(3 * 64 + 8, 2 * 64 + 5, 29.7, 31.3), options_with(6, 6));
     const View view = view_of(baked.terrain);
-    for (const double error_px : {0.25, 1.0, 8.0, 200.0}) {
+    for (const double error_px : first_of(2, {0.25, 200.0, 1.0, 8.0})) {
         const auto result = require_export(baked, view, error_px, folder / "out.glb");
         CHECK(result.tiles == 4 * 3);
         require_valid(folder / "out.glb");
@@ -167,7 +167,7 @@ TEST_CASE("of a sparse set all is exported that is there, and it is sound", "[gl
             heights.append(reinterpret_cast<const char*>(&height), sizeof height);
         }
     spit(folder / "heights.f32", heights);
-    for (const double error_px : {0.5, 20.0}) {
+    for (const double error_px : first_of(1, {0.5, 20.0})) {
         const gltf::SnapshotCounts result =
             gltf::export_snapshot(sparse.pack, sparse.terrain, view_of(baked.terrain), error_px, folder / "out.glb");
         CHECK(result.converged);

@@ -16,6 +16,7 @@
 #include "fjell/io/stream_reader.h"
 #include "shared/terrain_data.h"
 #include "support/cut_scene.h"
+#include "support/patience.h"
 #include "support/rounds.h"
 
 using namespace fjell;
@@ -155,7 +156,13 @@ TEST_CASE("thousands of frames over a pack ten times larger than its pools: memo
     for (std::uint64_t chunk = 0; chunk < h.directory_count; ++chunk)
         largest = std::max<std::uint64_t>(largest, scene.full.pack.entry(chunk).stored_bytes);
     std::uint64_t drawn = 0;
-    for (int frame = 0; frame < rounds(5000, 10'000); ++frame) {
+    // How far the reader comes in so many frames is the machine's affair: on until it was all in and out several times.
+    const auto far_enough = [&] {
+        return on.removed > rounds<std::uint64_t>(5, 10) * slots &&
+               on.streamed.mips_read > rounds<std::uint64_t>(500, 1000);
+    };
+    const Patience patience;
+    for (int frame = 0; frame < rounds(5000, 10'000) || (!far_enough() && patience.left()); ++frame) {
         column += 0.8, row -= 0.6;
         if (column > 1500 || row < 40 || pick(random, 0, 400) == 0)
             column = uniform(random, 40, 1500), row = uniform(random, 40, 1500);
@@ -175,8 +182,7 @@ TEST_CASE("thousands of frames over a pack ten times larger than its pools: memo
     CAPTURE(before, after, slots, on.streamed.pages_read, on.streamed.mips_read, on.removed, drawn);
     CHECK(after <= before + may_grow);
     CHECK(on.failures.empty());
-    CHECK(on.removed > rounds<std::uint64_t>(5, 10) * slots); // it was all in and out several times
-    CHECK(on.streamed.mips_read > rounds<std::uint64_t>(500, 1000));
+    CHECK(far_enough());
     CHECK(on.streamed.page_slots.peak <= slots);
     CHECK(on.streamed.map_bytes_capacity <= budget.map_bytes);
 

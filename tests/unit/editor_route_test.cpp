@@ -11,6 +11,7 @@
 #include "fjell/io/failure.h"
 #include "support/ground.h"
 #include "support/program.h"
+#include "support/rounds.h"
 #include "support/terrain_fixture.h"
 
 using namespace fjell;
@@ -105,7 +106,7 @@ TEST_CASE("orbits and lines keep their text too, and recorded frames have none")
 
 TEST_CASE("a path that is laid, saved and opened is the same path") {
     const TemporaryFolder folder;
-    for (unsigned seed = 0; seed < 20; ++seed) {
+    for (unsigned seed = 0; seed < rounds<unsigned>(5, 20); ++seed) {
         Random random(seed);
         INFO("seed " << seed);
         Route route, opened;
@@ -141,7 +142,7 @@ TEST_CASE("a flight is called after the file of its path, the path before it is 
 }
 
 TEST_CASE("a path passes through all of its points, as long as it was asked to") {
-    for (unsigned seed = 0; seed < 20; ++seed) {
+    for (unsigned seed = 0; seed < rounds<unsigned>(5, 20); ++seed) {
         Random random(seed);
         Route route;
         const std::vector<ControlPoint> points = lay(random, route, pick(random, 2, 12));
@@ -231,7 +232,7 @@ TEST_CASE("a recording ends itself when it is full") {
 }
 
 TEST_CASE("edits do to the list what they say, and restoring takes the last one back") {
-    for (unsigned seed = 0; seed < 30; ++seed) {
+    for (unsigned seed = 0; seed < rounds<unsigned>(6, 30); ++seed) {
         Random random(seed);
         INFO("seed " << seed);
         Route route;
@@ -346,7 +347,7 @@ bool one_of(const std::vector<Vec3>& standard_folders, const Vec3& place) {
 
 TEST_CASE("a path is shown from its beginning to its end, however long, and its points are squares around where they "
           "are seen") {
-    for (unsigned seed = 0; seed < 12; ++seed) {
+    for (unsigned seed = 0; seed < rounds<unsigned>(4, 12); ++seed) {
         INFO("seed " << seed);
         Random random(seed);
         Route route;

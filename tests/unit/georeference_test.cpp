@@ -12,6 +12,7 @@
 #include "baker/georeference/crs_label.h"
 #include "baker/maps/image.h"
 #include "read_support.h"
+#include "support/rounds.h"
 
 using namespace fjell::baker;
 using namespace fjell::test;
@@ -441,12 +442,13 @@ TEST_CASE("images lie where they are on both sides of the antimeridian, however 
     const auto path_of = [&](const Placed& image) { return dir / (std::string(image.name) + ".tif"); };
     for (const Case& c : cases)
         for (const Placed& image : c.images) write_placed(image, colour, path_of(image), true);
-    for (const Placed& ground : {Placed{"a", "EPSG:4326", 179, 1, 0.02, 100, 50},
-                                 {"b", "EPSG:4326", -181, 1, 0.02, 100, 50},
-                                 {"c", "EPSG:32601", 60'000, 110'000, 2000, 100, 50},
-                                 {"d", "EPSG:3832", 3'200'000, 110'000, 2000, 100, 50},
-                                 {"e", "EPSG:3857", 20037508.34 - 100'000, 110'000, 2000, 100, 50},
-                                 {"f", "EPSG:3857", -20037508.34 - 100'000, 110'000, 2000, 100, 50}}) {
+    for (const Placed& ground :
+         first_of<Placed>(3, {{"a", "EPSG:4326", 179, 1, 0.02, 100, 50},
+                              {"c", "EPSG:32601", 60'000, 110'000, 2000, 100, 50},
+                              {"f", "EPSG:3857", -20037508.34 - 100'000, 110'000, 2000, 100, 50},
+                              {"b", "EPSG:4326", -181, 1, 0.02, 100, 50},
+                              {"d", "EPSG:3832", 3'200'000, 110'000, 2000, 100, 50},
+                              {"e", "EPSG:3857", 20037508.34 - 100'000, 110'000, 2000, 100, 50}})) {
         const std::string dem = write_placed(ground, height, dir / "dem.tif");
         for (const char* const crs : {"auto", "keep"}) {
             ReadOptions o;

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "hosts/game/loader.h"
+#include "support/patience.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -31,10 +32,9 @@ struct LoaderScene {
     // A frame after the other until all is there.
     void settle(game::Loader& loader) {
         StreamReport report;
-        for (int i = 0; i < 20'000 && !(report.converged && report.maps_converged); ++i) {
+        for (const Patience patience; !(report.converged && report.maps_converged) && patience.left();) {
             report = update();
             loader.wake();
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         REQUIRE(report.converged);
         REQUIRE(report.failed == 0);
@@ -54,10 +54,10 @@ std::set<std::string> thread_names() {
     return names;
 }
 
-// Waits until a thread has slept at twenty looks in succession. One that spins never does; a minute is for the machine.
+// Waits until a thread has slept at twenty looks in succession. One that spins never does.
 bool falls_asleep(const std::string& thread) {
     int asleep = 0;
-    for (int look = 0; look < 60'000 && asleep < 20; ++look) {
+    for (const Patience patience; asleep < 20 && patience.left();) {
         std::ifstream file("/proc/self/task/" + thread + "/stat");
         std::string line;
         std::getline(file, line);

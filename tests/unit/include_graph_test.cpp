@@ -105,6 +105,33 @@ Found check(const Sources& sources) {
     return found;
 }
 
+// Constants of the library's sources that have the name of one in its headers. Where sources are compiled as one, each
+// of them would hide the header's from those that follow, without a word from the compiler.
+Names hiding_constants(const Sources& sources) {
+    const auto constants_of = [](const std::string& text, const std::string& start) {
+        Names names;
+        std::istringstream lines(text);
+        for (std::string line; std::getline(lines, line);)
+            for (std::size_t at = line.starts_with(start) ? line.find(" = ") : std::string::npos;
+                 at != std::string::npos; at = line.find(" = ", at + 1)) {
+                const std::size_t before = line.find_last_of(" *&", at - 1);
+                names.push_back(line.substr(
+                    before + 1, line.find('[', before) < at ? line.find('[', before) - before - 1 : at - before - 1));
+            }
+        return names;
+    };
+    std::map<std::string, std::string> declared; // in which header
+    for (const auto& [path, text] : sources)
+        if (path.ends_with(".h") && (path.starts_with("runtime/src/") || path.starts_with("runtime/include/")))
+            for (const std::string& name : constants_of(text, "inline constexpr ")) declared[name] = path;
+    Names hiding;
+    for (const auto& [path, text] : sources)
+        if (path.ends_with(".cpp") && path.starts_with("runtime/src/"))
+            for (const std::string& name : constants_of(text, "constexpr "))
+                if (declared.contains(name)) hiding.push_back(path + " hides " + name + " of " + declared[name]);
+    return hiding;
+}
+
 Sources read_sources() {
     Sources sources;
     const fs::path root = FJELL_SOURCE_DIR;
@@ -178,6 +205,14 @@ TEST_CASE("an arrow the wrong way, an included source and a folder with one file
     Sources once = sound;
     once["baker/other.cpp"] = "#include \"bake.h\"\n", once["baker/bake.cpp"] = "";
     CHECK(check(once).included_once == Names{"baker/bake.h is included by baker/other.cpp alone"});
+}
+
+TEST_CASE("no constant of a source of the library hides one of a header, so that sources may be compiled as one") {
+    Sources sources = read_sources();
+    CHECK(hiding_constants(sources) == Names{});
+    sources["runtime/src/cut/planted.cpp"] = "constexpr std::uint64_t item_cost = 6, page_parts = 210, all[2] = {};\n";
+    CHECK(hiding_constants(sources) ==
+          Names{"runtime/src/cut/planted.cpp hides page_parts of runtime/src/cut/groups.h"});
 }
 
 TEST_CASE("every public header shows its symbols in a shared library, and is installed") {

@@ -17,6 +17,7 @@
 #include "io/file.h"
 #include "session/session.h"
 #include "support/mesh_check.h"
+#include "support/patience.h"
 #include "support/program.h"
 #include "support/terrain_fixture.h"
 
@@ -28,12 +29,11 @@ namespace {
 
 // Frames of a sixtieth of a second until nothing is left to do.
 const io::LiveFrame& settle(io::LiveTerrain& terrain, const View& view, double& now_s) {
-    for (int frame = 0; frame < 20'000; ++frame) {
+    for (const Patience patience; patience.left();) {
         const io::LiveFrame& f = terrain.update({&view, 1}, now_s += 1.0 / 60);
         (void)terrain.take_map_commands();
         (void)terrain.tile_maps(MapKind::colour);
         if (f.settled) return f;
-        std::this_thread::yield();
     }
     return terrain.frame();
 }
@@ -139,11 +139,10 @@ TEST_CASE("what does not suffice is a list of fields, and what a host has forgot
     const View view = make_view({across_m / 2, terrain.pack().header.max_m + across_m / 50, across_m / 2}, {0, -1, 0.1},
                                 {0, 1, 0}, 1, 640, 480, 1, 1e6);
     bool short_of_vertices = false;
-    for (int frame = 0; frame < 5000 && (terrain.frame().forgotten != 3 || !short_of_vertices); ++frame) {
+    const Patience patience;
+    for (int frame = 0; (terrain.frame().forgotten != 3 || !short_of_vertices) && patience.left(); ++frame)
         for (const std::string_view field : terrain.update({&view, 1}, frame / 60.0).short_of)
             short_of_vertices |= field == "CutBudget::vertices";
-        std::this_thread::sleep_for(std::chrono::microseconds(200)); // the reader's turn; no frame depends on it
-    }
     CHECK(short_of_vertices);
     CHECK(terrain.frame().forgotten == (io::live_map_commands | io::live_tile_maps));
 }

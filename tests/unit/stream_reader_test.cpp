@@ -9,6 +9,7 @@
 
 #include "fjell/io/stream_reader.h"
 #include "shared/terrain_data.h"
+#include "support/patience.h"
 #include "support/stream_scene.h"
 
 using namespace fjell;
@@ -97,9 +98,10 @@ TEST_CASE("several threads read side by side, and what comes is the pack's all t
         const int now = ++reading;
         for (int before = most; before < now && !most.compare_exchange_weak(before, now);) {
         }
-        // The first one lasts until there is another beside it; some seconds, if there never is.
+        // The first one lasts until there is another beside it.
         const bool waits = first.exchange(false);
-        for (int i = 0; waits && most < 2 && i < 20'000'000; ++i) std::this_thread::yield();
+        for (const Patience patience; waits && most < 2 && patience.left();) {
+        }
         const int error = scene.file.read(offset, to);
         --reading;
         return error;

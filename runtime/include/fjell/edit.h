@@ -79,7 +79,7 @@ using StampId = std::uint64_t; // 0: none
 
 enum class StampState : std::uint32_t {
     unknown, // never handed in, or so long ago that it is forgotten
-    waiting, // in the queue, or held until the pages that it changes are loaded
+    waiting, // in the queue, or held: until the pages that it changes are loaded, or errors around it are measured
     applied,
     refused // StampResult::status says why
 };
@@ -112,8 +112,10 @@ Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id);
 
 inline constexpr std::uint32_t unlimited_edit_work = 0xffff'ffff;
 struct EditSettings {
-    std::uint32_t max_work = unlimited_edit_work; // work items: a piece of a stamp, or a coarse vertex measured again
-    std::uint32_t max_time_us = 0;                // 0: no limit; overrun by one item at most
+    // Work items: a piece of 64 x 64 samples of a stamp, or a coarse vertex measured again. A stamp between whose
+    // pieces there would be a cliff that the pack cannot bound is one item.
+    std::uint32_t max_work = unlimited_edit_work;
+    std::uint32_t max_time_us = 0; // 0: no limit; overrun by one item at most
 };
 
 enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2, edit_budget_blocks = 4 };
@@ -121,7 +123,7 @@ enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2,
 struct EditReport {
     std::uint32_t applied = 0, refused = 0; // stamps, in this call
     std::uint32_t waiting = 0;              // stamps that are not applied yet
-    std::uint32_t held = 0;                 // of those the ones that wait for pages
+    std::uint32_t held = 0;                 // of those the ones that wait for pages, or for errors around them
     std::uint32_t samples = 0;              // whose height was changed
     std::uint32_t loose = 0;                // areas whose coarse errors are not measured again yet
     std::uint32_t unmeasured = 0;           // areas that cannot be before more pages are loaded

@@ -5,10 +5,10 @@
 // has a page. Where a page is missing, methods draw coarser terrain. No crack appears, because a vertex is drawn only
 // when its parents are. The corners of tiles are always loaded.
 // Ownership: the terrain lies in the memory that create_terrain() was given; `Terrain` is a handle to it
-// (fjell/handle.h). Thread: one thread loads and unloads pages. While none does, the terrain is immutable and can be
-// shared. Queries for heights and rays (fjell/query.h) may run on any thread at any time.
-// Failure: with a handle that is empty or refused, or a pack that is not the terrain's, a call returns a Status or
-// zero.
+// (fjell/handle.h). Thread: one thread loads and unloads pages, and edits the ground (fjell/edit.h). While none does,
+// the terrain is immutable and can be shared. Queries for heights and rays (fjell/query.h) may run on any thread at any
+// time. Failure: with a handle that is empty or refused, or a pack that is not the terrain's, a call returns a Status
+// or zero.
 #pragma once
 
 #include <cstddef>

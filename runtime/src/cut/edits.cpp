@@ -75,56 +75,53 @@ void refresh_start(CutState& s, std::uint32_t vertex, SampleIndex v) {
     s.mesh.dirty_vertices.mark(slot);
 }
 
-// visit(vertex, place) for all vertices of pages that have states around the places, of all steps; or at them, of one.
+// Vertices of one plane: those at a change of their step, or around one of heights.
+struct Followed {
+    Plane plane;
+    Rect squares;
+};
+// f(Followed) for the planes that a change concerns.
+template <typename F>
+void for_each_followed(const Tree& tree, const Rect& places, int step_log2, const F& f) {
+    const bool all = step_log2 == heights_changed;
+    edit::for_each_plane(all ? 0 : step_log2, all ? tree.tile_log2 - 1 : step_log2, [&](const Plane& plane) {
+        const Rect squares = all ? edit::around(tree, plane, places) : plane.squares(places).within(plane.all(tree));
+        if (!squares.empty()) f(Followed{plane, squares});
+    });
+}
+// visit(vertex, place) for those that have states.
 template <typename Visit>
-void for_each_vertex(const Pages& pages, const Rect& places, int step_log2, const Visit& visit) {
-    const Grid& grid = pages.grid;
-    for (int z = step_log2 < 0 ? 0 : step_log2; z <= (step_log2 < 0 ? grid.terrain->tree.tile_log2 - 1 : step_log2);
-         ++z)
-        for (const VertexKind kind : edit::sides_then_centres) {
-            const Plane plane{z, kind};
-            const std::int32_t log2 = grid.steps[z].log2;
-            const Rect squares = plane.squares(step_log2 < 0 ? places.grown(3 << z) : places)
-                                     .within({0, 0, (grid.tiles_x << log2) - (kind == VertexKind::side_y ? 0 : 1),
-                                              (grid.tiles_y << log2) - (kind == VertexKind::side_x ? 0 : 1)});
-            for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
-                for (std::int32_t i = squares.x0; i <= squares.x1; ++i)
-                    if (const std::uint32_t vertex = find_vertex(pages, {z, kind, i, j}); vertex != no_index)
-                        visit(vertex, plane.at(i, j));
-        }
+void for_each_vertex(const Pages& pages, const Followed& followed, const Visit& visit) {
+    const auto& [plane, squares] = followed;
+    for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+        for (std::int32_t i = squares.x0; i <= squares.x1; ++i)
+            if (const std::uint32_t vertex = find_vertex(pages, {plane.z, plane.kind, i, j}); vertex != no_index)
+                visit(vertex, plane.at(i, j));
 }
 
 void follow(CutState& s, const Rect& places, int step_log2) {
     Pages& pages = s.pages;
     const TerrainData& t = *pages.grid.terrain;
-    for (int z = step_log2 < 0 ? 0 : step_log2; z <= (step_log2 < 0 ? t.tree.tile_log2 - 1 : step_log2); ++z) {
-        std::uint32_t last = no_index;
-        for (const VertexKind kind : edit::sides_then_centres) {
-            const Plane plane{z, kind};
-            edit::for_each_run(t, plane, plane.squares(places.grown(step_log2 < 0 ? 3 << z : 0)),
-                               [&](const edit::Run& run) {
-                                   if (run.page == last) return;
-                                   last = run.page;
-                                   refresh_page(s, run.page);
-                               });
-        }
-    }
-    const std::int32_t side = t.tree.side();
-    for (std::int32_t y = (std::max(places.y0, 0) + side - 1) / side * side; y <= places.y1; y += side)
-        for (std::int32_t x = (std::max(places.x0, 0) + side - 1) / side * side; x <= places.x1; x += side)
-            refresh_corner(s, {x, y});
+    for_each_followed(t.tree, places, step_log2, [&](const Followed& f) {
+        edit::for_each_page(t, f.plane, f.squares, [&](std::uint32_t page) { refresh_page(s, page); });
+    });
+    edit::for_each_corner(t, places, [&](SampleIndex at, std::uint32_t) { refresh_corner(s, at); });
     std::uint32_t last = no_index;
-    for_each_vertex(pages, places, step_log2, [&](std::uint32_t vertex, SampleIndex v) {
-        if (is_active(pages, vertex)) refresh_vertex(s, vertex, v);
-        const std::uint32_t group = vertex / group_lanes;
-        if (group == last) return;
-        last = group;
-        const GroupState& g = pages.groups[group];
-        if (g.queue == unqueued && (g.ready() | g.active) != 0) make_due(s.work.schedule, group);
+    for_each_followed(t.tree, places, step_log2, [&](const Followed& f) {
+        for_each_vertex(pages, f, [&](std::uint32_t vertex, SampleIndex v) {
+            if (is_active(pages, vertex)) refresh_vertex(s, vertex, v);
+            const std::uint32_t group = vertex / group_lanes;
+            if (group == last) return;
+            last = group;
+            const GroupState& g = pages.groups[group];
+            if (g.queue == unqueued && (g.ready() | g.active) != 0) make_due(s.work.schedule, group);
+        });
     });
     if (s.morphing.now.morph == Morph::none) return;
-    for_each_vertex(pages, places, step_log2, [&](std::uint32_t vertex, SampleIndex v) {
-        if (is_active(pages, vertex) && !morphs_out(s.mesh, pages.vertex_slot[vertex])) refresh_start(s, vertex, v);
+    for_each_followed(t.tree, places, step_log2, [&](const Followed& f) {
+        for_each_vertex(pages, f, [&](std::uint32_t vertex, SampleIndex v) {
+            if (is_active(pages, vertex) && !morphs_out(s.mesh, pages.vertex_slot[vertex])) refresh_start(s, vertex, v);
+        });
     });
 }
 
@@ -135,7 +132,7 @@ void follow_ground(CutState& s) {
     if (s.pages.seen_ground == t.ground_changes) return;
     const Rect all = edit::grid_of(t.tree);
     if (t.changed_ground == nullptr || t.ground_changes - s.pages.seen_ground > ground_change_log) {
-        follow(s, all, all_steps);
+        follow(s, all, heights_changed);
     } else {
         for (std::uint64_t n = s.pages.seen_ground; n < t.ground_changes; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];

@@ -1,6 +1,7 @@
 // Morphing in and out by time: which vertices were activated late, and what has to wait for them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "cut/frame.h"
@@ -65,9 +66,10 @@ struct Morphing {
     return morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s) < morphing.now.morph_s;
 }
 
-// When it will not any more, by the clock.
+// When it will not any more, by the clock: now, if it does not.
 [[nodiscard]] inline std::int64_t arrival_ticks(const Mesh& mesh, const Morphing& morphing, std::uint32_t slot) {
-    const float left_s = morphing.now.morph_s - morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s);
+    const float age_s = morph_age_s(morphing.now.now_s, mesh.morph[slot].activated_s);
+    const float left_s = std::max(morphing.now.morph_s - age_s, 0.0f); // of those of long ago no integer holds it
     return morphing.clock.ticks + static_cast<std::int64_t>(std::ceil(left_s * static_cast<float>(ticks_a_second)));
 }
 

@@ -233,14 +233,14 @@ bool has_no_limit(const Frame& frame) {
            frame.settings.max_time_us == 0;
 }
 
-// What both ways cost, in parts of some 20 ns (docs/notes/live-cut.md, "Follow or build"): for a new mesh its vertices
+// What both ways cost, in units of some 20 ns (docs/notes/live-cut.md, "Follow or build"): for a new mesh its vertices
 // and pages, which are about as many as now; to follow, the groups whose slack is spent, each with what comes of it.
 // Where something is off-screen groups that come into sight are due as well.
-constexpr std::uint64_t page_parts = 210, spent_parts = 26, spent_parts_with_offscreen = 36, item_parts = 6;
+constexpr std::uint64_t page_cost = 210, spent_cost = 26, spent_cost_with_offscreen = 36, item_cost = 6;
 
-std::uint64_t building_parts(const CutState& s) {
+std::uint64_t building_cost(const CutState& s) {
     const std::uint32_t active = s.mesh.capacity - free_vertices(s.mesh) - s.mesh.corner_count;
-    return active + page_parts * s.pages.busy;
+    return active + page_cost * s.pages.busy;
 }
 
 // Of a frame without a limit whose views have leapt or zoomed: is a new mesh cheaper than what follows them? Where
@@ -249,15 +249,15 @@ bool is_build_cheaper(const CutState& s) {
     // Where a capacity is short a new mesh is tried at many thresholds, and what follows ends where it is spent.
     const bool short_of_room = s.governor.cause != 0;
     if (s.frame.settings.morph != Morph::none || s.frame.number == 1 || short_of_room) return s.views.leapt;
-    const std::uint64_t parts = s.frame.settings.offscreen_factor > 1 ? spent_parts_with_offscreen : spent_parts;
-    const auto most = static_cast<std::uint32_t>(building_parts(s) / parts);
+    const std::uint64_t cost = s.frame.settings.offscreen_factor > 1 ? spent_cost_with_offscreen : spent_cost;
+    const auto most = static_cast<std::uint32_t>(building_cost(s) / cost);
     return count_spent(s.work.schedule, most) > most;
 }
 
 // So many items of following cost more than twice as much as a new mesh: when they are spent, that is made after all.
 // Nobody can tell beforehand how much comes of a group that is spent.
 std::uint32_t items_of_a_build(const CutState& s) {
-    return static_cast<std::uint32_t>(building_parts(s) / item_parts) + 256;
+    return static_cast<std::uint32_t>(building_cost(s) / item_cost) + 256;
 }
 
 } // namespace

@@ -7,7 +7,9 @@
 
 #include "block_layout.h"
 #include "edit/apply.h"
-#include "edit/measure.h"
+#include "edit/areas.h"
+#include "edit/radii.h"
+#include "edit/refuse.h"
 #include "edit/stamp.h"
 
 namespace fjell {
@@ -59,10 +61,15 @@ constexpr const char* refusals[] = {
     "", "EditBudget::blocks", "Stamp (heights span more than 65,535 steps of the height scale within a page)",
     "Stamp (steeper, or higher, than the pack's codes can bound)", "Stamp (a height that is no number)"};
 
+// Unless a later stamp has the place: one may wait for its pages while thousands come and go.
 void set_result(EditsData& e, StampId id, StampState state, StatusCode code = StatusCode::ok, std::uint32_t field = 0) {
-    e.results[id % (2 * e.queue_size)].store(id << 16 | static_cast<std::uint64_t>(state) << 12 |
-                                                 std::uint64_t{field} << 8 | static_cast<std::uint64_t>(code),
-                                             std::memory_order_release);
+    std::atomic<std::uint64_t>& result = e.results[id % (2 * e.queue_size)];
+    const std::uint64_t now = id << 16 | static_cast<std::uint64_t>(state) << 12 | std::uint64_t{field} << 8 |
+                              static_cast<std::uint64_t>(code);
+    std::uint64_t before = result.load(std::memory_order_relaxed);
+    while (before >> 16 <= id &&
+           !result.compare_exchange_weak(before, now, std::memory_order_release, std::memory_order_relaxed)) {
+    }
 }
 
 } // namespace
@@ -100,10 +107,12 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     e.block_table_size = table_size(budget);
     std::fill_n(e.block_table, e.block_table_size, no_index);
     e.areas = reinterpret_cast<Area*>(at + l.areas);
-    e.seen_page_changes = t->changes;
+    e.steepest_m = steepest_of_codes(e);
     HandleAccess::begin(e, edits);
     t->edits = &e;
     t->changed_ground = e.changes;
+    // What edits before these have changed is not in this log: whoever has not followed it looks at everything.
+    if (t->ground_changes != 0) t->ground_changes += ground_change_log + 1;
     return {};
 }
 
@@ -185,10 +194,9 @@ void take_stamps(EditsData& e) {
         QueueCell& cell = e.queue[e.queue_head & (e.queue_size - 1)];
         if (cell.turn.load(std::memory_order_acquire) != e.queue_head + 1) return;
         Waiting& w = e.waiting[e.waiting_count++];
-        w = {};
-        w.stamp = cell.stamp, w.id = cell.id;
-        w.checking = true;
-        w.places = places_of(e.terrain->tree, samples_of(*e.terrain, w.stamp));
+        w = {.stamp = cell.stamp,
+             .id = cell.id,
+             .places = places_of(e.terrain->tree, samples_of(*e.terrain, cell.stamp))};
         cell.turn.store(e.queue_head + e.queue_size, std::memory_order_release);
         ++e.queue_head;
     }
@@ -209,8 +217,8 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
     double nearest = 1e300;
     const std::uint32_t count = std::min(e.waiting_count, looked_ahead);
     for (std::uint32_t i = 0; i < count; ++i)
-        if (e.waiting[i].begun) { // it comes to its end first
-            e.waiting[i].held = !all_loaded(*e.terrain, e.waiting[i].places.grown(1));
+        if (e.waiting[i].fits) { // with the room that there is now: it comes to its end first
+            e.waiting[i].held = is_held(e, e.waiting[i]);
             return e.waiting[i].held ? no_index : i;
         }
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -218,13 +226,35 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
         bool behind = false;
         for (std::uint32_t k = 0; k < i && !behind; ++k) behind = e.waiting[k].places.grown(1).meets(w.places);
         if (behind) continue;
-        w.held = !all_loaded(*e.terrain, w.places.grown(1));
+        w.held = is_held(e, w);
         if (w.held) continue;
         double away = 1e200;
         for (const View& view : views) away = std::min(away, distance_m(*e.terrain, w.places, view));
         if (away < nearest) nearest = away, best = i;
     }
     return best;
+}
+
+void apply_stamps(EditsData& e, std::span<const View> views, Budgeted& budget, EditReport& report) {
+    take_stamps(e);
+    while (e.waiting_count != 0) {
+        const std::uint32_t i = next_stamp(e, views);
+        if (i == no_index || !budget.may_go_on()) return;
+        const StampId id = e.waiting[i].id;
+        Refusal refusal = Refusal::none;
+        if (!apply_piece(e, e.waiting[i], refusal, report.samples)) continue;
+        const bool refused = refusal != Refusal::none;
+        set_result(e, id, refused ? StampState::refused : StampState::applied,
+                   !refused                     ? StatusCode::ok
+                   : refusal == Refusal::blocks ? StatusCode::out_of_slots
+                                                : StatusCode::out_of_range,
+                   static_cast<std::uint32_t>(refusal));
+        ++(refused ? report.refused : report.applied);
+        if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+        std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
+        --e.waiting_count;
+        take_stamps(e);
+    }
 }
 
 } // namespace
@@ -237,38 +267,21 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
         if (Status s = validate(view); !s.ok()) return s;
     report = {};
     Budgeted budget(settings, report);
-    const auto started = Clock::now();
-    take_stamps(e);
-    while (e.waiting_count != 0) {
-        const std::uint32_t i = next_stamp(e, views);
-        if (i == no_index || !budget.may_go_on()) break;
-        Waiting& w = e.waiting[i];
-        w.begun = true;
-        Refusal refusal = Refusal::none;
-        if (!apply_piece(e, w, refusal, report.samples)) continue;
-        const bool refused = refusal != Refusal::none;
-        set_result(e, w.id, refused ? StampState::refused : StampState::applied,
-                   !refused                     ? StatusCode::ok
-                   : refusal == Refusal::blocks ? StatusCode::out_of_slots
-                                                : StatusCode::out_of_range,
-                   static_cast<std::uint32_t>(refusal));
-        ++(refused ? report.refused : report.applied);
-        if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
-        std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
-        --e.waiting_count;
-        take_stamps(e);
-    }
-    const auto applied = Clock::now();
-    retry_unmeasured(e);
-    while (measure_next(e, [&] { return budget.may_go_on(); })) {
-    }
-    flush_measured(e);
+    do {
+        const auto started = Clock::now();
+        apply_stamps(e, views, budget, report);
+        const auto applied = Clock::now();
+        retry_unmeasured(e);
+        while (has_area_to_measure(e) && budget.may_go_on()) measure_next(e);
+        flush_measured(e);
+        report.apply_us += microseconds(started, applied);
+        report.measure_us += microseconds(applied, Clock::now());
+        // What has been measured may be what a stamp has waited for.
+    } while ((report.exhausted & (edit_budget_work | edit_budget_time)) == 0 && next_stamp(e, views) != no_index);
     report.waiting = e.waiting_count;
     for (std::uint32_t i = 0; i < e.waiting_count; ++i) report.held += e.waiting[i].held;
     for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);
     report.blocks = e.block_count;
-    report.apply_us = microseconds(started, applied);
-    report.measure_us = microseconds(applied, Clock::now());
     return {};
 }
 
@@ -286,7 +299,8 @@ std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std
     std::uint32_t count = 0;
     for (; cursor < t.ground_changes && count < rects.size(); ++cursor) {
         const GroundChange& change = e->changes[cursor % ground_change_log];
-        if (change.heights) rects[count++] = {t.tree.sample(change.first), t.tree.sample(change.last)};
+        if (change.step_log2 == heights_changed)
+            rects[count++] = {t.tree.sample(change.first), t.tree.sample(change.last)};
     }
     return count;
 }

@@ -20,6 +20,7 @@ struct Rect {
     [[nodiscard]] bool contains(SampleIndex v) const {
         return v.column >= x0 && v.column <= x1 && v.row >= y0 && v.row <= y1;
     }
+    [[nodiscard]] bool contains(const Rect& r) const { return r.x0 >= x0 && r.x1 <= x1 && r.y0 >= y0 && r.y1 <= y1; }
     [[nodiscard]] bool meets(const Rect& r) const { return x0 <= r.x1 && r.x0 <= x1 && y0 <= r.y1 && r.y0 <= y1; }
     [[nodiscard]] Rect grown(std::int32_t by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; }
     [[nodiscard]] Rect within(const Rect& r) const {
@@ -31,6 +32,15 @@ struct Rect {
         return {std::min(x0, r.x0), std::min(y0, r.y0), std::max(x1, r.x1), std::max(y1, r.y1)};
     }
 };
+// Height scale steps from low to high.
+struct StepRange {
+    std::int32_t low = INT32_MAX, high = INT32_MIN;
+    [[nodiscard]] bool empty() const { return high < low; }
+    [[nodiscard]] std::int32_t span() const { return empty() ? 0 : high - low; }
+    void add(std::int32_t steps) { low = std::min(low, steps), high = std::max(high, steps); }
+    void add(const StepRange& r) { low = std::min(low, r.low), high = std::max(high, r.high); }
+};
+
 // All places of vertices, those beyond the terrain's rim among them.
 [[nodiscard]] inline Rect grid_of(const Tree& tree) {
     return {0, 0, tree.grid_columns() - 1, tree.grid_rows() - 1};
@@ -50,6 +60,18 @@ struct Plane {
         return {((2 * i) << z) + (kind == VertexKind::side_y ? 0 : 1 << z),
                 ((2 * j) << z) + (kind == VertexKind::side_x ? 0 : 1 << z)};
     }
+    // Squares of all its vertices.
+    [[nodiscard]] Rect all(const Tree& tree) const {
+        const int log2 = tree.tile_log2 - 1 - z;
+        return {0, 0, (tree.tiles_x << log2) - (kind == VertexKind::side_y ? 0 : 1),
+                (tree.tiles_y << log2) - (kind == VertexKind::side_x ? 0 : 1)};
+    }
+    // Where the vertices of squares lie.
+    [[nodiscard]] Rect places(const Rect& squares) const {
+        if (squares.empty()) return {};
+        const SampleIndex first = at(squares.x0, squares.y0), last = at(squares.x1, squares.y1);
+        return {first.column, first.row, last.column, last.row};
+    }
     // Squares of those that lie in a rectangle of places.
     [[nodiscard]] Rect squares(const Rect& r) const {
         const auto first = [&](std::int32_t at, bool odd) { // the least i with 2 i s (+ s) >= at
@@ -63,6 +85,30 @@ struct Plane {
 };
 inline constexpr VertexKind sides_then_centres[3] = {VertexKind::side_x, VertexKind::side_y, VertexKind::centre};
 
+// f(plane) for all planes of steps 2^first to 2^last, children before their parents.
+template <typename F>
+void for_each_plane(int first, int last, const F& f) {
+    for (int z = first; z <= last; ++z)
+        for (const VertexKind kind : sides_then_centres) f(Plane{z, kind});
+}
+// f(place, number) for the corners of tiles in a rectangle of places.
+template <typename F>
+void for_each_corner(const TerrainData& t, const Rect& places, const F& f) {
+    const int log2 = t.tree.tile_log2;
+    const Rect r = places.within(grid_of(t.tree));
+    for (std::int32_t y = (r.y0 + t.tree.side() - 1) >> log2; y << log2 <= r.y1; ++y)
+        for (std::int32_t x = (r.x0 + t.tree.side() - 1) >> log2; x << log2 <= r.x1; ++x)
+            f(SampleIndex{x << log2, y << log2}, t.corner_at(x, y));
+}
+// How far, in steps, a vertex' error depends on heights: its diamond's reach, and that of its children.
+[[nodiscard]] constexpr std::int32_t error_reach(VertexKind kind) {
+    return kind == VertexKind::centre ? 3 : 2;
+}
+// Squares of vertices whose errors may have changed with the ground in these places.
+[[nodiscard]] inline Rect around(const Tree& tree, const Plane& plane, const Rect& places) {
+    return plane.squares(places.grown(error_reach(plane.kind) << plane.z)).within(plane.all(tree));
+}
+
 // Where vertices of one row lie: `count` records from `index` on in a page of the table; in planar order only is it
 // more than one.
 struct Run {
@@ -73,10 +119,9 @@ struct Run {
 // Calls f(Run) for all of `squares` of a plane, once for each page that holds a vertex: borders are in several.
 template <typename F>
 void for_each_run(const TerrainData& t, const Plane& plane, Rect squares, const F& f) {
-    const int l = t.tree.tile_log2, log2 = l - 1 - plane.z; // of the squares a side of a tile
-    const std::int32_t n = 1 << log2, last_i = (t.tree.tiles_x << log2) - (plane.kind == VertexKind::side_y ? 0 : 1),
-                       last_j = (t.tree.tiles_y << log2) - (plane.kind == VertexKind::side_x ? 0 : 1);
-    squares = squares.within({0, 0, last_i, last_j});
+    const int log2 = t.tree.tile_log2 - 1 - plane.z; // of the squares a side of a tile
+    const std::int32_t n = 1 << log2;
+    squares = squares.within(plane.all(t.tree));
     if (squares.empty()) return;
     // Closed along the axis on whose lines the vertices lie.
     const std::int32_t more_i = plane.kind == VertexKind::side_y ? 1 : 0,
@@ -138,11 +183,21 @@ void for_each_run(const TerrainData& t, const Plane& plane, Rect squares, const 
         }
 }
 
+// f(page) for the pages of the table that hold vertices of these squares; some more than once.
+template <typename F>
+void for_each_page(const TerrainData& t, const Plane& plane, const Rect& squares, const F& f) {
+    std::uint32_t last = no_index;
+    for_each_run(t, plane, squares, [&](const Run& run) {
+        if (run.page == last) return;
+        last = run.page;
+        f(run.page);
+    });
+}
+
 // One vertex that is no corner of a tile; null: its page is not loaded.
 struct Found {
     const VertexRecord* record = nullptr;
     std::int32_t base = 0;
-    [[nodiscard]] std::int32_t steps() const { return base + record->height; }
 };
 [[nodiscard]] inline Found find_record(const TerrainData& t, SampleIndex v) {
     const std::int32_t l = t.tree.tile_log2, tx = std::min(v.column >> l, t.tree.tiles_x - 1),
@@ -154,24 +209,38 @@ struct Found {
     return {t.records + std::size_t{entry.slot} * t.page_capacity + at.index, entry.base};
 }
 
-// Height scale steps at a place.
-struct Height {
-    std::int32_t steps = 0;
-    bool loaded = false, hole = false;
+// What is known of a place. A tile's corner has neither error nor radius.
+struct Cell {
+    std::int32_t steps = 0; // on the height scale
+    std::uint8_t error = 0, radius = 0;
+    bool hole = false, loaded = false;
 };
-[[nodiscard]] inline Height height_at(const TerrainData& t, SampleIndex v) {
+[[nodiscard]] inline Cell cell_of(std::int32_t base, VertexRecord record) {
+    return {base + record.height, record.error, static_cast<std::uint8_t>(record.radius & (radius_codes - 1)),
+            is_void(record), true};
+}
+[[nodiscard]] inline Cell cell_at(const TerrainData& t, SampleIndex v) {
     if (t.tree.is_corner(v)) {
         const std::uint32_t stored = t.corners[t.corner_at(v.column >> t.tree.tile_log2, v.row >> t.tree.tile_log2)];
-        return {corner_steps(stored), true, (stored & corner_void_bit) != 0};
+        return {corner_steps(stored), 0, 0, (stored & corner_void_bit) != 0, true};
     }
     const Found found = find_record(t, v);
-    if (found.record == nullptr) return {};
-    return {found.steps(), true, is_void(*found.record)};
+    return found.record == nullptr ? Cell{} : cell_of(found.base, *found.record);
 }
 
-[[nodiscard]] inline bool exists(const Tree& tree, SampleIndex v) {
-    return tree.contains(v);
+// change(record) of one vertex, in all pages that hold it.
+template <typename Change>
+void change_record(const TerrainData& t, const Plane& plane, std::int32_t i, std::int32_t j, const Change& change) {
+    for_each_run(t, plane, {i, j, i, j}, [&](const Run& run) {
+        const std::uint32_t slot = t.page_table[run.page].slot;
+        if (slot == no_index) return;
+        VertexRecord* const to = t.memory->records + std::size_t{slot} * t.page_capacity + run.index;
+        VertexRecord record = *to;
+        change(record);
+        write_record(to, bits_as<std::uint32_t>(record));
+    });
 }
+
 // Levels of the tree below a vertex.
 [[nodiscard]] inline std::uint32_t levels_below(SampleIndex v) {
     return 2u * static_cast<std::uint32_t>(Tree::step_log2(v)) + (Tree::kind(v) == VertexKind::centre ? 1u : 0u);

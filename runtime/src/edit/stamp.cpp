@@ -102,6 +102,17 @@ Rect samples_of(const TerrainData& t, const Stamp& stamp) {
                        z1 + out < 0 ? -1 : place(z1 + out, sz, last_y)});
 }
 
+bool may_change(const TerrainData& t, const Stamp& stamp, const Rect& samples) {
+    if (!by_distance(stamp)) return true;
+    const double sx = t.header.spacing_m[0], sz = t.header.spacing_m[1], x = 0.5 * (samples.x0 + samples.x1) * sx,
+                 z = 0.5 * (samples.y0 + samples.y1) * sz, half_x = 0.5 * samples.columns() * sx,
+                 half_z = 0.5 * samples.rows() * sz;
+    const double away_m = stamp.shape == StampShape::path ? nearest_on_path(stamp, x, z).away_m
+                                                          : std::hypot(x - stamp.x_m, z - stamp.z_m);
+    return away_m <=
+           static_cast<double>(stamp.radius_m) + static_cast<double>(stamp.falloff_m) + std::hypot(half_x, half_z);
+}
+
 double stamped_m(const TerrainData& t, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
     const double x = sample.column * t.header.spacing_m[0], z = sample.row * t.header.spacing_m[1];
     double weight = 1, path_m = 0;

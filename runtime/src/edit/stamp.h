@@ -8,6 +8,9 @@ namespace fjell::edit {
 // Samples that a stamp may change, within the terrain.
 [[nodiscard]] Rect samples_of(const TerrainData& t, const Stamp& stamp);
 
+// Can it change a sample in this part of them? Told by distances; may say yes where it does not.
+[[nodiscard]] bool may_change(const TerrainData& t, const Stamp& stamp, const Rect& samples);
+
 // What the sample's neighbourhood looks like to a stamp: heights in metres.
 struct Surroundings {
     double height_m; // now

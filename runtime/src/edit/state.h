@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "edit/ground.h"
+#include "edit/window.h"
 #include "fjell/edit.h"
 #include "handle.h"
 #include "shared/page.h"
@@ -18,31 +19,40 @@ inline constexpr int block_log2 = 5;
 inline constexpr std::int32_t block_side = 1 << block_log2;
 inline constexpr std::uint16_t as_in_pack = 0xffff; // of Block::edited
 struct Block {
-    std::int32_t x, y; // in blocks
+    std::int32_t x, y;      // in blocks
+    std::int32_t differing; // samples that do, 1 at least
     std::int32_t pack_base, base;
-    std::int32_t low_delta, high_delta; // of all edits so far, added up: what errors of pages to come may grow by
+    std::int32_t least_off, most_off;              // of edited heights over the pack's, ever, 0 among them
     std::uint16_t pack[block_side * block_side];   // steps above pack_base, where `edited` says that there are any
     std::uint16_t edited[block_side * block_side]; // steps above base, or as_in_pack
 };
 
-// Stamps are applied in pieces of so many places a side; with what lies around them they are read into a window.
-inline constexpr std::int32_t piece_side = 64, window_margin = 28, window_side = piece_side + 2 * window_margin;
-// Steps of which errors are measured at once.
-inline constexpr int measured_at_once = 3;
-
-struct Window {
-    Rect rect;
-    std::int32_t steps[window_side * window_side];
-    std::uint8_t missing[window_side * window_side];
-    std::uint8_t hole[window_side * window_side];
-    [[nodiscard]] std::size_t index(SampleIndex v) const {
-        return static_cast<std::size_t>(v.row - rect.y0) * window_side + static_cast<std::size_t>(v.column - rect.x0);
+// What a stamp makes of a piece.
+struct Piece {
+    Rect rect;                                         // places
+    std::int32_t steps[largest_piece * largest_piece]; // by rows of largest_piece
+    [[nodiscard]] std::int32_t& at(SampleIndex v) {
+        return steps[static_cast<std::size_t>(v.row - rect.y0) * largest_piece +
+                     static_cast<std::size_t>(v.column - rect.x0)];
     }
 };
 
-struct Piece {
-    Rect rect;                                     // places
-    std::int32_t changed[piece_side * piece_side]; // new steps, by rows of piece_side
+// What a stamp changes, of a piece or of all that have been looked at.
+struct Change {
+    Rect places;                                       // where something changes
+    StepRange heights, before;                         // of the new heights there, and of the old ones
+    StepRange off{0, 0};                               // of new over old heights, 0 among them
+    std::int32_t steepest = 0;                         // difference between neighbours
+    std::int32_t bend = 0;                             // that neighbours move apart by, at most
+    std::uint32_t samples = 0, pieces = 0, blocks = 0; // blocks that it needs
+    bool no_number = false;                            // a height is none
+    void add(const Change& c) {
+        places = places.with(c.places);
+        heights.add(c.heights), before.add(c.before), off.add(c.off);
+        steepest = std::max(steepest, c.steepest), bend = std::max(bend, c.bend);
+        samples += c.samples, pieces += c.pieces, blocks += c.blocks;
+        no_number = no_number || c.no_number;
+    }
 };
 
 // Handed in, from any thread to the frame's: a bounded queue whose cells count their turns.
@@ -52,18 +62,17 @@ struct QueueCell {
     StampId id;
 };
 
-// A stamp that was taken from the queue.
+// A stamp that was taken from the queue. All its pieces are looked at, then all are applied; a single one at once.
 struct Waiting {
     Stamp stamp;
-    StampId id;
-    Rect places; // that it may change
-    bool held;   // for pages
-    // Looked at first, then applied: the next piece, and what was found.
-    bool begun, checking;
-    std::uint32_t piece;
-    Rect changed;
-    std::int32_t low, high, old_low, old_high, steepest;
-    std::uint32_t blocks; // that it needs
+    StampId id = 0;
+    Rect places;             // that it may change
+    bool held = false;       // for pages
+    bool wants_rest = false; // pages around it too, and that all is measured there
+    bool fits = false;       // it has been looked at, and is not refused
+    bool at_once = false;    // its pieces are one item
+    std::uint32_t piece = 0; // the next one
+    Change change{};         // of what has been looked at
 };
 
 // How far, in steps, a sphere may depend on a height: its children's, and those of the vertices that share their codes.
@@ -73,14 +82,17 @@ inline constexpr int no_radii = 99;
 // Where errors are to be measured again: of vertices around these places, from fine to coarse.
 struct Area {
     Rect places;
-    int z;
-    int plane;         // of sides_then_centres
-    std::int32_t i, j; // the next square
-    bool begun;
-    bool unmeasured; // something could not be read, until pages come
-    bool missed;     // the same, in this turn
-    int radii_z;     // spheres of this step and coarser ones are to be worked out first; or no_radii
-    bool radii_done; // they are
+    bool begun = false;
+    bool unmeasured = false; // something could not be read: it waits for pages
+    int first_z = 0;         // of its vertices
+    int radii_z = no_radii;  // spheres of this step and larger ones are to be worked out first
+    // Of this turn.
+    int z = 0, plane = 0; // of sides_then_centres
+    bool plane_begun = false;
+    std::int32_t i = 0, j = 0; // the next square
+    bool missed = false;       // something could not be read
+    int missed_radii_z = no_radii;
+    std::uint64_t page_changes = 0; // TerrainData::changes when it began
 };
 
 // What radii are worked out from: the baker's numbers (baker/heights/scales.h).
@@ -103,8 +115,9 @@ struct EditsData {
     edit::QueueCell* queue; // queue_size of them, a power of 2
     std::uint64_t queue_size;
     std::atomic<std::uint64_t> tail;
-    std::uint64_t queue_head;            // the frame's thread only
-    std::atomic<std::uint64_t>* results; // by id % (2 * queue_size): id << 16 | state << 8 | status code
+    std::uint64_t queue_head; // the frame's thread only
+    std::atomic<std::uint64_t>*
+        results; // by id % (2 * queue_size): id << 16 | state << 12 | refusal << 8 | status code
     // The frame's thread.
     edit::Waiting* waiting;
     std::uint32_t waiting_count;
@@ -112,12 +125,11 @@ struct EditsData {
     std::uint32_t block_count;
     std::uint32_t* block_table; // by hash of their places: number, or no_index
     std::uint32_t block_table_size;
-    edit::Area* areas; // the first is in work
+    edit::Area* areas; // the first that is not `unmeasured` is in work
     std::uint32_t area_count;
-    bool radii_unknown;  // some could not be worked out for want of pages
     edit::Rect measured; // vertices of step 2^measured_z whose errors are others, and nobody knows
     int measured_z;
-    std::uint64_t seen_page_changes;
+    double steepest_m; // ground with such steps between neighbours has codes wherever the pack's heights end
     GroundChange changes[ground_change_log];
     edit::Window window;
     edit::Piece piece;

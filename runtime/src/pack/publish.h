@@ -25,7 +25,8 @@
 // - The record is not older than load g: 3 has acquired P of g, which comes after R of g.
 // - The record is not newer: had 4 read what load k > g wrote, then by the fences B of k would be visible to 6.
 // After 1 to 3 the page may be read on with 4 to 6 alone, as long as 6 holds: the records are those of load g even when
-// the page has been unloaded since. Contents of a page never change, so vertices of one query may be of any times.
+// the page has been unloaded since. What a page holds changes only by edits, which tell queries so (query/steady.h);
+// so vertices of one query may be of any times.
 // Counters wrap after 2^32 loads of one slot; a reader would have to sleep through exactly so many.
 #pragma once
 

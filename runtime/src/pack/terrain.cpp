@@ -11,7 +11,7 @@
 #include <zstd.h>
 
 #include "block_layout.h"
-#include "edit/apply.h"
+#include "edit/blocks.h"
 #include "pack/memory.h"
 #include "pack/page_loops.h"
 #include "pack/publish.h"
@@ -164,7 +164,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     if (table[page].slot != no_index) return {};
     if (m.free_count == 0) return {StatusCode::out_of_slots, "TerrainBudget::page_slots"};
     if (Status s = unpack_page(terrain.pages, page, raw, m.arrays); !s.ok()) return s;
-    const bool edited = terrain.edits != nullptr && edit::restore_heights(*terrain.edits, tile, page, m.arrays);
+    const bool edited = terrain.edits != nullptr && edit::restore_page(*terrain.edits, tile, page, m.arrays);
     if (m.arrays.errors_derived) {
         const SampleIndex position = terrain.pages.page_position(page);
         if (!coarser_pages_loaded(terrain.pages, table, position))
@@ -181,7 +181,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
     m.slot_page[slot] = tile * terrain.pages_per_tile + page;
     --terrain.pages_missing;
     m.changed_slots[terrain.changes++ % change_log] = slot;
-    if (edited) edit::restore_bounds(*terrain.edits, tile, page);
+    if (edited) edit::nest_over_page(*terrain.edits, tile, page);
     FJELL_WALK(terrain.changes, validate_terrain(terrain));
     return {};
 }

@@ -64,6 +64,11 @@ struct ErrorScale {
     }
 };
 
+// A parent's sphere is larger by this factor than containment asks for: more than the roundings of a distance in float,
+// so that spheres that touch nest in float arithmetic too. radius_rounding: of one such distance, and its sum.
+inline constexpr double sphere_margin = 1 + 0x1p-16;
+inline constexpr float radius_rounding = 1 + 0x1p-19f;
+
 // Bounding radii: the level's own unit times ratio^code, in float.
 struct RadiusScale {
     static constexpr float ratio = 1.03f;

@@ -23,14 +23,14 @@ struct alignas(8) PageEntry { // read at once by queries of other threads
     std::int32_t base;        // height scale steps its heights are counted from
 };
 
-// Ground that edits (fjell/edit.h) have changed: places from first to last, both included. heights false: only errors
-// and spheres. step_log2: of the vertices there, of this step; all_steps: and those around the places, of every step.
+// Ground that edits (fjell/edit.h) have changed: places from first to last, both included. step_log2: errors and
+// spheres of the vertices there, of this step; heights_changed: heights, and with them what lies around the places, of
+// every step.
 struct GroundChange {
     SampleIndex first, last;
-    bool heights;
-    std::int8_t step_log2;
+    int step_log2;
 };
-inline constexpr std::int8_t all_steps = -1;
+inline constexpr int heights_changed = -1;
 inline constexpr std::uint32_t ground_change_log = 1024; // changes that TerrainData::changed_ground remembers
 
 // What all ground lies between, and the largest error of a vertex: the pack's own, and more after edits.

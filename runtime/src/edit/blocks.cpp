@@ -1,0 +1,334 @@
+#include "edit/blocks.h"
+
+#include "edit/areas.h"
+#include "edit/errors.h"
+#include "edit/radii.h"
+
+namespace fjell::edit {
+
+namespace {
+
+// The table is one of open addresses: where the search for a block at x, y, in blocks, begins.
+std::uint32_t home_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
+    return (static_cast<std::uint32_t>(x) * 0x9e37'79b9u ^ static_cast<std::uint32_t>(y) * 0x85eb'ca6bu) &
+           (e.block_table_size - 1);
+}
+// Where it stands, or would.
+std::uint32_t cell_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
+    const std::uint32_t mask = e.block_table_size - 1;
+    std::uint32_t at = home_of_block(e, x, y);
+    while (e.block_table[at] != no_index && (e.blocks[e.block_table[at]].x != x || e.blocks[e.block_table[at]].y != y))
+        at = (at + 1) & mask;
+    return at;
+}
+const Block* find_block(const EditsData& e, std::int32_t x, std::int32_t y) {
+    const std::uint32_t number = e.block_table[cell_of_block(e, x, y)];
+    return number == no_index ? nullptr : &e.blocks[number];
+}
+std::size_t in_block(SampleIndex sample) {
+    return static_cast<std::size_t>(sample.row & (block_side - 1)) * block_side +
+           static_cast<std::size_t>(sample.column & (block_side - 1));
+}
+// The block that holds a sample which has been edited, otherwise null.
+const Block* find_edited(const EditsData& e, SampleIndex sample) {
+    const Block* const b = find_block(e, sample.column >> block_log2, sample.row >> block_log2);
+    return b != nullptr && b->edited[in_block(sample)] != as_in_pack ? b : nullptr;
+}
+
+// Makes room for a value among those that count from a base; there is, or the stamp would have been refused.
+void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* edited, std::int32_t value) {
+    if (value >= base && value - base < as_in_pack) return;
+    StepRange all{value, value};
+    for (std::size_t k = 0; k < block_side * block_side; ++k)
+        if (edited[k] != as_in_pack) all.add(base + values[k]);
+    const std::int32_t to = all.low - (as_in_pack - 1 - all.span()) / 2; // as much room below as above
+    for (std::size_t k = 0; k < block_side * block_side; ++k)
+        if (edited[k] != as_in_pack) values[k] = static_cast<std::uint16_t>(base + values[k] - to);
+    base = to;
+}
+
+// Gives a block back: the last one takes its number, and what was found past its cell moves up.
+void remove_block(EditsData& e, std::uint32_t cell) {
+    const std::uint32_t mask = e.block_table_size - 1, number = e.block_table[cell];
+    e.block_table[cell] = no_index;
+    for (std::uint32_t at = (cell + 1) & mask; e.block_table[at] != no_index; at = (at + 1) & mask) {
+        const Block& b = e.blocks[e.block_table[at]];
+        const std::uint32_t home = home_of_block(e, b.x, b.y);
+        if (((at - home) & mask) < ((at - cell) & mask)) continue; // its search begins after the cell
+        std::swap(e.block_table[cell], e.block_table[at]);
+        cell = at;
+    }
+    const std::uint32_t last = --e.block_count;
+    if (number == last) return;
+    e.block_table[cell_of_block(e, e.blocks[last].x, e.blocks[last].y)] = number;
+    e.blocks[number] = e.blocks[last];
+}
+
+// visit(x, y), in blocks, for the samples that vertices at these places stand at.
+template <typename Visit>
+void for_each_block(const TerrainData& t, const Rect& places, const Visit& visit) {
+    const SampleIndex first = t.tree.sample({places.x0, places.y0}), last = t.tree.sample({places.x1, places.y1});
+    for (std::int32_t y = first.row >> block_log2; y <= last.row >> block_log2; ++y)
+        for (std::int32_t x = first.column >> block_log2; x <= last.column >> block_log2; ++x) visit(x, y);
+}
+
+Rect places_of_block(const TerrainData& t, const Block& b) {
+    return places_of(t.tree, {b.x << block_log2, b.y << block_log2, (b.x << block_log2) + block_side - 1,
+                              (b.y << block_log2) + block_side - 1});
+}
+
+bool fits(const StepRange& r) {
+    return r.span() < as_in_pack - 1;
+}
+bool counts_from(std::int32_t base, const StepRange& r) {
+    return r.empty() || (r.low >= base && r.high - base < as_in_pack);
+}
+
+} // namespace
+
+void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_t after) {
+    const std::int32_t x = sample.column >> block_log2, y = sample.row >> block_log2;
+    const std::uint32_t cell = cell_of_block(e, x, y);
+    std::uint32_t& number = e.block_table[cell];
+    if (number == no_index) {
+        number = e.block_count++;
+        Block& b = e.blocks[number];
+        b = {};
+        b.x = x, b.y = y;
+        b.pack_base = before - as_in_pack / 2, b.base = after - as_in_pack / 2;
+        std::fill_n(b.edited, block_side * block_side, as_in_pack);
+    }
+    Block& b = e.blocks[number];
+    const std::size_t k = in_block(sample);
+    if (b.edited[k] == as_in_pack) {
+        make_room(b.pack_base, b.pack, b.edited, before);
+        b.pack[k] = static_cast<std::uint16_t>(before - b.pack_base);
+        ++b.differing;
+    }
+    if (after == b.pack_base + b.pack[k]) {
+        b.edited[k] = as_in_pack;
+        if (--b.differing == 0) remove_block(e, cell);
+        return;
+    }
+    make_room(b.base, b.edited, b.edited, after);
+    b.edited[k] = static_cast<std::uint16_t>(after - b.base);
+    const std::int32_t off = after - (b.pack_base + b.pack[k]);
+    b.least_off = std::min(b.least_off, off);
+    b.most_off = std::max(b.most_off, off);
+}
+
+bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps) {
+    const Block* const b = find_edited(e, sample);
+    if (b == nullptr) return false;
+    steps = b->pack_base + b->pack[in_block(sample)];
+    return true;
+}
+
+bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights, const StepRange& pack) {
+    const TerrainData& t = *e.terrain;
+    bool fit = fits(heights) && fits(pack);
+    for_each_block(t, places, [&](std::int32_t x, std::int32_t y) {
+        const Block* const b = find_block(e, x, y);
+        if (b == nullptr || !fit || (counts_from(b->base, heights) && counts_from(b->pack_base, pack))) return;
+        StepRange edited = heights, packed = pack;
+        for (std::size_t k = 0; k < block_side * block_side; ++k) {
+            if (b->edited[k] == as_in_pack) continue;
+            edited.add(b->base + b->edited[k]);
+            packed.add(b->pack_base + b->pack[k]);
+        }
+        fit = fits(edited) && fits(packed);
+    });
+    for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
+        for_each_page(t, plane, plane.squares(places), [&](std::uint32_t page) {
+            const PageEntry entry = t.page_table[page];
+            if (!fit || entry.slot == no_index || counts_from(entry.base, heights)) return;
+            const VertexRecord* const records = t.records + std::size_t{entry.slot} * t.page_capacity;
+            StepRange all = heights;
+            for (std::uint32_t k = 0; k < t.pages.page_vertices(page % t.pages_per_tile); ++k)
+                all.add(entry.base + records[k].height);
+            fit = all.span() <= 65535;
+        });
+    });
+    return fit;
+}
+
+std::uint32_t missing_blocks(EditsData& e, const Rect& places) {
+    const auto differs = [&](const Rect& samples) {
+        for (std::int32_t y = samples.y0; y <= samples.y1; ++y)
+            for (std::int32_t x = samples.x0; x <= samples.x1; ++x)
+                if (e.piece.at({x, y}) != e.window.at({x, y}).steps) return true;
+        return false;
+    };
+    std::uint32_t count = 0;
+    for_each_block(*e.terrain, places, [&](std::int32_t x, std::int32_t y) {
+        const Rect samples{x << block_log2, y << block_log2, (x << block_log2) + block_side - 1,
+                           (y << block_log2) + block_side - 1};
+        count += find_block(e, x, y) == nullptr && differs(samples.within(places)) ? 1 : 0;
+    });
+    return count;
+}
+
+namespace {
+
+// What has been edited where it may matter to a page, or to places.
+struct Near {
+    Rect places; // around all blocks
+    StepRange off{0, 0};
+    void add(const TerrainData& t, const Block& b) {
+        places = places.with(places_of_block(t, b));
+        off.add({b.least_off, b.most_off});
+    }
+    [[nodiscard]] double by_m(const TerrainData& t) const {
+        return off.span() * static_cast<double>(t.header.quantum_m);
+    }
+};
+
+template <typename IsNear>
+Near blocks_near(const EditsData& e, const IsNear& is_near) {
+    Near near;
+    for (std::uint32_t n = 0; n < e.block_count; ++n)
+        if (is_near(places_of_block(*e.terrain, e.blocks[n]))) near.add(*e.terrain, e.blocks[n]);
+    return near;
+}
+
+// Is any block near? Looks them up where that are fewer than there are.
+bool has_block(const EditsData& e, const Rect& places) {
+    const TerrainData& t = *e.terrain;
+    const Rect r = places.within(grid_of(t.tree));
+    if (r.empty()) return false;
+    const SampleIndex first = t.tree.sample({r.x0, r.y0}), last = t.tree.sample({r.x1, r.y1});
+    const std::int64_t looks = (std::int64_t{last.column >> block_log2} - (first.column >> block_log2) + 1) *
+                               ((last.row >> block_log2) - (first.row >> block_log2) + 1);
+    bool has = false;
+    if (looks < e.block_count)
+        for_each_block(t, r, [&](std::int32_t x, std::int32_t y) { has = has || find_block(e, x, y) != nullptr; });
+    else
+        for (std::uint32_t n = 0; n < e.block_count && !has; ++n) has = places_of_block(t, e.blocks[n]).meets(r);
+    return has;
+}
+
+// Places of a page's vertices in the order that they are decoded in, and its rectangle.
+class DecodedPage {
+public:
+    DecodedPage(const TerrainData& t, std::uint32_t tile, std::uint32_t page)
+        : t_(t), page_(page), planar_{t.tree.tile_log2, PageOrder::planar}, in_planar_(page) {
+        const SampleIndex place = t.tile_xy(tile);
+        origin_ = {place.column * t.tree.side(), place.row * t.tree.side()};
+        z_ = t.pages.page_step_log2(page);
+        if (z_ < 0) {
+            rect_ = {origin_.column, origin_.row, origin_.column + t.tree.side(), origin_.row + t.tree.side()};
+            return;
+        }
+        const SampleIndex at = t.pages.page_position(page);
+        in_planar_ = planar_.page_at(z_, static_cast<std::uint32_t>(at.column), static_cast<std::uint32_t>(at.row));
+        const std::int32_t side = static_cast<std::int32_t>(2 * page_squares) << z_;
+        rect_ = {origin_.column + at.column * side, origin_.row + at.row * side,
+                 origin_.column + (at.column + 1) * side, origin_.row + (at.row + 1) * side};
+    }
+    // Of its finest and its coarsest vertices.
+    [[nodiscard]] int finest() const {
+        if (z_ >= 0) return z_;
+        return t_.pages.order == PageOrder::linear ? 0 : std::max(t_.tree.tile_log2 - page_squares_log2, 0);
+    }
+    [[nodiscard]] int coarsest() const { return z_ < 0 ? t_.tree.tile_log2 - 1 : z_; }
+    // Do its spheres, or errors, depend on heights at these places?
+    [[nodiscard]] bool is_near(const Rect& places) const {
+        return places.grown(radius_reach << coarsest()).meets(rect_);
+    }
+    [[nodiscard]] Rect reach() const { return rect_.grown(radius_reach << coarsest()); }
+    [[nodiscard]] SampleIndex decoded(std::uint32_t k) const {
+        return origin_ +
+               (t_.pages.order == PageOrder::linear ? t_.pages.coord({page_, k}) : planar_.coord({in_planar_, k}));
+    }
+    [[nodiscard]] SampleIndex stored(std::uint32_t k) const { return origin_ + t_.pages.coord({page_, k}); }
+
+private:
+    const TerrainData& t_;
+    std::uint32_t page_;
+    PageLayout planar_;
+    std::uint32_t in_planar_;
+    SampleIndex origin_;
+    int z_ = 0;
+    Rect rect_;
+};
+
+// Errors and spheres of a page's vertices are the pack's: larger by what its ground may have moved by, where that is
+// near.
+void grow(const EditsData& e, const DecodedPage& at, std::uint32_t count, const Near& edited, PageArrays& arrays) {
+    const TerrainData& t = *e.terrain;
+    const double by_m = edited.by_m(t);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const SampleIndex v = at.decoded(k);
+        if (t.tree.is_corner(v)) continue;
+        const std::int32_t out = error_reach(Tree::kind(v)) << Tree::step_log2(v);
+        const Rect reach{v.column - out, v.row - out, v.column + out, v.row + out};
+        // By each block, not by the rectangle around them: a vertex near one has parents near it too, in any page.
+        if (!edited.places.meets(reach) || !has_block(e, reach)) continue;
+        if (!arrays.errors_derived) { // otherwise they will be those of the edited heights
+            const auto by = [&](int) { return by_m; };
+            arrays.errors[k] =
+                static_cast<std::uint8_t>(std::min(grown_with_descendants(t, v, arrays.errors[k], by), 255u));
+        }
+        const float unit_m = t.header.level_radius_m[t.tree.level(v)];
+        const double radius_m = static_cast<double>(unit_m * t.radii.factor[arrays.radii[k] & (radius_codes - 1)]) +
+                                (levels_below(v) + 1) * by_m * (1 + 0x1p-10);
+        arrays.radii[k] = static_cast<std::uint8_t>((arrays.radii[k] & void_bit) | t.radii.code_up(unit_m, radius_m));
+    }
+}
+
+} // namespace
+
+double growth_m(const EditsData& e, const Rect& places) {
+    return blocks_near(e, [&](const Rect& block) { return block.meets(places); }).by_m(*e.terrain);
+}
+
+bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays) {
+    const TerrainData& t = *e.terrain;
+    const DecodedPage at(t, tile, page);
+    const Near edited = blocks_near(e, [&](const Rect& block) { return at.is_near(block); });
+    if (edited.places.empty()) return false;
+    const std::uint32_t count = t.pages.page_vertices(page);
+    std::int32_t steps[max_page_vertices];
+    StepRange all;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        steps[k] = arrays.base + arrays.heights[k];
+        const SampleIndex v = at.decoded(k);
+        if ((arrays.radii[k] & void_bit) == 0 && !t.tree.is_corner(v)) {
+            const SampleIndex sample = t.tree.sample(v);
+            if (const Block* const b = find_edited(e, sample)) steps[k] = b->base + b->edited[in_block(sample)];
+        }
+        all.add(steps[k]);
+    }
+    if (all.low < arrays.base || all.high - arrays.base > 65535) arrays.base = all.low;
+    for (std::uint32_t k = 0; k < count; ++k) arrays.heights[k] = static_cast<std::uint16_t>(steps[k] - arrays.base);
+    grow(e, at, count, edited, arrays);
+    return true;
+}
+
+void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page) {
+    TerrainData& t = *e.terrain;
+    const DecodedPage at(t, tile, page);
+    const Near edited = blocks_near(e, [&](const Rect& block) { return at.is_near(block); });
+    const VertexRecord* const records =
+        t.records + std::size_t{t.page_table[std::size_t{tile} * t.pages_per_tile + page].slot} * t.page_capacity;
+    for (std::uint32_t k = 0; k < t.pages.page_vertices(page); ++k) note_error(t, records[k].error);
+    const Rect places = edited.places.within(at.reach());
+    const Ground ground(t, nullptr);
+    for_each_plane(at.finest(), t.tree.tile_log2 - 1, [&](const Plane& plane) {
+        const Rect squares = plane.squares(places.grown(radius_reach << plane.z)).within(plane.all(t.tree));
+        if (!squares.empty()) push_change(e, plane.places(squares), plane.z);
+        for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+            for (std::int32_t i = squares.x0; i <= squares.x1; ++i) {
+                const SampleIndex v = plane.at(i, j);
+                const Cell own = ground.at(v);
+                if (!own.loaded) continue;
+                const std::uint32_t asked = asked_by_children(ground, v).code;
+                if (asked > own.error) ground.set_error(plane, i, j, static_cast<std::uint8_t>(asked));
+                note_error(t, std::max<std::uint32_t>(own.error, asked));
+                contain_children(e, ground, plane, i, j);
+            }
+    });
+    push_area(e, places, at.finest(), at.finest());
+}
+
+} // namespace fjell::edit

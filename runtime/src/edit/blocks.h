@@ -1,0 +1,28 @@
+// What edits have made of the pack's heights, block by block: what a page is given again when it comes back.
+#pragma once
+
+#include "edit/state.h"
+
+namespace fjell::edit {
+
+// A sample's heights before and after. There is a block for it, or room for one (missing_blocks()).
+void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_t after);
+// The pack's height of a sample that has been edited; otherwise false.
+[[nodiscard]] bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps);
+
+// Would blocks and loaded pages still span fewer than 65,536 steps, if heights of samples at these places were in
+// `heights`, and the pack's in `pack`?
+[[nodiscard]] bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights, const StepRange& pack);
+// How many blocks there are not yet of the samples that differ between e.piece and e.window, at these places.
+[[nodiscard]] std::uint32_t missing_blocks(EditsData& e, const Rect& places);
+
+// What errors of vertices around these places may be larger by than the pack says, in metres.
+[[nodiscard]] double growth_m(const EditsData& e, const Rect& places);
+
+// A page of the pack is about to be loaded: its heights as they are edited, its errors and spheres as large as they may
+// be by now. arrays: decoded, errors not yet derived. False: nothing near it is edited. Otherwise nest_over_page() once
+// its records are in place: what is above it nests over it again, and all is measured later.
+[[nodiscard]] bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);
+void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page);
+
+} // namespace fjell::edit

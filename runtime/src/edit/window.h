@@ -1,0 +1,81 @@
+// What lies around a piece of a stamp: read from the pages at once, worked on, and written back at once. Finding one
+// vertex in its page takes as long as reading twenty in a row.
+#pragma once
+
+#include "edit/ground.h"
+
+namespace fjell::edit {
+
+// Stamps are applied in pieces of so many places a side, or whole where they are hardly larger: a crater of 64 samples
+// and its rim.
+inline constexpr std::int32_t piece_side = 64, largest_piece = 72;
+// Errors of steps up to 2^measured_at_once are measured at once, in the window.
+inline constexpr int measured_at_once = 3;
+// Diamonds of the vertices that these depend on lie in it.
+inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) + 1) << measured_at_once,
+                              window_side = largest_piece + 2 * window_margin;
+
+struct Window {
+    Rect rect;             // places
+    bool complete = false; // all are loaded, and none is a hole
+    Cell cells[window_side * window_side];
+    [[nodiscard]] Cell& at(SampleIndex v) {
+        return cells[static_cast<std::size_t>(v.row - rect.y0) * window_side +
+                     static_cast<std::size_t>(v.column - rect.x0)];
+    }
+};
+
+// The terrain, and a window that lies over a part of it: what is read there is the window's, and what is written goes
+// there until write_back().
+class Ground {
+public:
+    // window: or null.
+    Ground(const TerrainData& t, Window* window) : terrain(t), tree(t.tree), window_(window) {}
+    const TerrainData& terrain;
+    const Tree& tree;
+    [[nodiscard]] Window* window() const { return window_; }
+
+    [[nodiscard]] Cell at(SampleIndex v) const {
+        if (window_ != nullptr && window_->rect.contains(v)) [[likely]]
+            return window_->at(v);
+        return beyond(v);
+    }
+    // As diamond_error() asks (shared/diamond_error.h).
+    [[nodiscard]] std::int32_t h(SampleIndex v) const { return at(v).steps; }
+    [[nodiscard]] bool is_void(SampleIndex v) const { return terrain.has_voids() && at(v).hole; }
+
+    void set_error(const Plane& plane, std::int32_t i, std::int32_t j, std::uint8_t code) const {
+        const SampleIndex v = plane.at(i, j);
+        if (window_ != nullptr && window_->rect.contains(v))
+            window_->at(v).error = code;
+        else
+            change_record(terrain, plane, i, j, [&](VertexRecord& record) { record.error = code; });
+    }
+    // True: it was another one.
+    bool set_radius(const Plane& plane, std::int32_t i, std::int32_t j, std::uint8_t code) const {
+        const SampleIndex v = plane.at(i, j);
+        if (window_ != nullptr && window_->rect.contains(v)) {
+            Cell& cell = window_->at(v);
+            if (!cell.loaded || cell.radius == code) return false;
+            cell.radius = code;
+            return true;
+        }
+        bool changed = false;
+        change_record(terrain, plane, i, j, [&](VertexRecord& record) {
+            changed = changed || (record.radius & (radius_codes - 1)) != code;
+            record.radius = static_cast<std::uint8_t>((record.radius & void_bit) | code);
+        });
+        return changed;
+    }
+
+private:
+    [[nodiscard]] Cell beyond(SampleIndex v) const; // not inline, so that at() is
+    Window* window_;
+};
+
+// Reads all within `rect`.
+void read(const TerrainData& t, const Rect& rect, Window& window);
+// Writes all that differs. heights: of those that do; pages whose base they do not count from get another one.
+void write_back(const TerrainData& t, Window& window, const StepRange& heights);
+
+} // namespace fjell::edit
