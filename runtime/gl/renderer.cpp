@@ -202,6 +202,7 @@ void Renderer::upload(io::LiveTerrain& terrain) {
     upload(terrain.take_map_commands());
     show_maps(terrain.tile_maps(MapKind::colour), terrain.tile_maps(MapKind::normal),
               terrain.tile_maps(MapKind::horizon), terrain.tile_maps(MapKind::splat));
+    show_ground(terrain.edits());
     upload(terrain.frame().mesh, terrain.take_changes());
 }
 
@@ -496,6 +497,8 @@ void Renderer::upload(std::span<const MapCommand> commands) {
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
     run_commands(commands, s.maps, s.ring, s.stats.map_bytes_uploaded);
+    for (const MapCommand& command : commands)
+        if (command.map == MapKind::normal) s.ground_normals.written(command.tile);
     s.stats.ring_waits = s.ring.waits();
 }
 
@@ -505,6 +508,13 @@ void Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMa
     for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal),
                                       std::pair(horizon, MapKind::horizon), std::pair(splat, MapKind::splat)})
         gl::show_maps(tiles, kind, maps);
+    state_->ground_normals.repaint(state_->terrain, maps.kind[static_cast<std::uint32_t>(MapKind::normal)]);
+}
+
+void Renderer::show_ground(const Edits& edits) {
+    State& s = *state_;
+    const Stopwatch watch(s.stats.upload_us);
+    s.ground_normals.follow(edits, s.terrain, s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)]);
 }
 
 } // namespace fjell::gl

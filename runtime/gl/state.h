@@ -8,6 +8,7 @@
 #include <string>
 
 #include "fjell/gl/renderer.h"
+#include "gl/ground_normals.h"
 #include "gl/layers.h"
 #include "gl/lighting.h"
 #include "gl/maps.h"
@@ -42,6 +43,7 @@ struct Renderer::State {
     double spacing_x_m = 1, spacing_z_m = 1, diagonal_m = 1;
     RendererOptions options;
     Maps maps;
+    GroundNormals ground_normals;
     Residency residency;
     Heights heights;
     Ring ring;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <utility>
 
 #include "fjell/io/failure.h"
 #include "fjell/io/load.h"
@@ -20,10 +21,11 @@ void tell_once([[maybe_unused]] const char* line) {
 #endif
 }
 
-bool nothing_to_do(const CutReport& c, const StreamReport& s) {
-    return s.in_flight == 0 && s.pages_left == 0 && s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 &&
-           s.pages_evicting == 0 && (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 &&
-           c.activations == 0 && c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
+bool nothing_to_do(const CutReport& c, const StreamReport& s, const EditReport& e) {
+    return e.waiting == e.held && e.loose == 0 && e.samples == 0 && s.in_flight == 0 && s.pages_left == 0 &&
+           s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 && s.pages_evicting == 0 &&
+           (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 && c.activations == 0 &&
+           c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
 }
 
 } // namespace
@@ -64,6 +66,10 @@ void LiveTerrain::begin(const std::string& name) {
     require(file_ ? create_terrain(pack_, file_->corners(), slots, terrain_block_->all(), terrain_)
                   : create_terrain(pack_, slots, terrain_block_->all(), terrain_),
             name);
+    if (options_.edits) {
+        edits_block_ = std::make_unique<Block>(edits_bytes(h, *options_.edits));
+        require(create_edits(terrain_, *options_.edits, edits_block_->all(), edits_), name);
+    }
     options_.cut = suited(options_.cut, terrain_);
     cut_block_ = std::make_unique<Block>(cut_bytes(terrain_, options_.cut));
     require(create_cut(terrain_, options_.cut, cut_block_->all(), cut_), name);
@@ -80,6 +86,9 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
         tell_once("fjell: map commands were not taken before the next update, so maps show wrongly: "
                   "LiveTerrain::take_map_commands()\n");
     }
+    if (edits_block_)
+        if (const Status s = update_edits(edits_, views, settings.edits, frame_.edits); !s.ok())
+            throw Failure(1, std::string(s.field) + ": " + message(s.code));
     frame_.stream = stream_->update(views, settings.cut, settings.stream);
     commands_taken_ = stream_map_commands(stream_->stream()).empty();
     if (!maps_asked_for_ && frame_.stream.complete && frame_.stream.mips_read != 0 &&
@@ -91,15 +100,26 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
         throw Failure(1, std::string(s.field) + ": " + message(s.code));
     frame_.mesh = cut_mesh(cut_);
     frame_.converged = frame_.cut.converged && frame_.stream.converged && frame_.stream.maps_converged;
-    quiet_ = nothing_to_do(frame_.cut, frame_.stream) ? quiet_ + 1 : 0;
-    frame_.settled = frame_.converged || quiet_ > 1; // twice: what an update requests it may find out in the next one
+    quiet_ = nothing_to_do(frame_.cut, frame_.stream, frame_.edits) ? quiet_ + 1 : 0;
+    // twice: what an update requests it may find out in the next one
+    const bool moving = frame_.edits.waiting != frame_.edits.held || frame_.edits.loose != 0;
+    frame_.settled = (frame_.converged && !moving) || quiet_ > 1;
+    name_what_is_short();
+    return frame_;
+}
+
+void LiveTerrain::name_what_is_short() {
     std::size_t count = 0;
+    constexpr std::pair<std::uint32_t, const char*> of_edits[] = {{edit_budget_work, "EditSettings::max_work"},
+                                                                  {edit_budget_time, "EditSettings::max_time_us"},
+                                                                  {edit_budget_blocks, "EditBudget::blocks"}};
+    for (const auto& [bit, field] : of_edits)
+        if ((frame_.edits.exhausted & bit) != 0) short_of_[count++] = field;
     for (std::uint32_t left = frame_.cut.exhausted; left != 0; left &= left - 1)
         short_of_[count++] = budget_field(static_cast<CutBudgetBit>(left & -left));
     for (std::uint32_t left = frame_.stream.exhausted; left != 0; left &= left - 1)
         short_of_[count++] = budget_field(static_cast<StreamBudgetBit>(left & -left));
     frame_.short_of = std::span(short_of_).first(count);
-    return frame_;
 }
 
 std::span<const MapCommand> LiveTerrain::take_map_commands() {
@@ -118,7 +138,8 @@ Stream LiveTerrain::stream() const {
 }
 
 std::size_t LiveTerrain::memory_bytes() const {
-    return terrain_block_->bytes + cut_block_->bytes + stream_->memory_bytes();
+    return terrain_block_->bytes + (edits_block_ ? edits_block_->bytes : 0) + cut_block_->bytes +
+           stream_->memory_bytes();
 }
 
 StreamReaderCounters LiveTerrain::reader() const {

@@ -15,11 +15,11 @@ static_assert(std::uint32_t{FJELL_LIVE_MAP_COMMANDS} == io::live_map_commands);
 static_assert(std::uint32_t{FJELL_LIVE_TILE_MAPS} == io::live_tile_maps);
 
 struct FjellLive {
-    FjellLive(const FjellLiveOptions& o, const Profile& with)
+    FjellLive(const FjellLiveOptions& o, const Profile& with, const io::LiveOptions& opened)
         : profile(with),
-          terrain(o.path != nullptr ? io::LiveTerrain(o.path, live_options(with))
+          terrain(o.path != nullptr ? io::LiveTerrain(o.path, opened)
                                     : io::LiveTerrain(span_of(static_cast<const std::byte*>(o.pack), o.pack_bytes),
-                                                      "the pack in memory", live_options(with))) {}
+                                                      "the pack in memory", opened)) {}
     Profile profile;
     io::LiveTerrain terrain;
 };
@@ -70,7 +70,12 @@ FjellLive* fjell_live_open(const FjellLiveOptions* options, char* why, size_t wh
         std::memcpy(&o, options, static_cast<std::size_t>(options->struct_size));
         if ((o.path != nullptr) == (o.pack != nullptr))
             throw io::Failure(1, "FjellLiveOptions: give a path, or a pack in memory");
-        live = new FjellLive(o, profile_of(o));
+        const In edits(o.edits);
+        if (!edits.ok) throw io::Failure(1, "FjellEditBudget::struct_size: set it to sizeof the struct");
+        const Profile profile = profile_of(o);
+        io::LiveOptions opened = live_options(profile);
+        if (o.edits != nullptr) opened.edits = edits.value;
+        live = new FjellLive(o, profile, opened);
     });
     return live;
 }
@@ -87,7 +92,8 @@ bool fjell_live_set(FjellLive* live, FjellProfileKey key, char* why, size_t why_
             throw io::Failure(1, std::string(key.key) +
                                      ": is fixed at opening; close the terrain and open it with the key");
         live->profile = changed;
-        live->terrain.settings = {cut_settings(changed, 0), stream_settings(changed, 0)};
+        live->terrain.settings.cut = cut_settings(changed, 0);
+        live->terrain.settings.stream = stream_settings(changed, 0);
     });
 }
 
@@ -144,6 +150,9 @@ FjellTerrain fjell_live_terrain(const FjellLive* live) {
 }
 FjellLiveCut fjell_live_cut(const FjellLive* live) {
     return live == nullptr ? FjellLiveCut{} : to_c(live->terrain.cut());
+}
+FjellEdits fjell_live_edits(const FjellLive* live) {
+    return live == nullptr ? FjellEdits{} : to_c(live->terrain.edits());
 }
 FjellStream fjell_live_stream(const FjellLive* live) {
     return live == nullptr ? FjellStream{} : to_c(live->terrain.stream());

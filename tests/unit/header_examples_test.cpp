@@ -37,10 +37,10 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     const fjell::GroundHit hit = fjell::cast_ray(ground.terrain(), eye_m, view.forward, 10'000);
     if (hit.hit) std::printf("ground %.1f m away, to %.2f m\n", hit.distance_m, hit.error_m);
     CHECK(hit.hit);
-    fjell::Edits edits;
-    const std::size_t edit_bytes = fjell::edits_bytes(ground.pack().header);
-    const fjell::io::AlignedMemory edit_memory = fjell::io::allocate(edit_bytes);
-    REQUIRE(fjell::create_edits(ground.terrain(), {}, {edit_memory.get(), edit_bytes}, edits).ok());
+    fjell::io::LiveOptions options = fjell::live_options(profile);
+    options.edits = fjell::EditBudget{}; // the ground may change
+    fjell::io::LiveTerrain changing(path, options);
+    const fjell::Edits edits = changing.edits();
     fjell::Stamp crater;
     crater.shape = fjell::StampShape::crater;
     crater.x_m = hit.position_m.x, crater.z_m = hit.position_m.z;
@@ -50,7 +50,14 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     if (!pushed.ok()) std::printf("%s: %s\n", pushed.field, fjell::message(pushed.code));
     CHECK(pushed.ok());
     CHECK(fjell::stamp_state(edits, id).state == fjell::StampState::waiting);
-    CHECK(fjell::destroy_edits(edits).ok());
+    changing.update({&view, 1}, now_s);
+    std::uint64_t cursor = 0; // a consumer's own
+    bool lost = false;
+    fjell::GroundRect changed[16];
+    const std::uint32_t rects = fjell::take_ground_changes(edits, cursor, changed, lost);
+    for (std::uint32_t i = 0; i < rects; ++i)
+        std::printf("columns %d to %d\n", changed[i].first.column, changed[i].last.column);
+    CHECK(fjell::stamp_state(edits, id).state != fjell::StampState::refused);
     std::vector<float> heights_m(33 * 33);
     const fjell::GroundPatch patch = fjell::ground_patch(ground.terrain(), {32, 64}, 0, 33, heights_m);
     CHECK(std::isfinite(patch.error_m));

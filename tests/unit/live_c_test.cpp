@@ -151,6 +151,40 @@ TEST_CASE("keys override a profile at opening, and those that are not fixed then
     fjell_live_close(live);
 }
 
+TEST_CASE("a host in C moves the ground of its terrain in one object, if it has asked to when it opened it") {
+    const CPlace place;
+    FjellLiveOptions options = options_of(place.pack.c_str());
+    char why[300];
+    FjellLive* const still = fjell_live_open(&options, why, sizeof why);
+    REQUIRE(still != nullptr);
+    CHECK(fjell_live_edits(still).object == nullptr);
+    fjell_live_close(still);
+    CHECK(fjell_live_edits(nullptr).object == nullptr);
+    FjellEditBudget budget = fjell_edit_budget_default();
+    options.edits = &budget;
+    budget.blocks = 0;
+    CHECK_THAT(why_not(options), Catch::Contains("EditBudget::blocks"));
+    budget.blocks = 200;
+    FjellLive* const live = fjell_live_open(&options, why, sizeof why);
+    REQUIRE(live != nullptr);
+    const FjellView view = view_of(300, 900, 300);
+    FjellStamp mound = fjell_stamp_default();
+    mound.x_m = 300, mound.z_m = 300, mound.radius_m = 60, mound.falloff_m = 60, mound.amount_m = 25;
+    std::uint64_t id = 0;
+    REQUIRE(fjell_push_stamp(fjell_live_edits(live), &mound, &id).code == FJELL_OK);
+    FjellLiveFrame frame{};
+    frame.struct_size = sizeof frame;
+    CHECK(fjell_stamp_state(fjell_live_edits(live), id).state == FJELL_STAMP_STATE_WAITING);
+    CHECK(fjell_live_update(live, &view, 1, 0, &frame).code == FJELL_OK); // live_terrain_test.cpp sees it applied
+    CHECK(fjell_stamp_state(fjell_live_edits(live), id).status.code == FJELL_OK);
+    std::uint64_t cursor = 0;
+    FjellGroundRect rect;
+    bool lost = true;
+    CHECK(fjell_take_ground_changes(fjell_live_edits(live), &cursor, &rect, 1, &lost) <= 1);
+    CHECK(!lost);
+    fjell_live_close(live);
+}
+
 TEST_CASE("what a host in C gets wrong is a status or one line, and nothing is left behind") {
     const CPlace place;
     FjellLiveOptions options = options_of((place.folder / "none.fjell").c_str());

@@ -11,6 +11,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
+#include "fjell/pages.h"
 #include "fjell/profile.h"
 #include "fjell/profile/keys.h"
 #include "fjell/query.h"
@@ -127,6 +128,72 @@ TEST_CASE("a terrain in one object, from a file or from memory, shows what fjell
     float there = 0;
     std::jthread([&] { there = static_cast<float>(ground_height(from_file.terrain(), 1000, 1000).height_m); }).join();
     CHECK(there == static_cast<float>(ground_height(from_memory.terrain(), 1000, 1000).height_m));
+}
+
+TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and says what has changed") {
+    const LivePlace place;
+    io::LiveOptions options = live_options(place.profile);
+    CHECK(io::LiveTerrain(place.pack, options).edits() == Edits{});
+    options.edits = EditBudget{.blocks = 12};
+    io::LiveTerrain terrain(place.pack, options);
+    CHECK(terrain.memory_bytes() > io::LiveTerrain(place.pack, live_options(place.profile)).memory_bytes());
+    const Terrain& t = terrain.terrain();
+    const double x_m = t.extent_x_m() / 2, z_m = t.extent_z_m() / 2, spacing_m = t.spacing_x_m();
+    const double top_m = terrain.pack().header.max_m;
+    const View view = make_view({x_m, top_m + 20 * spacing_m, z_m}, {0, -1, 0.1}, {0, 1, 0}, 1, 640, 480, 1, 1e6);
+    double now_s = 0;
+    terrain.settings.cut.max_error_px = 0.1; // whatever is below the camera is loaded in full
+    (void)settle(terrain, view, now_s);
+    const double before_m = ground_height(t, x_m, z_m).height_m;
+
+    Stamp crater;
+    crater.shape = StampShape::crater;
+    crater.x_m = x_m, crater.z_m = z_m;
+    crater.radius_m = static_cast<float>(6 * spacing_m), crater.falloff_m = static_cast<float>(3 * spacing_m);
+    crater.amount_m = 40;
+    StampId id = 0;
+    std::jthread([&] { REQUIRE(push_stamp(terrain.edits(), crater, id).ok()); }).join();
+    CHECK(stamp_state(terrain.edits(), id).state == StampState::waiting);
+    terrain.settings.edits.max_work = 2; // and many updates
+    bool seen = false, short_of_work = false, unsettled = false;
+    for (const Patience patience; patience.left();) {
+        const io::LiveFrame& f = terrain.update({&view, 1}, now_s += 1.0 / 60);
+        seen |= f.edits.applied == 1;
+        unsettled |= !f.settled;
+        for (const std::string_view field : f.short_of) short_of_work |= field == "EditSettings::max_work";
+        if (f.settled) break;
+    }
+    CHECK((seen && short_of_work && unsettled));
+    CHECK(terrain.frame().edits.loose == 0);
+    CHECK(stamp_state(terrain.edits(), id).state == StampState::applied);
+    CHECK(ground_height(t, x_m, z_m).height_m == Approx(before_m - 40).margin(5));
+    // The mesh in the middle of the crater is the ground there.
+    bool drawn = false;
+    for (const MeshVertex& v : terrain.frame().mesh.mesh.vertices)
+        drawn |= v.height_m != 0 && std::abs(t.x_m(v.column) - x_m) < spacing_m &&
+                 std::abs(t.z_m(v.row) - z_m) < spacing_m &&
+                 v.height_m == terrain_vertex(t, {v.column, v.row}).height_m;
+    CHECK(drawn);
+
+    std::uint64_t cursor = 0;
+    bool lost = true, inside = false;
+    GroundRect rects[32];
+    const std::uint32_t changes = take_ground_changes(terrain.edits(), cursor, rects, lost);
+    REQUIRE((changes > 0 && !lost));
+    for (std::uint32_t i = 0; i < changes; ++i)
+        inside |= t.x_m(rects[i].first.column) < x_m && t.x_m(rects[i].last.column) > x_m;
+    CHECK(inside);
+
+    crater.radius_m = static_cast<float>(60 * spacing_m); // more blocks than there are
+    REQUIRE(push_stamp(terrain.edits(), crater, id).ok());
+    terrain.settings.edits = {};
+    bool short_of_blocks = false;
+    for (const Patience patience; stamp_state(terrain.edits(), id).state == StampState::waiting && patience.left();)
+        for (const std::string_view field : terrain.update({&view, 1}, now_s += 1.0 / 60).short_of)
+            short_of_blocks |= field == "EditBudget::blocks";
+    CHECK((short_of_blocks && stamp_state(terrain.edits(), id).state == StampState::refused));
+    options.edits = EditBudget{.blocks = 0};
+    CHECK(has_part(opening_refusal(place.pack, options), "EditBudget::blocks"));
 }
 
 TEST_CASE("what does not suffice is a list of fields, and what a host has forgotten is a bit") {

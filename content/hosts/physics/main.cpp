@@ -1,5 +1,6 @@
 // Bodies on ground that is streamed: 200 of them roll over a pack for a simulated minute, with Bullet.
 //   physics PACK [SECONDS [PAGES]]
+//   physics PACK --dig            a crater under a body, which falls to its floor
 //   physics PACK --times VIEWS    prints what a step costs, as many as frames are flown (content/hosts/times)
 // Every contact is compared with the full-resolution surface. Nothing depends on a clock: the same pack gives the same
 // figures, but for the times. Exit code 1: a promise is broken; 2: usage; 3: the pack or a budget is at fault.
@@ -19,6 +20,7 @@
 #include "../times/times.h"
 #include "bodies.h"
 #include "check.h"
+#include "dig.h"
 #include "patches.h"
 
 namespace {
@@ -106,6 +108,15 @@ void print(Scene& scene, const ground::StreamedGround& ground) {
                 (unsigned long long)ground.went(), ground.terrain().page_slots(), ground.terrain().page_count());
 }
 
+int dig_one(ground::StreamedGround& ground, ground::Yardstick& whole, float good_m) {
+    const Dug dug = dig(ground, whole, accuracy_m, good_m);
+    if (!dug.broken.empty()) return fail(1, dug.broken);
+    std::printf("a body fell %.0f mm into a crater of 4000 mm, and rests on its floor; contacts are off by %.0f%% of "
+                "what is allowed at most; %d patches were read again\n",
+                1000 * dug.fell_m, 100 * dug.share, dug.patches);
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -113,7 +124,8 @@ int main(int argc, char** argv) {
     Measured times;
     const bool measured = argc == 4 && argv[2] == std::string_view("--times");
     if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(2, wrong);
-    const int seconds = measured ? 1 : argc > 2 ? std::atoi(argv[2]) : 60;
+    const bool digs = argc == 3 && argv[2] == std::string_view("--dig");
+    const int seconds = measured || digs ? 1 : argc > 2 ? std::atoi(argv[2]) : 60;
     const int pages = measured ? 160 : argc > 3 ? std::atoi(argv[3]) : 160;
     const unsigned steps = measured ? times.flown() : unsigned(std::max(seconds, 0) * steps_per_s);
     if (seconds < 1 || pages < 1) return fail(2, "SECONDS and PAGES are whole numbers from 1 on");
@@ -125,6 +137,7 @@ int main(int argc, char** argv) {
     if (std::string error = whole.create(file); !error.empty()) return fail(3, error);
 
     const double half_quantum_m = double(file.pack().header.quantum_m) / 2;
+    if (digs) return dig_one(ground, whole, float(accuracy_m + half_quantum_m));
     Scene scene(ground.terrain(), whole.terrain(), float(accuracy_m + half_quantum_m));
     for (unsigned i = 0; i < steps; ++i) {
         times.start(i);

@@ -76,6 +76,23 @@ void Patches::follow(bool pages_came) {
     }
 }
 
+int Patches::changed(std::span<const fjell::GroundRect> rects) {
+    int count = 0;
+    for (const auto& [key, patch] : patches_) {
+        const int x = key.first * patch_cells, y = key.second * patch_cells;
+        bool touched = false;
+        for (const fjell::GroundRect& r : rects)
+            touched = touched || (r.first.column <= x + patch_cells && r.last.column >= x &&
+                                  r.first.row <= y + patch_cells && r.last.row >= y);
+        if (!touched) continue;
+        world_.removeCollisionObject(&patch->object); // and its contacts
+        patch->shape = read(key);
+        put(key, *patch);
+        ++count;
+    }
+    return count;
+}
+
 const GroundShape* Patches::ground_of(const btCollisionObject* object) {
     const btCollisionShape* const shape = object->getCollisionShape();
     return shape->getShapeType() == FAST_CONCAVE_MESH_PROXYTYPE ? static_cast<const GroundShape*>(shape) : nullptr;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -42,6 +43,8 @@ public:
 
     // There is, or will be, a body between these places. True: all ground there is good enough to carry it.
     bool want(fjell::Vec3 low_m, fjell::Vec3 high_m);
+    // The ground has changed there: patches with a sample in one of these are read again. Returns how many.
+    int changed(std::span<const fjell::GroundRect> rects);
     // After a step: drops what nobody has wanted for a while, and if pages have come makes anew what they make finer.
     void follow(bool pages_came);
 

@@ -1,8 +1,10 @@
 // A server without graphics: 64 focus points walk over a pack that is streamed around them; 8 threads ask for heights
 // and rays meanwhile, and tiles of a navigation mesh follow some of the walkers.
 //   server PACK [TICKS [PAGES]]
+//   server PACK --dig            a crater under a walker, and the tiles of the navigation mesh that it touches
 //   server PACK --times VIEWS    prints what a tick costs, as many as frames are flown (content/hosts/times)
 // Exit code 1: a promise is broken; 2: usage; 3: the pack or a budget is at fault.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -16,6 +18,7 @@
 
 #include "../times/times.h"
 #include "asker.h"
+#include "dig.h"
 #include "navmesh.h"
 #include "zones.h"
 
@@ -107,6 +110,15 @@ void print(const Shared& shared, const Navmesh& navmesh, const std::array<Answer
                 number(navmesh.made()), number(navmesh.remade()), number(navmesh.dropped()), stand, zones);
 }
 
+int dig_one(Shared& shared, Navmesh& navmesh) {
+    Dug dug = dig(shared.zone[0], shared.whole, navmesh);
+    if (!dug.broken.empty()) return fail(1, dug.broken);
+    std::sort(dug.ms.begin(), dug.ms.end());
+    std::printf("a crater of 28 m touched %d of %d tiles; %d were made again, in %.1f ms each (median)\n", dug.touched,
+                dug.tiles, dug.again, dug.ms[dug.ms.size() / 2]);
+    return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -114,7 +126,8 @@ int main(int argc, char** argv) {
     Measured times;
     const bool measured = argc == 4 && argv[2] == std::string_view("--times");
     if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(2, wrong);
-    const int ticks = measured ? int(times.flown()) : argc > 2 ? std::atoi(argv[2]) : 300;
+    const bool digs = argc == 3 && argv[2] == std::string_view("--dig");
+    const int ticks = digs ? 1 : measured ? int(times.flown()) : argc > 2 ? std::atoi(argv[2]) : 300;
     const int pages = measured ? 100 : argc > 3 ? std::atoi(argv[3]) : 100;
     if (ticks < 1 || pages < 1) return fail(2, "TICKS and PAGES are whole numbers from 1 on");
     game::PackOnDisk file;
@@ -122,6 +135,8 @@ int main(int argc, char** argv) {
     Shared shared;
     Navmesh navmesh;
     if (std::string error = create(shared, navmesh, file, std::uint32_t(pages)); !error.empty()) return fail(3, error);
+
+    if (digs) return dig_one(shared, navmesh);
 
     std::array<Answers, threads> answers;
     std::array<std::thread, threads> askers;

@@ -176,6 +176,11 @@ double nav_allowed_m(const fjell::Terrain& terrain) {
     return double(voxel_up_m(terrain)) * (2 * climb + 2);
 }
 
+fjell::GroundRect nav_samples(int x, int z) {
+    const fjell::SampleIndex first = first_sample(x, z);
+    return {first, {first.column + side - 1, first.row + side - 1}};
+}
+
 fjell::GroundPatch nav_ground(const fjell::Terrain& terrain, int x, int z) {
     float heights_m[side * side];
     return fjell::ground_patch(terrain, first_sample(x, z), 0, side, heights_m);

@@ -21,6 +21,9 @@ struct NavTile {
 // What the ground of a tile is now: to see whether it has become finer.
 [[nodiscard]] fjell::GroundPatch nav_ground(const fjell::Terrain& terrain, int x, int z);
 
+// The samples that a tile is made from: beyond its border too.
+[[nodiscard]] fjell::GroundRect nav_samples(int x, int z);
+
 // How far a vertex may be from the ground that it was made from: Recast counts in voxels, and agents climb.
 [[nodiscard]] double nav_allowed_m(const fjell::Terrain& terrain);
 

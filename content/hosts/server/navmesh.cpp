@@ -63,6 +63,26 @@ void Navmesh::want(const fjell::Terrain& terrain, fjell::Vec3 at_m) {
         }
 }
 
+int Navmesh::changed(const fjell::Terrain& terrain, std::span<const fjell::GroundRect> rects) {
+    int count = 0;
+    for (auto& [key, tile] : tiles_) {
+        if (tile.terrain != &terrain || !tile.made || tile.changed) continue;
+        const fjell::GroundRect looks_at = nav_samples(key.first, key.second);
+        for (const fjell::GroundRect& r : rects)
+            tile.changed =
+                tile.changed || (r.first.column <= looks_at.last.column && r.last.column >= looks_at.first.column &&
+                                 r.first.row <= looks_at.last.row && r.last.row >= looks_at.first.row);
+        count += tile.changed;
+    }
+    return count;
+}
+
+bool Navmesh::done() const {
+    for (const auto& [key, tile] : tiles_)
+        if (!tile.made || tile.changed || finer(key, tile)) return false;
+    return !tiles_.empty();
+}
+
 // A tile is made again when the error of its ground has become half of what it was, and when it is gone.
 bool Navmesh::finer(Key key, const Tile& tile) const {
     if (tile.finest) return false;
@@ -88,6 +108,7 @@ void Navmesh::make(Key key, Tile& tile, const fjell::Terrain& whole) {
         dtFree(built.data); // all tiles are taken
     ++(tile.made ? remade_ : made_);
     tile.made = true;
+    tile.changed = false;
     tile.finest = built.finest;
     tile.error_m = built.error_m;
 }
@@ -101,7 +122,7 @@ void Navmesh::tick(int most_tiles, const fjell::Terrain& whole) {
             at = tiles_.erase(at);
             continue;
         }
-        if (most_tiles > 0 && (!tile.made || finer(key, tile))) {
+        if (most_tiles > 0 && (!tile.made || tile.changed || finer(key, tile))) {
             make(key, tile, whole);
             --most_tiles;
         }

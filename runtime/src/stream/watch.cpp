@@ -88,7 +88,8 @@ void follow_ground(StreamState& s) {
         bool near = all;
         for (std::uint64_t n = s.seen_ground; n < t.ground_changes && !near; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];
-            near = c.step_log2 == heights_changed && places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
+            near = c.step_log2 == heights_changed &&
+                   places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
         }
         if (!near) continue;
         s.watches[watch] = box_of(s, tile, page);

@@ -15,7 +15,8 @@
 // lock or enter the kernel.
 // Threads: one thread updates, takes and sets. The object has threads of its own that read. Queries of
 // fjell_live_terrain() (heights, rays, patches: fjell_c.h) may run on any thread until the object is closed. Two
-// objects are independent of each other.
+// objects are independent of each other. Stamps (fjell_push_stamp()) may be pushed on any thread; fjell_live_update()
+// applies them.
 // Failure: `why` receives one line, cut short if it does not fit. A status has a code and the field at fault
 // (fjell_message()). NULL in place of an object is refused with FJELL_INVALID_HANDLE. If something cannot be read while
 // the camera flies, the terrain stays coarser there and is counted: FjellLiveFrame::failed, fjell_live_first_failure().
@@ -50,6 +51,7 @@ typedef struct FjellLiveOptions {
     const char* profile_text;    // the text of a profile
     const FjellProfileKey* keys; // keys that override the profile, in order
     size_t key_count;
+    const FjellEditBudget* edits; // not NULL: the ground can be changed, and this is what changes may use
 } FjellLiveOptions;
 
 // Opens a terrain. NULL if it fails; `why` then has the reason: a pack, a set or a profile that cannot be used (with
@@ -101,6 +103,7 @@ const FjellTileMap* fjell_live_tile_maps(FjellLive* live, uint8_t map, size_t* c
 FjellTerrain fjell_live_terrain(const FjellLive* live);
 FjellLiveCut fjell_live_cut(const FjellLive* live);
 FjellStream fjell_live_stream(const FjellLive* live);
+FjellEdits fjell_live_edits(const FjellLive* live); // for fjell_push_stamp(); {0} without FjellLiveOptions::edits
 size_t fjell_live_memory_bytes(const FjellLive* live);
 // The first thing that could not be read: "PACK: page 3 of tile 1: why". Empty if everything could. It allocates, so do
 // not call it in every frame.

@@ -27,6 +27,7 @@
 #include <string>
 
 #include "fjell/cut.h"
+#include "fjell/edit.h"
 #include "fjell/export.h"
 #include "fjell/gl/layers.h"
 #include "fjell/gl/light.h"
@@ -170,8 +171,8 @@ public:
     void upload(const CutMesh& mesh, const CutChanges& changes);
     // Carries out stream_map_commands(), each once and in order: copies within the GPU, then uploads of blocks.
     void upload(std::span<const MapCommand> commands);
-    // Uploads everything that the last update of a LiveTerrain has changed: map commands, the map of each tile, and the
-    // mesh. Call it after every update that is not drawn.
+    // Uploads everything that the last update of a LiveTerrain has changed: map commands, the map of each tile, normals
+    // of moved ground, and the mesh. Call it after every update that is not drawn.
     void upload(io::LiveTerrain& terrain);
     // Sets the heights that Mode::error compares with. They are copied, 4 bytes a sample. With a step above 1, places
     // where the mesh is as fine as the grid stay grey, because only coarser places can be compared. An empty grid frees
@@ -186,6 +187,11 @@ public:
     // that kind as it is. Copied. No streamed map shows before the first call.
     void show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
                    std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
+    // Moving ground: makes the texels of the normal maps anew where heights have changed since the last call, and
+    // remembers them for maps that are streamed later. Colours, horizons, and mips whose texels are farther apart than
+    // 32 samples stay the pack's. Call it after each update, with the terrain's edits. O(samples changed); it
+    // allocates.
+    void show_ground(const Edits& edits);
     // Makes the next upload a whole one. That is faster after rebuild_cut(). It is necessary if changes were taken and
     // not uploaded.
     void invalidate();

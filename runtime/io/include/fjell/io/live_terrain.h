@@ -7,6 +7,9 @@
 //     const fjell::io::LiveFrame& frame = ground.update({&view, 1}, now_s);
 //     for (const char* field : frame.short_of) std::printf("raise %s\n", field);
 //
+// Ground that moves: set LiveOptions::edits, and push stamps to edits() (fjell/edit.h), from any thread. update()
+// applies them before it updates pages and mesh. take_ground_changes(edits(), ...) says what has changed.
+//
 // Memory: all of it is allocated at opening: memory_bytes(), and some 16 KB for each file. update() is for the frame:
 // it does not allocate, lock or enter the kernel.
 // Threads: one thread updates. The object has threads of its own that read; the destructor stops them first, at any
@@ -20,10 +23,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "fjell/cut.h"
+#include "fjell/edit.h"
 #include "fjell/export.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/io/stream_reader.h"
@@ -38,6 +43,7 @@ namespace fjell::io {
 struct LiveSettings {
     CutSettings cut{};
     StreamSettings stream{};
+    EditSettings edits{};
 };
 
 // What the terrain may use. Fixed at opening.
@@ -48,6 +54,8 @@ struct LiveOptions {
     StreamBudget stream{};
     StreamReaderOptions reader{};
     LiveSettings settings{}; // the first settings
+    // Set: the ground can be changed, and this is what changes may use. Refused for a terrain that lacks tiles.
+    std::optional<EditBudget> edits{};
 };
 
 // Bits of LiveFrame::forgotten: calls that a host that draws has left out. Without them the ground is grey or dark.
@@ -63,10 +71,11 @@ struct LiveFrame {
     CutMesh mesh;        // what is drawn, and how it morphs
     CutReport cut;       // its error_bound_px is the mesh's
     StreamReport stream; // what was read, and what is missing
+    EditReport edits;    // what was done of stamps; zeros without LiveOptions::edits
     // All pages and maps that the views want are loaded, and the mesh is drawn to the threshold.
     bool converged = false;
     // Converged, or as near to it as budgets and disk allow. Nothing is read, waits or moves, and another update with
-    // the same views would change nothing.
+    // the same views would change nothing. A stamp that waits for pages which no view wants does not count.
     bool settled = false;
     // Names of the budget fields that did not suffice, e.g. "CutBudget::vertices".
     std::span<const char* const> short_of;
@@ -102,6 +111,7 @@ public:
     [[nodiscard]] const Terrain& terrain() const { return terrain_; }
     [[nodiscard]] LiveCut cut() const { return cut_; }
     [[nodiscard]] Stream stream() const;
+    [[nodiscard]] Edits edits() const { return edits_; } // for stamps; empty without LiveOptions::edits
     [[nodiscard]] const Pack& pack() const { return pack_; }
     [[nodiscard]] const PackFile* file() const { return file_.get(); }    // null for a pack in memory
     [[nodiscard]] const LiveOptions& options() const { return options_; } // as they were adapted to the pack
@@ -114,15 +124,17 @@ public:
 private:
     struct Block; // memory of one part
     void begin(const std::string& name);
+    void name_what_is_short();
 
     LiveOptions options_;
     std::unique_ptr<PackFile> file_;
     Pack pack_;
-    std::unique_ptr<Block> terrain_block_, cut_block_;
+    std::unique_ptr<Block> terrain_block_, edits_block_, cut_block_;
     Terrain terrain_;
+    Edits edits_;
     LiveCut cut_;
     LiveFrame frame_;
-    std::array<const char*, 10> short_of_{};
+    std::array<const char*, 13> short_of_{};
     bool commands_taken_ = true, maps_asked_for_ = false;
     std::uint32_t quiet_ = 0; // how many updates in a row found nothing to do
     // Last: its threads stop before the memory that they read into is freed.
