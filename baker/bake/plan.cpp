@@ -8,7 +8,8 @@ namespace fjell::baker {
 
 namespace {
 
-MapPlan plan_maps(const BakeContext& context, const HeightStatistics& heights) {
+MapPlan plan_maps(const BakeContext& context, const CheckpointState& found) {
+    const HeightStatistics& heights = found.heights;
     MapPlan maps;
     maps.tree = context.tree;
     std::copy_n(context.source.spacing_m, 2, maps.spacing_m);
@@ -20,6 +21,8 @@ MapPlan plan_maps(const BakeContext& context, const HeightStatistics& heights) {
     const double least_m = static_cast<double>(heights.least_m), most_m = static_cast<double>(heights.most_m);
     maps.ramp = path.empty() ? default_ramp(least_m, most_m) : absolute(read_ramp(path), least_m, most_m);
     maps.image = context.image.get();
+    maps.smooth = smooth_ground(context.tree.columns(), context.tree.rows(), maps.spacing_m, found.native_quantum_m,
+                                found.heights);
     return maps;
 }
 
@@ -86,7 +89,7 @@ BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
     plan.scales = choose_scales(
         {context.tree, {source.spacing_m[0], source.spacing_m[1]}, plan.height_scale, found.heights, nesting});
     plan.leaf = LeafErrors(plan.scales.errors, plan.height_scale.quantum_m);
-    plan.maps = plan_maps(context, found.heights);
+    plan.maps = plan_maps(context, found);
     plan.header = make_header(context, found.heights, plan);
     check_header(context, plan.header);
     return plan;

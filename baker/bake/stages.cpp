@@ -203,12 +203,23 @@ TexelStore open_texels(const BakeContext& context, const MapPlan& maps, MapKind 
                                        grid.rows);
 }
 
+namespace {
+
+// Of heights around a tile, of squares of them, and of the surface.
+double smooth_bytes(const MapPlan& maps) {
+    const double around = maps.tree.side() + 240.0;
+    return maps.smooth.smooths() ? around * around * 12 : 0;
+}
+
+} // namespace
+
 void make_near_maps(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
                     const NearMapsOutput& out) {
     const double places = context.tree.side() + 32.0, texels = static_cast<double>(1u << plan.maps.colour_log2);
     // Heights, and texels of both maps on their way from floats to blocks.
     const auto tile_bytes =
-        static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24) + (std::uint64_t{2} << 20);
+        static_cast<std::uint64_t>(places * places * 20 + texels * texels * 24 + smooth_bytes(plan.maps)) +
+        (std::uint64_t{2} << 20);
     ReaderPool<ImageSource, ImageReader> readers(context.image.get());
     context.run_units(
         {"maps", context.tile_count(), context.workers_for(tile_bytes),
@@ -448,15 +459,16 @@ Wetness found_wetness(const BakeContext& context, std::vector<float> index) {
 void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
                      const Wetness* wetness, const SplatOutput& out) {
     SplatGround ground{
-        context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::splat), wetness};
+        context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::splat), wetness,
+        plan.maps.smooth};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
     // Shares of points, of each raster too, texels of them and of their mips; heights; strips of pixels.
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,
                  samples = context.tree.side() + 120.0;
     const auto rasters = static_cast<double>(context.splat.rasters.size());
-    const auto tile_bytes =
-        static_cast<std::uint64_t>(points * points * max_splat_names * (10 + 4 * rasters) + samples * samples * 4) +
-        (std::uint64_t{6} << 20);
+    const auto tile_bytes = static_cast<std::uint64_t>(points * points * max_splat_names * (10 + 4 * rasters) +
+                                                       samples * samples * 4 + smooth_bytes(plan.maps)) +
+                            (std::uint64_t{6} << 20);
     ReaderSets sets(context.splat_images);
     const auto make_tile = [&](std::uint64_t u) {
         const std::uint32_t tile = context.tile_at(u);

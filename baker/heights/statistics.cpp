@@ -32,6 +32,27 @@ FJELL_CLONES void extremes_of_row(const float* row, const float* next, std::int3
     e = {least, most, along, across};
 }
 
+// Samples of a row that differ from the one before, and of those the ones that are far from whole units.
+struct Wholes {
+    std::int32_t climbing = 0, off_metre = 0, off_decimetre = 0;
+};
+constexpr float near_whole = 0.2f; // 2 cm of noise on decimetres
+FJELL_CLONES void wholes_of_row(const float* row, std::int32_t columns, Wholes& w) {
+    constexpr float most = 2e8f; // of an int, with the factor; what is higher counts as whole
+    std::int32_t climbing = 0, off_metre = 0, off_decimetre = 0;
+    for (std::int32_t x = 1; x < columns; ++x) {
+        const float low = row[x] < -most ? 0 : row[x], h = low > most ? 0 : low, tenths = h * 10;
+        const float metre = h - static_cast<float>(static_cast<std::int32_t>(h)),
+                    decimetre = tenths - static_cast<float>(static_cast<std::int32_t>(tenths));
+        const float of_metre = metre < 0 ? -metre : metre, of_decimetre = decimetre < 0 ? -decimetre : decimetre;
+        const std::int32_t climbs = row[x] != row[x - 1] ? 1 : 0;
+        climbing += climbs;
+        off_metre += climbs & (of_metre > near_whole ? 1 : 0) & (of_metre < 1 - near_whole ? 1 : 0);
+        off_decimetre += climbs & (of_decimetre > near_whole ? 1 : 0) & (of_decimetre < 1 - near_whole ? 1 : 0);
+    }
+    w.climbing += climbing, w.off_metre += off_metre, w.off_decimetre += off_decimetre;
+}
+
 } // namespace
 
 void HeightStatistics::add(const HeightStatistics& other) {
@@ -40,12 +61,23 @@ void HeightStatistics::add(const HeightStatistics& other) {
     tile_range_m = std::max(tile_range_m, other.tile_range_m);
     for (const int axis : {0, 1}) step_m[axis] = std::max(step_m[axis], other.step_m[axis]);
     voids += other.voids;
+    climbing += other.climbing, off_metre += other.off_metre, off_decimetre += other.off_decimetre;
+}
+
+double HeightStatistics::whole_m() const {
+    constexpr std::uint64_t fewest = 64, few_off = 100; // one in so many
+    constexpr float steps = 4;                          // within fewer, heights are whole numbers by chance
+    if (climbing < fewest) return 0;
+    if (off_metre * few_off <= climbing && most_m - least_m > steps) return 1;
+    return off_decimetre * few_off <= climbing && most_m - least_m > 0.1f * steps ? 0.1 : 0;
 }
 
 HeightStatistics measure_tile(const float* heights_m, std::int32_t columns, std::int32_t rows, std::ptrdiff_t stride) {
     Extremes e;
+    Wholes w;
     for (std::int32_t y = 0; y < rows; ++y) {
         const float* const row = heights_m + y * stride;
+        if (y % 4 == 0) wholes_of_row(row, columns, w);
         extremes_of_row(row, y + 1 < rows ? row + stride : nullptr, columns, e);
     }
     HeightStatistics s;
@@ -54,6 +86,9 @@ HeightStatistics measure_tile(const float* heights_m, std::int32_t columns, std:
     s.tile_range_m = std::nextafter(e.most - e.least, HUGE_VALF);
     s.step_m[0] = std::nextafter(e.along, HUGE_VALF);
     s.step_m[1] = std::nextafter(e.across, HUGE_VALF);
+    s.climbing = static_cast<std::uint64_t>(w.climbing);
+    s.off_metre = static_cast<std::uint64_t>(w.off_metre);
+    s.off_decimetre = static_cast<std::uint64_t>(w.off_decimetre);
     return s;
 }
 

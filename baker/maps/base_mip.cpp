@@ -30,9 +30,9 @@ public:
     enum Channel : int { x, z, height, up };
 
     // order: which of the channels the filter's first, second .. ones are.
-    HeightRows(const MapPlan& plan, const HeightWindow& heights, const Taps& across, const Taps& down,
+    HeightRows(const MapPlan& plan, const GroundWindows& ground, const Taps& across, const Taps& down,
                std::array<Channel, 2> order)
-        : plan_(plan), heights_(heights), first_(across.source_first), width_(across.source_end - across.source_first),
+        : plan_(plan), ground_(ground), first_(across.source_first), width_(across.source_end - across.source_first),
           kept_(down.taps), order_(order), next_(down.source_first) {
         for (auto& part : parts_) part.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(kept_));
     }
@@ -43,13 +43,13 @@ public:
     }
     [[nodiscard]] const float* row(int channel, std::int32_t y) const override {
         const Channel c = order_[static_cast<std::size_t>(channel)];
-        if (c == height) return at(first_, y);
+        if (c == height) return at(ground_.heights, first_, y);
         return parts_[c == x ? 0 : c == up ? 1 : 2].data() + slot(y);
     }
 
 private:
-    [[nodiscard]] const float* at(std::int32_t column, std::int32_t row) const {
-        return heights_.heights_m + (row - heights_.at.y) * heights_.stride + (column - heights_.at.x);
+    [[nodiscard]] static const float* at(const HeightWindow& of, std::int32_t column, std::int32_t row) {
+        return of.heights_m + (row - of.at.y) * of.stride + (column - of.at.x);
     }
     [[nodiscard]] std::size_t slot(std::int32_t y) const {
         return static_cast<std::size_t>(y % kept_) * static_cast<std::size_t>(width_);
@@ -63,8 +63,9 @@ private:
         const auto per_east = static_cast<float>(1 / ((east - west) * plan_.spacing_m[0])),
                    per_south = static_cast<float>(1 / ((south - north) * plan_.spacing_m[1]));
         const std::size_t skip = slot(y) + static_cast<std::size_t>(from - first_);
-        normals_of_row(at(west, y), at(east, y), at(from, north), at(from, south), per_east, per_south,
-                       parts_[0].data() + skip, parts_[1].data() + skip, parts_[2].data() + skip,
+        const HeightWindow& shape = ground_.shape;
+        normals_of_row(at(shape, west, y), at(shape, east, y), at(shape, from, north), at(shape, from, south), per_east,
+                       per_south, parts_[0].data() + skip, parts_[1].data() + skip, parts_[2].data() + skip,
                        static_cast<std::size_t>(to - from));
     }
     void make(std::int32_t y) {
@@ -76,19 +77,19 @@ private:
     }
 
     const MapPlan& plan_;
-    HeightWindow heights_;
+    GroundWindows ground_;
     std::int32_t first_, width_, kept_;
     std::array<Channel, 2> order_;
     std::int32_t next_;
     Buffer<float> parts_[3]; // x, up, z
 };
 
-TexelPlanes filtered(const MapPlan& plan, MapKind kind, const HeightWindow& heights, const Window& texels,
+TexelPlanes filtered(const MapPlan& plan, MapKind kind, const GroundWindows& ground, const Window& texels,
                      std::array<HeightRows::Channel, 2> channels) {
     const SampleAxes from = sample_axes(plan, kind);
     const Taps x = make_taps(from.axes[0], texels.x, texels.columns),
                y = make_taps(from.axes[1], texels.y, texels.rows);
-    HeightRows rows(plan, heights, x, y, channels);
+    HeightRows rows(plan, ground, x, y, channels);
     return tent_filter(x, y, texels, rows, 2);
 }
 
@@ -191,8 +192,8 @@ void lay_image(const MapPlan& plan, ImageReader& reader, std::size_t layer, Texe
 }
 
 // The ramp alone.
-TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
-    const TexelPlanes ground = filtered(plan, MapKind::colour, heights, texels, {HeightRows::height, HeightRows::up});
+TexelPlanes paint_ground(const MapPlan& plan, const GroundWindows& from, const Window& texels) {
+    const TexelPlanes ground = filtered(plan, MapKind::colour, from, texels, {HeightRows::height, HeightRows::up});
     TexelPlanes light(texels, 3);
     RampPainter(*plan.ramp)
         .paint_light(ground.channel[0].data(), ground.channel[1].data(), texels.area(),
@@ -201,11 +202,11 @@ TexelPlanes paint_ground(const MapPlan& plan, const HeightWindow& heights, const
 }
 
 // The ramp where images leave something open.
-void lay_under(const MapPlan& plan, const HeightWindow& heights, TexelPlanes& light) {
+void lay_under(const MapPlan& plan, const GroundWindows& from, TexelPlanes& light) {
     constexpr float opaque = 0.9999f; // weights add up to 1 but for rounding
     const Buffer<float>& alpha = light.channel[3];
     if (std::all_of(alpha.begin(), alpha.end(), [](float a) { return a >= opaque; })) return;
-    const TexelPlanes ground = filtered(plan, MapKind::colour, heights, light.at, {HeightRows::height, HeightRows::up});
+    const TexelPlanes ground = filtered(plan, MapKind::colour, from, light.at, {HeightRows::height, HeightRows::up});
     const LightOfSrgb& table = LightOfSrgb::table();
     RampPainter painter(*plan.ramp);
     for (std::size_t i = 0; i < alpha.size(); ++i) {
@@ -219,18 +220,18 @@ void lay_under(const MapPlan& plan, const HeightWindow& heights, TexelPlanes& li
 
 } // namespace
 
-TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& heights, const Window& texels) {
-    return filtered(plan, MapKind::normal, heights, texels, {HeightRows::x, HeightRows::z});
+TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& shape, const Window& texels) {
+    return filtered(plan, MapKind::normal, {shape, shape}, texels, {HeightRows::x, HeightRows::z});
 }
 
-TexelPlanes base_colours(const MapPlan& plan, const HeightWindow& heights, const Window& texels, ImageReader* reader) {
+TexelPlanes base_colours(const MapPlan& plan, const GroundWindows& ground, const Window& texels, ImageReader* reader) {
     const bool images = plan.image && reader;
-    if (!images && plan.ramp) return paint_ground(plan, heights, texels);
+    if (!images && plan.ramp) return paint_ground(plan, ground, texels);
     TexelPlanes light(texels, 4); // three colours times alpha, alpha
     light.clear();
     if (images)
         for (std::size_t layer = 0; layer < plan.image->layers.size(); ++layer) lay_image(plan, *reader, layer, light);
-    if (plan.ramp) lay_under(plan, heights, light);
+    if (plan.ramp) lay_under(plan, ground, light);
     light.channel.pop_back();
     return light;
 }

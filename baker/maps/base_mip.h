@@ -13,10 +13,14 @@ struct SampleAxes {
 // From samples to the texels of mip 0.
 [[nodiscard]] SampleAxes sample_axes(const MapPlan& plan, MapKind kind);
 
+// Heights as they are, and the ground that slopes are taken from.
+struct GroundWindows {
+    HeightWindow heights, shape;
+};
 // Linear light, three channels.
-[[nodiscard]] TexelPlanes base_colours(const MapPlan& plan, const HeightWindow& heights, const Window& texels,
+[[nodiscard]] TexelPlanes base_colours(const MapPlan& plan, const GroundWindows& ground, const Window& texels,
                                        ImageReader* reader);
 // East and south components of the unit normals.
-[[nodiscard]] TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& heights, const Window& texels);
+[[nodiscard]] TexelPlanes base_normals(const MapPlan& plan, const HeightWindow& shape, const Window& texels);
 
 } // namespace fjell::baker

@@ -246,7 +246,10 @@ SampleAxes sample_axes(const MapPlan& plan, MapKind kind) {
              {samples, cells, plan.tree.rows() - 1.0, 1, 0, plan.tree.rows()}}};
 }
 
-Window heights_for_maps(const MapPlan& plan, std::uint32_t tile) {
+namespace {
+
+// What normals, and colours by steepness, are made from.
+Window shapes_for_maps(const MapPlan& plan, std::uint32_t tile) {
     std::int32_t x0 = plan.tree.columns(), y0 = plan.tree.rows(), x1 = 0, y1 = 0;
     for (const MapKind kind : {MapKind::colour, MapKind::normal}) {
         if (plan.log2_side(kind) == 0) continue;
@@ -261,16 +264,30 @@ Window heights_for_maps(const MapPlan& plan, std::uint32_t tile) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
+} // namespace
+
+Window heights_for_maps(const MapPlan& plan, std::uint32_t tile) {
+    return heights_for_smooth(plan.smooth, shapes_for_maps(plan, tile));
+}
+
 NearMaps near_maps(const MapPlan& plan, std::uint32_t tile, const HeightWindow& heights, ImageReader* reader) {
     NearMaps maps;
+    Buffer<float> smooth;
+    GroundWindows ground{heights, heights};
+    if (plan.smooth.smooths()) {
+        const Window at = shapes_for_maps(plan, tile);
+        smooth = smooth_heights(plan.smooth, heights, at);
+        ground.shape = {smooth.data(), at.columns, at};
+    }
     if (plan.colour_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::colour, tile);
         maps.colour =
-            near_mips_of(plan, MapKind::colour, tile, windows, base_colours(plan, heights, windows.front(), reader));
+            near_mips_of(plan, MapKind::colour, tile, windows, base_colours(plan, ground, windows.front(), reader));
     }
     if (plan.normal_log2 != 0) {
         const auto windows = near_windows(plan, MapKind::normal, tile);
-        maps.normal = near_mips_of(plan, MapKind::normal, tile, windows, base_normals(plan, heights, windows.front()));
+        maps.normal =
+            near_mips_of(plan, MapKind::normal, tile, windows, base_normals(plan, ground.shape, windows.front()));
     }
     return maps;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "baker/maps/colour.h"
+#include "baker/maps/smooth.h"
 #include "baker/maps/tent.h"
 #include "baker/read/source.h"
 #include "fjell/texture.h"
@@ -40,6 +41,7 @@ struct MapPlan {
     std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, splat_log2 = 0;
     std::optional<Ramp> ramp;           // in metres; also where the image has no pixels
     const ImageSource* image = nullptr; // or none
+    SmoothGround smooth;                // what normals and steepness are taken from; levels 0: the heights themselves
 
     [[nodiscard]] std::uint32_t log2_side(MapKind kind) const;
     // Horizons and shares of materials are computed at every (1 << this)-th sample: as far apart as texels of mip 0, or
@@ -68,12 +70,6 @@ struct MipTexels {
     Texels texels;            // plan.texels(kind, mip, tile).area() * channels(kind)
 };
 
-// Samples of a window, finite everywhere; rows are `stride` floats apart.
-struct HeightWindow {
-    const float* heights_m;
-    std::ptrdiff_t stride;
-    Window at;
-};
 // Mips 0 .. min(near_mips, mip_count) - 1 of a tile; texels are kept for the last one only (empty before).
 // heights: of heights_for_maps(). reader: null without an image.
 struct NearMaps {

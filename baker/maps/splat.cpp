@@ -119,12 +119,33 @@ struct Shape {
     float height_m, slope_deg, aspect_deg, curvature;
 };
 
+// The samples whose slopes and curvatures points have, and those beside that they follow from.
+Window shapes_for_splat(const SplatGround& ground, const Window& points) {
+    constexpr std::int32_t beside = 2; // of curvature
+    const std::int32_t last_x = ground.columns - 1, last_y = ground.rows - 1;
+    const std::int32_t x0 = std::clamp((points.x << ground.stride_log2) - beside, 0, last_x),
+                       y0 = std::clamp((points.y << ground.stride_log2) - beside, 0, last_y);
+    const std::int32_t x1 =
+        std::min((std::min((points.x + points.columns - 1) << ground.stride_log2, last_x)) + beside, last_x);
+    const std::int32_t y1 =
+        std::min((std::min((points.y + points.rows - 1) << ground.stride_log2, last_y)) + beside, last_y);
+    const std::int32_t x = std::min(x0, std::max(last_x - beside, 0)), y = std::min(y0, std::max(last_y - beside, 0));
+    return {x, y, x1 - x + 1, y1 - y + 1};
+}
+
 // Slopes from the samples beside, as normal maps have them, one-sided on the rim; curvature over twice as far, which
 // the noise of heights shows less in.
 class Shapes {
 public:
-    Shapes(const SplatGround& ground, const Window& at, const float* heights_m)
-        : ground_(ground), at_(at), heights_(heights_m) {}
+    Shapes(const SplatGround& ground, const Window& points, const float* heights_m)
+        : ground_(ground),
+          at_(shapes_for_splat(ground, points)), heights_{heights_m, 0, heights_for_splat(ground, points)},
+          shape_(heights_m) {
+        heights_.stride = heights_.at.columns;
+        if (!ground.smooth.smooths()) return;
+        smooth_ = smooth_heights(ground.smooth, heights_, at_);
+        shape_ = smooth_.data();
+    }
 
     [[nodiscard]] Shape of(std::int32_t x, std::int32_t y) const {
         const auto degrees = static_cast<float>(180 / std::numbers::pi);
@@ -135,7 +156,8 @@ public:
         const float rise_south =
             (height(x, south) - height(x, north)) * static_cast<float>(1 / ((south - north) * ground_.spacing_m[1]));
         const float azimuth = std::atan2(-rise_east, rise_south) * degrees; // downwards, clockwise from north
-        return {height(x, y), std::atan(std::sqrt(rise_east * rise_east + rise_south * rise_south)) * degrees,
+        const float height_m = heights_.heights_m[(y - heights_.at.y) * heights_.stride + (x - heights_.at.x)];
+        return {height_m, std::atan(std::sqrt(rise_east * rise_east + rise_south * rise_south)) * degrees,
                 azimuth < 0 ? azimuth + 360 : azimuth, 0};
     }
     [[nodiscard]] float curvature(std::int32_t x, std::int32_t y) const {
@@ -149,13 +171,15 @@ public:
     }
 
 private:
-    [[nodiscard]] float height(std::int32_t x, std::int32_t y) const {
-        return heights_[static_cast<std::size_t>(y - at_.y) * static_cast<std::size_t>(at_.columns) +
-                        static_cast<std::size_t>(x - at_.x)];
+    [[nodiscard]] float height(std::int32_t x, std::int32_t y) const { // of the shape
+        return shape_[static_cast<std::size_t>(y - at_.y) * static_cast<std::size_t>(at_.columns) +
+                      static_cast<std::size_t>(x - at_.x)];
     }
     const SplatGround& ground_;
-    Window at_;
-    const float* heights_;
+    Window at_; // of the shape
+    HeightWindow heights_;
+    Buffer<float> smooth_;
+    const float* shape_;
 };
 
 // ---- rasters -------------------------------------------------------------------------------------------------------
@@ -269,8 +293,7 @@ std::vector<float> raster_shares(const SplatRaster& raster, const ImageLayer& im
 class Evaluation {
 public:
     Evaluation(const SplatPlan& plan, const SplatGround& ground, const Window& points, const SplatInput& in)
-        : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)),
-          shapes_(ground, heights_for_splat(ground, points), in.heights_m) {
+        : plan_(plan), ground_(ground), points_(points), rules_(prepared(plan)), shapes_(ground, points, in.heights_m) {
         for (const Prepared& p : rules_) curved_ |= p.rule->curvature.given, wet_ |= p.rule->wetness.given;
         for (std::size_t i = 0; i < plan.rasters.size(); ++i)
             rasters_.push_back(raster_shares(plan.rasters[i], in.images[i]->layers[0], ground, points, *in.readers[i]));
@@ -348,16 +371,7 @@ float splat_noise(double east_m, double south_m, double wavelength_m) {
 }
 
 Window heights_for_splat(const SplatGround& ground, const Window& points) {
-    constexpr std::int32_t beside = 2; // of curvature
-    const std::int32_t last_x = ground.columns - 1, last_y = ground.rows - 1;
-    const std::int32_t x0 = std::clamp((points.x << ground.stride_log2) - beside, 0, last_x),
-                       y0 = std::clamp((points.y << ground.stride_log2) - beside, 0, last_y);
-    const std::int32_t x1 =
-        std::min((std::min((points.x + points.columns - 1) << ground.stride_log2, last_x)) + beside, last_x);
-    const std::int32_t y1 =
-        std::min((std::min((points.y + points.rows - 1) << ground.stride_log2, last_y)) + beside, last_y);
-    const std::int32_t x = std::min(x0, std::max(last_x - beside, 0)), y = std::min(y0, std::max(last_y - beside, 0));
-    return {x, y, x1 - x + 1, y1 - y + 1};
+    return heights_for_smooth(ground.smooth, shapes_for_splat(ground, points));
 }
 
 TexelPlanes splat_shares(const SplatPlan& plan, const SplatGround& ground, const Window& points, const SplatInput& in) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "baker/maps/image.h"
+#include "baker/maps/smooth.h"
 #include "baker/maps/tent.h"
 #include "baker/maps/wetness.h"
 #include "fjell/texture.h"
@@ -89,6 +90,7 @@ struct SplatGround {
     double spacing_m[2] = {1, 1};
     int stride_log2 = 0;
     const Wetness* wetness = nullptr; // where a rule asks for it
+    SmoothGround smooth{};            // what slopes and curvatures are taken from; the heights themselves by default
 };
 // The samples that a window of points is made from.
 [[nodiscard]] Window heights_for_splat(const SplatGround& ground, const Window& points);

@@ -128,7 +128,8 @@ Window seen_by_maps(const MapPlan& maps, const HorizonLevels& levels, std::uint3
         add(common(seen_of_level(0, maps.stride_log2(MapKind::horizon), points_for_map(maps, MapKind::horizon, tile)),
                    levels.extents(0)));
     if (maps.splat_log2 != 0) {
-        SplatGround ground{maps.tree.columns(), maps.tree.rows(), {1, 1}, maps.stride_log2(MapKind::splat), nullptr};
+        SplatGround ground{maps.tree.columns(), maps.tree.rows(), {1, 1}, maps.stride_log2(MapKind::splat), nullptr,
+                           maps.smooth};
         add(heights_for_splat(ground, points_for_map(maps, MapKind::splat, tile)));
     }
     return all;
@@ -143,9 +144,12 @@ int levels_of_shards(const HorizonLevels& levels, std::size_t whole_vertices) {
     return level;
 }
 
-std::int32_t height_frame(const MapPlan& maps, std::size_t whole_vertices) {
+std::int32_t height_frame(const MapPlan& sizes, std::size_t whole_vertices) {
     std::int32_t most = step_frame;
-    const Tree& tree = maps.tree;
+    const Tree& tree = sizes.tree;
+    // Shards leave frames before anyone knows which steps the heights are counted in.
+    MapPlan maps = sizes;
+    maps.smooth = {tree.columns(), tree.rows(), 1, most_smooth_levels};
     const HorizonLevels levels(tree.columns(), tree.rows(), maps.spacing_m);
     if (maps.horizon_log2 != 0) most = std::max(most, (1 << levels_of_shards(levels, whole_vertices)) - 1);
     for (std::uint32_t tile = 0;
