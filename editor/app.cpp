@@ -344,7 +344,10 @@ double App::move_and_update() {
     const bool pages = entry_.streamed && (entry_.stream.pages_inserted != 0 || entry_.stream.pages_evicting != 0);
     const bool mesh = entry_.rebuilt || entry_.activations != 0 || entry_.deactivations != 0 || entry_.morphing != 0;
     if (pages) measure_profile(state_.probe, session);
-    update_probe(state_.probe, session, state_.eye.view, refining, mesh || pages);
+    update_probe(state_.probe, session, state_.eye.view, refining, mesh || pages, state_.scene.coordinates.get());
+    update_contour_labels(state_.contour_labels, session.terrain(), state_.eye.view,
+                          state_.shows(Overlay::contours) ? contour_interval_m(state_) : 0, mesh || pages,
+                          60 * state_.interface.scale);
     return microseconds(moved - start) + microseconds(Clock::now() - updated);
 }
 
@@ -555,6 +558,7 @@ double App::next_change_s() const {
     for (const double until_s : {state_.messages.shown_until_s, state_.eye.speed_shown_until_s})
         if (until_s > frame_s_) next_s = std::min(next_s, until_s - frame_s_);
     if (ImGui::GetIO().WantTextInput) next_s = std::min(next_s, 0.5); // the caret blinks
+    if (state_.bake.looking) next_s = std::min(next_s, 0.25);         // how far it is
     if (jobs_.running()) next_s = std::min(next_s, 1.0);              // how long it has run
     return next_s;
 }

@@ -138,16 +138,15 @@ std::function<Command(Words&)> with_point() {
     return [](Words& w) { return C{w.count(a_point)}; };
 }
 
-// Of an export: nothing, "converged" or a threshold.
-struct MeshChoice {
-    bool converged = false;
-    double error_px = 0;
-};
-MeshChoice mesh_choice(Words& w) {
-    if (!w.more()) return {};
-    const std::string word = w.text("");
-    if (word == "converged") return {true, 0};
-    return {false, Words::number_of(word, "the threshold, unless it is the word converged,")};
+// Of an export: nothing, "converged" or a threshold; and the size of its texels.
+void mesh_choice(Words& w, ExportMesh& c) {
+    if (w.more() && !w.is_option()) {
+        const std::string word = w.text("");
+        c.converged = word == "converged";
+        if (!c.converged)
+            c.error_px = Words::number_of(word, "the threshold, unless it is the word converged or texel_m=M,");
+    }
+    w.options({{"texel_m", [&](const std::string& v) { c.texel_m = Words::number_in(v, "texel_m", 0, 1e6); }}});
 }
 
 constexpr double degree = 3.14159265358979323846 / 180;
@@ -257,6 +256,11 @@ Command tune(Words& w) {
                 [&](const std::string& v) {
                     if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: apply must be yes or no", v));
                     s.apply = v == "yes";
+                }},
+               {"also",
+                [&](const std::string& v) {
+                    if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: also must be yes or no", v));
+                    s.also = v == "yes";
                 }},
                {"least_px",
                 [&](const std::string& v) {
@@ -397,12 +401,13 @@ std::vector<Verb> picture_verbs() {
              const double x = Words::number_in(w.text("a share"), "a share", 0, 1);
              return PointProbe{x, Words::number_in(w.text("a share"), "a share", 0, 1)};
          }},
-        {"mark", "X Z", "marks a place, in metres; the probe shows the heights between two",
+        {"mark", "X Z", "marks a place, in metres; the probe shows the way along all of them, and the area within",
          [](Words& w) {
              const double x = w.number("x in metres");
              return MarkPlace{x, w.number("z in metres")};
          }},
-        {"clear-marks", "", "removes both marks", plain<ClearMarks>()},
+        {"remove-mark", "", "removes the last mark", plain<RemoveMark>()},
+        {"clear-marks", "", "removes all marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",
          [](Words& w) { return SetPictureMode{w.one_of<session::PictureMode>(session::picture_mode_names, "mode")}; }},
         {"overlay", "NAME on|off",
@@ -410,6 +415,13 @@ std::vector<Verb> picture_verbs() {
          [](Words& w) {
              const auto overlay = w.one_of<Overlay>(overlay_names, "overlay");
              return SetOverlay{overlay, w.on()};
+         }},
+        {"contours", "METRES|auto", "metres between contours, 0.01 to 10,000; auto: some 20 over the terrain's heights",
+         [](Words& w) {
+             const std::string word = w.text("metres, or auto");
+             return SetContours{
+                 word == "auto" ? 0
+                                : Words::number_in(word, "metres between contours", least_contour_m, most_contour_m)};
          }},
         {"panel", "NAME", "tune, view, cost, auto-tune, pictures or light", show_panel},
         {"group", "PANEL.GROUP on|off", "unfolds a group of a panel and turns to it, or folds it: group cost.time on",
@@ -458,24 +470,30 @@ std::vector<Verb> picture_verbs() {
 
 std::vector<Verb> program_verbs() {
     return {
-        {"tune", "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E] [apply=yes|no] [csv=FILE]",
-         "the smallest threshold whose p99 keeps the budget; apply sets refine.max_error_px to it", tune},
+        {"tune",
+         "[measure=update|frame] [budget_us=N] [frames=N] [least_px=E] [most_px=E] [also=yes|no] [apply=yes|no] "
+         "[csv=FILE]",
+         "the smallest threshold whose p99 keeps the budget; also tunes off-screen factor, hysteresis and morphing; "
+         "apply sets what was found",
+         tune},
+        {"use-tuned", "", "sets what auto-tuning found last, in one step of undo", plain<UseTuned>()},
         {"benchmark", "FILE.csv [FRAMES]", "flies the path and writes one line per frame",
          [](Words& w) {
              const std::string path = w.text("a file");
              return RunBenchmark{path, w.more() ? w.count("frames") : 0};
          }},
-        {"export", "FILE.glb [converged|ERROR_PX]",
+        {"export", "FILE.glb [converged|ERROR_PX] [texel_m=M]",
          "the mesh as drawn now, or the converged mesh of this view, or the whole terrain at a threshold",
          [](Words& w) {
-             const std::string path = w.text("a file");
-             const MeshChoice choice = mesh_choice(w);
-             return ExportMesh{path, choice.converged, choice.error_px};
+             ExportMesh c{w.text("a file")};
+             mesh_choice(w, c);
+             return c;
          }},
-        {"preview", "[converged|ERROR_PX]", "counts and file size of an export; nothing is written",
+        {"preview", "[converged|ERROR_PX] [texel_m=M]", "counts and file size of an export; nothing is written",
          [](Words& w) {
-             const MeshChoice choice = mesh_choice(w);
-             return PreviewExport{choice.converged, choice.error_px};
+             ExportMesh c;
+             mesh_choice(w, c);
+             return PreviewExport{c.converged, c.error_px, c.texel_m};
          }},
         {"cancel", "", "cancels the running job", plain<CancelJob>()},
         {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",

@@ -147,9 +147,10 @@ struct PlacePoint { // over that place: at that height, or as high above the gro
 struct PointProbe { // at this place of the picture, in shares of its width and height
     double x = 0, y = 0;
 };
-struct MarkPlace { // the first of two, the second, or the first again
+struct MarkPlace { // one more
     double x_m = 0, z_m = 0;
 };
+struct RemoveMark {}; // the last
 struct ClearMarks {};
 
 // --- what is shown ---
@@ -159,6 +160,9 @@ struct SetPictureMode {
 struct SetOverlay {
     Overlay overlay = Overlay::wireframe;
     bool on = false;
+};
+struct SetContours {
+    double every_m = 0; // between them; 0: as suits the terrain
 };
 struct ShowPanel {
     Panel panel = Panel::tune;
@@ -246,7 +250,10 @@ struct TuneSettings {
     // faster camera changes more in a frame.
     std::uint32_t frames = 0;
     double least_px = 0.25, most_px = 32; // where the threshold is looked for
-    bool apply = false;                   // sets refine.max_error_px to what was found
+    bool apply = false;                   // sets what was found
+    // Off-screen factor, hysteresis and morphing too: the first two where they make frames cheaper, so that a smaller
+    // threshold fits, and morphing where it fits as well. Not of the recursive method, which has none of them.
+    bool also = false;
 };
 struct TuneThreshold {
     TuneSettings settings;
@@ -260,12 +267,14 @@ struct ExportMesh {
     std::string path;       // .glb
     bool converged = false; // what the view would settle on; otherwise the frame's mesh as it stands
     double error_px = 0;    // not 0: the whole terrain at this threshold instead
+    double texel_m = 0;     // of its textures; 0: as fine as the maps are
 };
 struct PreviewExport { // size and counts of it, nothing written
     bool converged = false;
-    double error_px = 0;
+    double error_px = 0, texel_m = 0;
 };
 struct CancelJob {};
+struct UseTuned {}; // sets what auto-tuning found last, in one step
 
 // --- runs that benchmarks flew (editor/runs.h) ---
 struct ChoosePlace { // of a run, and look from there
@@ -341,13 +350,13 @@ using Command =
                  SaveProfile, CompareProfile, StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved,
                  RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement,
                  OpenPath, SavePath, RecordPath, PlayPath, SeekPath, AddPoint, ReplacePoint, RemovePoint, SelectPoint,
-                 MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace, ClearMarks,
-                 SetPictureMode, SetOverlay, ShowPanel, ShowGroup, ShowDialog, SetSwitch, ArrangeColumn, FloatPanel,
-                 PlacePanel, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, DraftBake, GiveBakeFile,
-                 OpenBaked, BrowseFor, BakePack, TuneThreshold, RunBenchmark, ExportMesh, PreviewExport, CancelJob,
-                 TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit, WaitFrames, WaitSettled, ChoosePlace,
-                 ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint, AddBookmark, GoToBookmark, RemoveBookmark,
-                 ComparePictures, SetCompareView, SetDivider>;
+                 MovePoint, ClearPath, RestorePath, SetPathSeconds, LoopPath, PointProbe, MarkPlace, RemoveMark,
+                 ClearMarks, SetPictureMode, SetOverlay, SetContours, ShowPanel, ShowGroup, ShowDialog, SetSwitch,
+                 ArrangeColumn, FloatPanel, PlacePanel, SetScale, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
+                 DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
+                 PreviewExport, CancelJob, UseTuned, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit,
+                 WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint,
+                 AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {

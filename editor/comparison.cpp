@@ -140,7 +140,7 @@ void Comparison::draw(const State& state, const gl::Target& target) {
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
-    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state) : 0;
     options.slope = state.shows(Overlay::slope);
     renderer_->draw_uploaded(session_->mesh(), state.eye.view, options, *target_);
     difference_.compare(target, *target_, state.compared.view == CompareView::difference);

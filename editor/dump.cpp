@@ -72,6 +72,8 @@ json bake_json(const BakeDraft& d) {
             {"field", bake_field_names[static_cast<int>(f.at)]},
             {"proposed", f.proposed},
             {"pictured", d.texture != 0},
+            {"void_share", f.void_share},
+            {"crs", f.crs},
             {"ready", d.ready}};
 }
 
@@ -179,13 +181,21 @@ json interface_json(const State& state) {
             {"recent", i.recent}};
 }
 
-json probe_json(const Probe& p) {
+json labels_json(const ContourLabels& labels) {
+    json all = json::array();
+    for (std::size_t i = 0; i < labels.count; ++i)
+        all.push_back({labels.all[i].x, labels.all[i].y, labels.all[i].height_m});
+    return all;
+}
+
+json probe_json(const State& state) {
+    const Probe& p = state.probe;
     json all = {{"on", p.on}, {"looking", p.looking}, {"marks", json::array()}};
     for (std::size_t i = 0; i < p.marks; ++i) all["marks"].push_back(vector_json(p.mark_m[i]));
-    if (p.marks == p.mark_m.size())
-        all["profile"] = {{"length_m", p.profile.length_m},
-                          {"lowest_m", p.profile.lowest_m},
-                          {"highest_m", p.profile.highest_m},
+    if (p.marks >= 2)
+        all["profile"] = {{"length_m", p.profile.length_m}, {"ground_length_m", p.profile.ground_length_m},
+                          {"area_m2", p.profile.area_m2},   {"ground_area_m2", p.profile.ground_area_m2},
+                          {"lowest_m", p.profile.lowest_m}, {"highest_m", p.profile.highest_m},
                           {"height_m", p.profile.height_m}};
     if (!p.ground) return all;
     const ProbedGround& g = *p.ground;
@@ -197,6 +207,9 @@ json probe_json(const Probe& p) {
                      {"sample", {g.sample.column, g.sample.row}},
                      {"tile", {g.tile_x, g.tile_y}},
                      {"page", g.page}};
+    const baker::Coordinates& c = *state.scene.coordinates;
+    if (c.projected()) all["ground"]["in_crs"] = c.in_crs(g.position_m.x, g.position_m.z);
+    if (g.degrees) all["ground"]["degrees"] = *g.degrees;
     if (g.mesh)
         all["ground"]["mesh"] = {
             {"level", g.mesh->level}, {"height_m", g.mesh->height_m}, {"error_px", g.mesh->error_px}};
@@ -210,6 +223,12 @@ json input_json(const InputCounts& i) {
             {"scrolls", i.scrolls},
             {"pointer_px", {i.pointer_px[0], i.pointer_px[1]}},
             {"focused", i.focused}};
+}
+
+json tuned_json(const JobView& j) {
+    json keys = json::object();
+    for (const TunedKey& t : j.tuned_keys) keys[std::string(t.key->table) + "." + t.key->name] = t.value;
+    return keys;
 }
 
 json job_json(const JobView& j) {
@@ -235,6 +254,7 @@ json job_json(const JobView& j) {
             {"output", j.output},
             {"curve", curve},
             {"best_px", j.best_px},
+            {"tuned_keys", tuned_json(j)},
             {"flights", j.flights},
             {"seconds", j.seconds},
             {"preview",
@@ -308,6 +328,7 @@ json place_json(const FlownRun& run, std::size_t at) {
             {"frame", p.frame},
             {"update_us", p.update_us},
             {"error_px", p.error_px},
+            {"measured_px", p.measured_px},
             {"exhausted", session::budget_names(p.exhausted)},
             {"position_m", vector_json(p.pose.position_m)}};
 }
@@ -315,7 +336,8 @@ json place_json(const FlownRun& run, std::size_t at) {
 json runs_json(const Runs& runs) {
     json all = json::array();
     for (const auto& run : runs.all) {
-        json worst = json::array();
+        json worst = json::array(), measured = json::array();
+        for (const FlownPlace& p : run->places) measured.push_back(p.measured_px);
         for (const std::vector<std::uint16_t>& by : run->worst) {
             worst.push_back(json::array());
             for (const std::uint16_t at : by) worst.back().push_back(place_json(*run, at));
@@ -324,6 +346,7 @@ json runs_json(const Runs& runs) {
                        {"error_px", run->error_px},
                        {"frames", run->frames},
                        {"places", run->places.size()},
+                       {"measured_px", measured},
                        {"p50_us", run->p50_us},
                        {"p99_us", run->p99_us},
                        {"max_us", run->max_us},
@@ -370,43 +393,46 @@ std::string dump(const State& state) {
     json marks;
     for (const ui::Mark& m : ui::marks()) marks[m.name] = {m.rect.x, m.rect.y, m.rect.width, m.rect.height};
     const Scene& s = state.scene;
-    const json all = {{"frame", state.frame},
-                      {"terrain_draws", state.terrain_draws},
-                      {"longest_frame_us", state.longest_frame_us},
-                      {"programs", state.programs},
-                      {"half_draws", state.half_draws},
-                      {"band_draws", state.band_draws},
-                      {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
-                      {"rested_s", state.rested_s},
-                      {"opening", state.opening},
-                      {"scene",
-                       {{"path", s.path},
-                        {"columns", s.columns},
-                        {"rows", s.rows},
-                        {"spacing_m", {s.spacing_m[0], s.spacing_m[1]}},
-                        {"tiles", {s.tiles_x, s.tiles_y}},
-                        {"streamed", s.streamed},
-                        {"method_bytes", s.method_bytes}}},
-                      {"profile", profile_json(state.document.profile())},
-                      {"document", document_json(state.document)},
-                      {"files", files_json(state)},
-                      {"camera", camera_json(state.eye)},
-                      {"route", route_json(state.route)},
-                      {"interface", interface_json(state)},
-                      {"probe", probe_json(state.probe)},
-                      {"input", input_json(state.input)},
-                      {"job", job_json(state.job)},
-                      {"runs", runs_json(state.runs)},
-                      {"bookmarks", bookmarks_json(state.bookmarks)},
-                      {"compared_picture", compared_json(state.compared)},
-                      {"materials", materials_json(state.materials)},
-                      {"messages", messages_json(state)},
-                      {"measures", measures_json(state)},
-                      {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},
-                      {"heights_share", state.heights_share},
-                      {"graphics", state.graphics},
-                      {"illegible", ui::illegible_texts()},
-                      {"marks", marks}};
+    const json all = {
+        {"frame", state.frame},
+        {"terrain_draws", state.terrain_draws},
+        {"longest_frame_us", state.longest_frame_us},
+        {"programs", state.programs},
+        {"half_draws", state.half_draws},
+        {"band_draws", state.band_draws},
+        {"drawn_px", {state.drawn_px[0], state.drawn_px[1]}},
+        {"rested_s", state.rested_s},
+        {"opening", state.opening},
+        {"scene",
+         {{"path", s.path},
+          {"crs", s.coordinates ? s.coordinates->crs() : ""},
+          {"columns", s.columns},
+          {"rows", s.rows},
+          {"spacing_m", {s.spacing_m[0], s.spacing_m[1]}},
+          {"tiles", {s.tiles_x, s.tiles_y}},
+          {"streamed", s.streamed},
+          {"method_bytes", s.method_bytes}}},
+        {"profile", profile_json(state.document.profile())},
+        {"document", document_json(state.document)},
+        {"files", files_json(state)},
+        {"camera", camera_json(state.eye)},
+        {"route", route_json(state.route)},
+        {"interface", interface_json(state)},
+        {"probe", probe_json(state)},
+        {"contours", {{"every_m", contour_interval_m(state)}, {"labels", labels_json(state.contour_labels)}}},
+        {"input", input_json(state.input)},
+        {"job", job_json(state.job)},
+        {"runs", runs_json(state.runs)},
+        {"bookmarks", bookmarks_json(state.bookmarks)},
+        {"compared_picture", compared_json(state.compared)},
+        {"materials", materials_json(state.materials)},
+        {"messages", messages_json(state)},
+        {"measures", measures_json(state)},
+        {"map", {{"share", state.overview.share}, {"there", state.overview.texture != 0}}},
+        {"heights_share", state.heights_share},
+        {"graphics", state.graphics},
+        {"illegible", ui::illegible_texts()},
+        {"marks", marks}};
     return all.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

@@ -41,7 +41,7 @@ gl::DrawOptions picture_options(const State& state) {
     options.wireframe = options.wireframe || state.shows(Overlay::wireframe);
     options.tile_borders = state.shows(Overlay::tile_borders);
     options.page_borders = state.shows(Overlay::page_borders);
-    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state.scene) : 0;
+    options.contour_m = state.shows(Overlay::contours) ? contour_interval_m(state) : 0;
     options.slope = state.shows(Overlay::slope);
     options.hatch = true;
     return options;
@@ -108,6 +108,8 @@ Engine::Opened Engine::prepare(const session::FlightOptions& options, const gl::
     if (!go_on()) return opened;
     opened.session = std::make_unique<session::Session>();
     session::open_session(options, *opened.session);
+    opened.coordinates =
+        std::make_shared<baker::Coordinates>(opened.session->loaded.pack.header, opened.session->file->crs());
     if (!go_on() || context == nullptr || !context->make_current()) return opened;
     const ContextInUse until_done(*context);
     std::unique_ptr<gl::Renderer> renderer;
@@ -147,12 +149,13 @@ std::string Engine::finish_opening() {
 }
 
 void Engine::adopt(Opened opened, const session::FlightOptions& o) {
-    auto& [session, renderer] = opened;
+    auto& [session, renderer, coordinates] = opened;
     unread_told_ = 0;
     if (session->streamed) session->on_failure = [this](const std::string& line) { messages_.push_back(line); };
     if (!renderer) renderer = session::make_renderer(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
+    coordinates_ = std::move(coordinates);
     pack_ = o.pack;
     built_ = o.profile;
     layers_ = o.layers;
@@ -311,6 +314,7 @@ Scene Engine::scene() const {
     if (!session_) return s;
     const session::Session& session = *session_;
     const PackHeader& h = session.loaded.pack.header;
+    s.coordinates = coordinates_;
     s.path = pack_;
     s.columns = h.columns;
     s.rows = h.rows;

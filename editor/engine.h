@@ -129,6 +129,7 @@ private:
     struct Opened {
         std::unique_ptr<session::Session> session;
         std::unique_ptr<gl::Renderer> renderer;
+        std::shared_ptr<const baker::Coordinates> coordinates;
     };
     using Abandoned = std::shared_ptr<std::atomic<bool>>; // the frame's thread says so, the one that reads looks
     struct Request {
@@ -157,6 +158,7 @@ private:
     Profile built_; // what the session's memory was allocated for
     std::unique_ptr<session::Session> session_;
     std::unique_ptr<gl::Renderer> renderer_;
+    std::shared_ptr<const baker::Coordinates> coordinates_;
     FullHeights heights_;
     SceneLines scene_lines_;
     std::unique_ptr<gl::Lines> lines_; // made when there are some

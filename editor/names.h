@@ -29,6 +29,8 @@ inline constexpr int overlays = static_cast<int>(std::size(overlay_names));
 inline constexpr std::array<bool, overlays> first_overlays{false, false, false, false,
                                                            false, false, true}; // the path alone
 
+inline constexpr double least_contour_m = 0.01, most_contour_m = 10'000; // between contours
+
 // Six, each in groups that fold.
 enum class Panel : std::uint8_t { tune, view, cost, auto_tune, pictures, light };
 inline constexpr const char* panel_names[] = {"tune", "view", "cost", "auto-tune", "pictures", "light"};
@@ -165,7 +167,7 @@ inline constexpr bool is_modal(Dialog dialog) {
 }
 
 // Which files a dialog lists.
-enum class FileFilter : std::uint8_t { everything, profiles, paths, heights, images, ramps, rules, packs };
+enum class FileFilter : std::uint8_t { everything, profiles, paths, heights, images, ramps, rules, packs, meshes };
 
 // What the dialog that bakes asks for.
 enum class BakeField : std::uint8_t {

@@ -52,6 +52,20 @@ struct NumberText {
     return t;
 }
 
+// "350 m2", "12.3 ha", "4.56 km2". At least 0.
+[[nodiscard]] inline NumberText area_text(double m2) {
+    NumberText t{};
+    if (m2 < 9999.5)
+        (void)std::snprintf(t.text, sizeof t.text, "%.20s m2", count_text(m2).text);
+    else if (m2 < 999'500)
+        (void)std::snprintf(t.text, sizeof t.text, "%.3g ha", m2 * 1e-4);
+    else if (m2 < 999.5e6)
+        (void)std::snprintf(t.text, sizeof t.text, "%.4g km2", m2 * 1e-6);
+    else
+        (void)std::snprintf(t.text, sizeof t.text, "%.20s km2", count_text(m2 * 1e-6).text);
+    return t;
+}
+
 // A path's last part.
 [[nodiscard]] inline const char* file_name(const std::string& path) {
     const std::size_t slash = path.rfind('/');

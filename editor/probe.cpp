@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "baker/georeference/coordinates.h"
 #include "editor/measures.h"
 #include "fjell/pages.h"
 #include "fjell/query.h"
@@ -129,8 +131,8 @@ std::optional<std::array<double, 2>> place_in(const View& view, const Vec3& posi
     return std::array{(right - view.left) / (view.right - view.left), (view.top - up) / (view.top - view.bottom)};
 }
 
-void update_probe(Probe& probe, const session::Session& session, const View& drawn, const View& refining,
-                  bool changed) {
+void update_probe(Probe& probe, const session::Session& session, const View& drawn, const View& refining, bool changed,
+                  const baker::Coordinates* coordinates) {
     std::optional<ProbedGround> ground;
     if (probe.on && probe.pointer) ground = ground_under(session, drawn, (*probe.pointer)[0], (*probe.pointer)[1]);
     if (!ground) {
@@ -139,6 +141,10 @@ void update_probe(Probe& probe, const session::Session& session, const View& dra
         return;
     }
     const bool same = probe.ground && length(ground->position_m - probe.ground->position_m) == 0;
+    if (same)
+        ground->degrees = probe.ground->degrees;
+    else if (coordinates != nullptr)
+        ground->degrees = coordinates->degrees(ground->position_m.x, ground->position_m.z);
     if (same && !changed) {
         ground->mesh = probe.ground->mesh;
     } else {
@@ -150,28 +156,118 @@ void update_probe(Probe& probe, const session::Session& session, const View& dra
     if (probe.looking) look_for_mesh(probe, session, refining);
 }
 
-void measure_profile(Probe& probe, const session::Session& session) {
-    if (probe.marks < 2) return;
-    HeightProfile& p = probe.profile;
-    const Vec3 &from = probe.mark_m[0], &to = probe.mark_m[1];
-    p.length_m = std::hypot(to.x - from.x, to.z - from.z);
+namespace {
+
+double ground_at(const session::Session& session, double x_m, double z_m) {
+    return ground_height(session.terrain(), x_m, z_m).height_m;
+}
+
+// Of the ground from one place to another, in steps of half a sample.
+double ground_length_m(const session::Session& session, const Vec3& from, const Vec3& to) {
+    const PackHeader& header = session.terrain().header();
+    const double flat_m = std::hypot(to.x - from.x, to.z - from.z),
+                 half_m = 0.5 * std::min(header.spacing_m[0], header.spacing_m[1]);
+    constexpr double most_probed_steps = 20'000;
+    const auto steps = static_cast<std::size_t>(std::clamp(std::ceil(flat_m / half_m), 1.0, most_probed_steps));
+    const double step_m = flat_m / static_cast<double>(steps);
+    double sum_m = 0, before_m = ground_at(session, from.x, from.z);
+    for (std::size_t i = 1; i <= steps; ++i) {
+        const double t = static_cast<double>(i) / static_cast<double>(steps);
+        const double now_m = ground_at(session, from.x + t * (to.x - from.x), from.z + t * (to.z - from.z));
+        sum_m += std::hypot(step_m, now_m - before_m);
+        before_m = now_m;
+    }
+    return sum_m;
+}
+
+// Whether the polygon holds the place: how often its edges cross the way from there to the east.
+bool encloses(std::span<const Vec3> corners, double x_m, double z_m) {
+    bool inside = false;
+    for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
+        const Vec3 &a = corners[i], &b = corners[j];
+        if ((a.z > z_m) != (b.z > z_m) && x_m < a.x + (b.x - a.x) * (z_m - a.z) / (b.z - a.z)) inside = !inside;
+    }
+    return inside;
+}
+
+// How much larger the ground inside the polygon is than its map: the mean over a grid of cells.
+double ground_per_map(const session::Session& session, std::span<const Vec3> corners) {
+    const PackHeader& header = session.terrain().header();
+    const auto [west, east] = std::ranges::minmax(corners, {}, &Vec3::x);
+    const auto [north, south] = std::ranges::minmax(corners, {}, &Vec3::z);
+    constexpr double most_probed_cells = 160;
+    const auto cells = [&](double extent_m, double spacing_m) {
+        return static_cast<int>(std::clamp(std::ceil(2 * extent_m / spacing_m), 8.0, most_probed_cells));
+    };
+    const int columns = cells(east.x - west.x, header.spacing_m[0]),
+              rows = cells(south.z - north.z, header.spacing_m[1]);
+    const double wide_m = (east.x - west.x) / columns, deep_m = (south.z - north.z) / rows;
+    double sum = 0;
+    int inside = 0;
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const double x_m = west.x + (column + 0.5) * wide_m, z_m = north.z + (row + 0.5) * deep_m;
+            if (!encloses(corners, x_m, z_m)) continue;
+            const double h = ground_at(session, x_m - wide_m / 2, z_m - deep_m / 2),
+                         to_east = (ground_at(session, x_m + wide_m / 2, z_m - deep_m / 2) - h) / wide_m,
+                         to_south = (ground_at(session, x_m - wide_m / 2, z_m + deep_m / 2) - h) / deep_m;
+            sum += std::sqrt(1 + to_east * to_east + to_south * to_south);
+            ++inside;
+        }
+    return inside == 0 ? 1 : sum / inside;
+}
+
+void sample_heights(HeightProfile& p, std::span<const Vec3> marks, const session::Session& session) {
+    std::size_t leg = 1;
+    double before_m = 0, leg_m = std::hypot(marks[1].x - marks[0].x, marks[1].z - marks[0].z);
     for (std::size_t i = 0; i < p.samples; ++i) {
-        const double t = static_cast<double>(i) / (p.samples - 1);
-        p.height_m[i] = static_cast<float>(
-            ground_height(session.terrain(), from.x + t * (to.x - from.x), from.z + t * (to.z - from.z)).height_m);
+        const double at_m = p.length_m * static_cast<double>(i) / (p.samples - 1);
+        while (leg + 1 < marks.size() && at_m > before_m + leg_m) {
+            before_m += leg_m;
+            ++leg;
+            leg_m = std::hypot(marks[leg].x - marks[leg - 1].x, marks[leg].z - marks[leg - 1].z);
+        }
+        const double t = leg_m > 0 ? std::min((at_m - before_m) / leg_m, 1.0) : 0;
+        const Vec3 &from = marks[leg - 1], &to = marks[leg];
+        p.place_m[i] = {from.x + t * (to.x - from.x), from.z + t * (to.z - from.z)};
+        p.height_m[i] = static_cast<float>(ground_at(session, p.place_m[i][0], p.place_m[i][1]));
     }
     const auto [lowest, highest] = std::minmax_element(p.height_m.begin(), p.height_m.end());
     p.lowest_m = *lowest;
     p.highest_m = *highest;
-    probe.mark_m[0].y = static_cast<double>(p.height_m.front());
-    probe.mark_m[1].y = static_cast<double>(p.height_m.back());
+}
+
+} // namespace
+
+void measure_profile(Probe& probe, const session::Session& session) {
+    const std::span<Vec3> marks(probe.mark_m.data(), probe.marks);
+    for (Vec3& mark : marks) mark.y = ground_at(session, mark.x, mark.z);
+    if (marks.size() < 2) return;
+    HeightProfile& p = probe.profile;
+    p.length_m = p.ground_length_m = p.area_m2 = p.ground_area_m2 = 0;
+    for (std::size_t i = 1; i < marks.size(); ++i) {
+        p.length_m += std::hypot(marks[i].x - marks[i - 1].x, marks[i].z - marks[i - 1].z);
+        p.ground_length_m += ground_length_m(session, marks[i - 1], marks[i]);
+    }
+    sample_heights(p, marks, session);
+    if (marks.size() < 3) return;
+    double twice_m2 = 0;
+    for (std::size_t i = 0, j = marks.size() - 1; i < marks.size(); j = i++)
+        twice_m2 += marks[j].x * marks[i].z - marks[i].x * marks[j].z;
+    p.area_m2 = std::abs(twice_m2) / 2;
+    p.ground_area_m2 = p.area_m2 * ground_per_map(session, marks);
 }
 
 void set_mark(Probe& probe, const session::Session& session, double x_m, double z_m) {
+    if (probe.marks == most_marks) return;
     const session::Ground ground = session::ground_of(session.terrain());
-    const double x = std::clamp(x_m, 0.0, ground.extent_x_m), z = std::clamp(z_m, 0.0, ground.extent_z_m);
-    if (probe.marks == probe.mark_m.size()) probe.marks = 0;
-    probe.mark_m[probe.marks++] = {x, ground_height(session.terrain(), x, z).height_m, z};
+    probe.mark_m[probe.marks++] = {std::clamp(x_m, 0.0, ground.extent_x_m), 0, std::clamp(z_m, 0.0, ground.extent_z_m)};
+    measure_profile(probe, session);
+}
+
+void remove_mark(Probe& probe, const session::Session& session) {
+    if (probe.marks == 0) return;
+    --probe.marks;
     measure_profile(probe, session);
 }
 

@@ -41,8 +41,22 @@ FlownPlace place_of(std::span<const session::FrameEntry> frames, std::span<const
     for (const session::FrameEntry& f : frames) {
         place.error_px = std::max(place.error_px, static_cast<float>(f.error_bound_px));
         place.exhausted |= f.exhausted;
+        place.measured_px = std::max(place.measured_px, static_cast<float>(f.verified_px.value_or(-1)));
     }
     return place;
+}
+
+// Of the nearest place that has one.
+void spread_measured(std::vector<FlownPlace>& places) {
+    std::vector<std::size_t> measured;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        if (places[i].measured_px >= 0) measured.push_back(i);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < places.size() && !measured.empty(); ++i) {
+        const auto away = [&](std::size_t from) { return from > i ? from - i : i - from; };
+        while (at + 1 < measured.size() && away(measured[at + 1]) < away(measured[at])) ++at;
+        places[i].measured_px = places[measured[at]].measured_px;
+    }
 }
 
 std::vector<std::uint16_t> worst_of(const FlownRun& run, float (*value)(const FlownPlace&), double above) {
@@ -86,6 +100,7 @@ FlownRun make_run(std::span<const session::FrameEntry> frames, std::span<const s
         run.places.push_back(
             place_of(frames.subspan(first, end - first), poses.subspan(first, end - first), first + 1));
     }
+    spread_measured(run.places);
     run.worst[0] = worst_of(
         run, [](const FlownPlace& p) { return p.update_us; }, 0);
     run.worst[1] = worst_of(

@@ -27,6 +27,7 @@ struct FlownPlace {
     std::uint32_t frame = 0; // that one
     float update_us = 0;     // of it
     float error_px = 0;      // the largest effective threshold of the stretch; 1e6 and more: unbounded
+    float measured_px = -1;  // the largest measured error, of the stretch or of the nearest that has one; -1: none has
     std::uint32_t vertices = 0;
     std::uint32_t exhausted = 0; // ExhaustedBits of any frame of the stretch
 };

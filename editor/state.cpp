@@ -14,7 +14,9 @@
 
 namespace fjell::editor {
 
-double contour_interval_m(const Scene& scene) {
+double contour_interval_m(const State& state) {
+    if (state.interface.contour_m > 0) return state.interface.contour_m;
+    const Scene& scene = state.scene;
     const double rough_m = std::max((scene.max_m - scene.min_m) / 20, 1e-3);
     const double power = std::pow(10.0, std::floor(std::log10(rough_m)));
     for (const double step : {1.0, 2.0, 5.0})

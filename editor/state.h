@@ -8,11 +8,14 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/georeference/coordinates.h"
 #include "editor/command.h"
+#include "editor/contours.h"
 #include "editor/document.h"
 #include "editor/files/listing.h"
 #include "editor/files/recovery.h"
@@ -37,7 +40,8 @@ namespace fjell::editor {
 
 // What is open.
 struct Scene {
-    std::string path; // of the pack; empty: nothing is open
+    std::shared_ptr<const baker::Coordinates> coordinates; // null: nothing is open
+    std::string path;                                      // of the pack; empty: nothing is open
     std::uint32_t columns = 0, rows = 0, tiles_x = 0, tiles_y = 0, tile_cells = 0, pages = 0;
     std::uint32_t tiles = 0; // that there are: fewer than fit, of a sparse pack set
     double spacing_m[2] = {}, min_m = 0, max_m = 0, quantum_m = 0;
@@ -51,9 +55,6 @@ struct Scene {
     [[nodiscard]] double width_m() const { return columns > 1 ? (columns - 1) * spacing_m[0] : 0; }
     [[nodiscard]] double depth_m() const { return rows > 1 ? (rows - 1) * spacing_m[1] : 0; }
 };
-
-// Between contours: a round number of metres, some 20 of them over the terrain's heights.
-[[nodiscard]] double contour_interval_m(const Scene& scene);
 
 struct Eye {
     session::FreeCamera free;
@@ -122,8 +123,9 @@ struct Interface {
     Dialog dialog = Dialog::none;
     session::PictureMode mode = session::PictureMode::shaded;
     std::array<bool, overlays> overlay = first_overlays;
-    std::vector<std::string> recent;                                                   // packs, the latest first
-    std::uint32_t width_px = 0, height_px = 0;                                         // of the window
+    double contour_m = 0;                      // between contours; 0: as suits the terrain
+    std::vector<std::string> recent;           // packs, the latest first
+    std::uint32_t width_px = 0, height_px = 0; // of the window
     std::uint32_t view_x_px = 0, view_y_px = 0, view_width_px = 0, view_height_px = 0; // of the picture in it
 };
 
@@ -174,6 +176,7 @@ struct State {
     std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
     Probe probe;
+    ContourLabels contour_labels;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;
     Runs runs; // benchmarks that were flown
@@ -206,6 +209,9 @@ struct State {
 
     [[nodiscard]] bool shows(Overlay overlay) const { return interface.overlay[static_cast<std::size_t>(overlay)]; }
 };
+
+// Between contours: what was chosen, or a round number of metres, some 20 of them over the terrain's heights.
+[[nodiscard]] double contour_interval_m(const State& state);
 
 // Throws Failure (2) when the output would replace a file that is open: the pack, the profile, the camera path or the
 // script. own: the one of these that it may replace, as what is saved replaces what it came from.

@@ -266,6 +266,7 @@ public:
     std::vector<Window> windows(std::size_t most) const override;
     SourceProperties properties(const ReadStatistics& statistics) const override;
     std::string identity() const override;
+    [[nodiscard]] const ReadPlan& plan() const { return *plan_; }
 
 private:
     [[nodiscard]] VoidCheck void_check() const;
@@ -349,6 +350,30 @@ std::string FileSource::identity() const {
 
 std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths, const ReadOptions& options) {
     return std::make_unique<FileSource>(make_plan(paths, options));
+}
+
+std::optional<Unwarped> unwarped(const HeightSource& source) {
+    const auto* const files = dynamic_cast<const FileSource*>(&source);
+    if (files == nullptr || !files->plan().warped) return {};
+    auto own = std::make_shared<ReadPlan>(files->plan());
+    own->warped = false;
+    own->target = own->layout.at;
+    own->crop = {0, 0, own->target.columns, own->target.rows};
+    struct Way {
+        PlacedDataset from;
+        Transformer transformer;
+        Way(const Placement& at, const Placement& to, const std::string& path)
+            : from(at, source_crs(at), [](const Window&, float*) {}), transformer(from, to.crs_wkt, path) {
+            transformer.set_target(to);
+        }
+    };
+    const auto way = std::make_shared<Way>(own->layout.at, files->plan().target, own->names());
+    return Unwarped{std::make_unique<FileSource>(own), [way](double& column, double& row) {
+                        column += 0.5, row += 0.5; // GDAL counts from a pixel's corner
+                        const bool there = way->transformer.to_source(column, row);
+                        column -= 0.5, row -= 0.5;
+                        return there;
+                    }};
 }
 
 } // namespace fjell::baker

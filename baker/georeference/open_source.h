@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +24,14 @@ namespace fjell::baker {
 // option out of range. O(files).
 [[nodiscard]] std::unique_ptr<HeightSource> open_source(const std::vector<std::string>& paths,
                                                         const ReadOptions& options);
+
+// What a source is reprojected from, for whoever only looks at it: reading its files takes a hundredth of the time.
+struct Unwarped {
+    std::unique_ptr<HeightSource> source; // the files' own grid
+    // Of a sample of the reprojected grid, where it is in that one: column and row. False: nowhere.
+    std::function<bool(double& column, double& row)> place;
+};
+// None: it is not reprojected. The source may go before the result. Throws Failure.
+[[nodiscard]] std::optional<Unwarped> unwarped(const HeightSource& source);
 
 } // namespace fjell::baker

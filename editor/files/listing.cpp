@@ -45,6 +45,7 @@ constexpr const char* height_files[] = {".tif", ".tiff", ".hgt", ".asc", ".dem",
 constexpr const char* image_files[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".jp2", ".vrt", ".webp"};
 constexpr const char* ramp_files[] = {".json"};
 constexpr const char* pack_files[] = {".fjell"};
+constexpr const char* mesh_files[] = {".glb"};
 
 std::span<const char* const> endings_of(FileFilter filter) {
     switch (filter) {
@@ -55,6 +56,7 @@ std::span<const char* const> endings_of(FileFilter filter) {
     case FileFilter::ramps:
     case FileFilter::rules: return ramp_files;
     case FileFilter::packs: return pack_files;
+    case FileFilter::meshes: return mesh_files;
     case FileFilter::everything: break;
     }
     return everything;

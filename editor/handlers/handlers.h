@@ -121,6 +121,7 @@ void handle(const ZoomGraphs& c, HandlerContext context);
 // --- jobs
 void handle(const TuneThreshold& c, HandlerContext context);
 void handle(const RunBenchmark& c, HandlerContext context);
+void handle(const UseTuned& c, HandlerContext context);
 void handle(const ExportMesh& c, HandlerContext context);
 void handle(const PreviewExport& c, HandlerContext context);
 // What a job that has just ended means for the state: a baked pack is opened, a tuned threshold offered.

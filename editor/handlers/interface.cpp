@@ -227,8 +227,10 @@ void dispatch(const Command& command, HandlerContext context) {
                 state.probe.pointer = std::array{c.x, c.y};
             },
             [&](const MarkPlace& c) { set_mark(state.probe, open_engine(context).session(), c.x_m, c.z_m); },
+            [&](const RemoveMark&) { remove_mark(state.probe, open_engine(context).session()); },
             [&](const ClearMarks&) { state.probe.marks = 0; }, [&](const SetPictureMode& c) { i.mode = c.mode; },
             [&](const SetOverlay& c) { i.overlay[static_cast<std::size_t>(c.overlay)] = c.on; },
+            [&](const SetContours& c) { i.contour_m = c.every_m; },
             [&](const SetScale& c) { i.scale = std::clamp(c.scale, 0.5, 4.0); },
             [&](const HoldMeasures& c) {
                 state.measures.hold(c.on);

@@ -31,14 +31,14 @@ MeasuredFlightPlan plan_of(HandlerContext context, std::size_t frames) {
 }
 
 // Of the frame that is shown, as it stands; converged or with a threshold of its own, for that frame's view.
-ExportPlan export_plan(HandlerContext context, const std::string& path, bool converged, double error_px) {
+ExportPlan export_plan(HandlerContext context, const ExportMesh& c) {
     const State& state = context.state;
     const session::Session& session = open_engine(context).session();
     const std::optional<View>& view = session.method->view();
     if (!view) throw io::Failure(2, "no frame has been drawn yet; try again");
-    ExportPlan plan{session.file,           path, {}, state.scene.streamed, state.document.profile(), *view, error_px,
-                    context.engine.layers()};
-    if (!converged && error_px == 0) plan.frame = session::take_frame(session);
+    ExportPlan plan{session.file, c.path,     {},        state.scene.streamed,   state.document.profile(),
+                    *view,        c.error_px, c.texel_m, context.engine.layers()};
+    if (!c.converged && c.error_px == 0) plan.frame = session::take_frame(session);
     return plan;
 }
 
@@ -46,8 +46,7 @@ void apply_tuned(HandlerContext context) {
     State& state = context.state;
     state.tuned = state.job;
     const JobView& job = state.job;
-    if (!job.tuned.apply || job.best_px == 0) return;
-    apply(SetKey{find_profile_key("refine.max_error_px"), job.best_px, false}, context);
+    if (job.tuned.apply && job.best_px != 0) apply(UseTuned{}, context);
 }
 
 } // namespace
@@ -55,6 +54,16 @@ void apply_tuned(HandlerContext context) {
 void handle(const TuneThreshold& c, HandlerContext context) {
     refuse_overwriting_open_files(context.state, c.csv);
     context.jobs.start(JobKind::tune, tune_job(plan_of(context, c.settings.frames), c.settings, c.csv));
+}
+
+void handle(const UseTuned&, HandlerContext context) {
+    State& state = context.state;
+    const JobView& job = state.tuned;
+    if (job.best_px == 0) throw io::Failure(2, "nothing was found yet; auto-tune first");
+    Profile profile = state.document.profile();
+    profile.refine.max_error_px = job.best_px;
+    for (const TunedKey& t : job.tuned_keys) t.key->set(profile, t.value);
+    state.document.replace(profile);
 }
 
 void handle(const RunBenchmark& c, HandlerContext context) {
@@ -67,11 +76,11 @@ void handle(const ExportMesh& c, HandlerContext context) {
     refuse_overwriting_open_files(context.state, c.path);
     if (!gltf::is_snapshot_name(c.path))
         throw io::Failure(2, c.path + ": a snapshot is binary glTF; give it a name that ends in .glb");
-    context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c.path, c.converged, c.error_px)));
+    context.jobs.start(JobKind::snapshot, export_job(export_plan(context, c)));
 }
 
 void handle(const PreviewExport& c, HandlerContext context) {
-    context.jobs.start(JobKind::preview, export_job(export_plan(context, "", c.converged, c.error_px)));
+    context.jobs.start(JobKind::preview, export_job(export_plan(context, {"", c.converged, c.error_px, c.texel_m})));
 }
 
 void handle_job_result(HandlerContext context) {

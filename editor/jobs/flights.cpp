@@ -1,10 +1,12 @@
 #include "editor/jobs/flights.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -78,6 +80,7 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
     std::unique_ptr<gl::Target> target;
     std::unique_ptr<gl::Renderer> renderer;
     double now_s = 0; // never runs backwards, from flight to flight
+    View flown{};     // of the last frame
 
     void open();
     void make_graphics(const session::FlightOptions& options);
@@ -87,7 +90,8 @@ struct MeasuredFlight::Impl { // in the order of destruction, last first: GL obj
 
 void MeasuredFlight::Impl::open() {
     control.progress("open", 0, 1);
-    const session::FlightOptions options = options_of(plan.pack, plan.profile);
+    session::FlightOptions options = options_of(plan.pack, plan.profile);
+    options.verify_every = plan.measures ? 1 : 0;
     session::open_session(options, session);
     control.check();
     const std::size_t frames = plan.frames != 0 ? plan.frames : session::default_frames;
@@ -156,13 +160,31 @@ void MeasuredFlight::fly(double error_px, const Each& each) {
     s.session.begun = s.session.streamed != nullptr; // streamed, there is nothing to build from
     for (std::size_t i = 0; i < s.poses.size(); ++i) {
         s.control.check();
-        const View view = session::view_of(s.poses[i], s.session.terrain(), s.plan.profile);
+        s.flown = session::view_of(s.poses[i], s.session.terrain(), s.plan.profile);
         session::FrameEntry entry;
-        FlownTimes times = s.update(view, entry);
-        if (s.renderer) times.draw_us = s.draw(view);
+        FlownTimes times = s.update(s.flown, entry);
+        if (s.renderer) times.draw_us = s.draw(s.flown);
         s.now_s += 1.0 / 60;
         each(entry, times, i);
     }
+}
+
+void MeasuredFlight::measure(session::FrameEntry& entry, std::size_t frame) {
+    session::Verification unused;
+    session::verify_frame(impl_->session, impl_->flown, impl_->plan.profile, frame, entry, unused);
+}
+
+double MeasuredFlight::samples() const {
+    const PackHeader& h = impl_->session.terrain().header();
+    return static_cast<double>(h.columns) * h.rows;
+}
+
+void MeasuredFlight::set(const ProfileKey& key, double value) {
+    key.set(impl_->plan.profile, value);
+}
+
+double MeasuredFlight::get(const ProfileKey& key) const {
+    return key.get(impl_->plan.profile);
 }
 
 // --- Jobs that fly: the one that tunes, and the one that writes a line a frame.
@@ -222,6 +244,119 @@ FlightCost fly_once(MeasuredFlight& flight, double error_px, const std::function
     return flown;
 }
 
+// What was found beside the threshold, in the order in which it was tried.
+class OtherKeys {
+public:
+    using Fly = std::function<FlightCost(double error_px)>;
+    OtherKeys(MeasuredFlight& flight, const TuneSettings& settings, const Fly& fly)
+        : flight_(flight), settings_(settings), fly_(fly) {}
+
+    // Keys that make the flight at that threshold cheaper by more than what flights differ by. True: there are some.
+    bool make_cheaper(double error_px) {
+        double best_us = cost_us(error_px);
+        for (const auto& [name, values] : cheaper) {
+            const ProfileKey& key = *find_profile_key(name);
+            const double before = flight_.get(key);
+            double best = before;
+            for (const double value : values) {
+                if (value == before) continue;
+                flight_.set(key, value);
+                const double us = cost_us(error_px);
+                if (us >= noise * best_us) continue;
+                best_us = us;
+                best = value;
+            }
+            flight_.set(key, best);
+            if (best != before) changed_.push_back({{&key, best}, before});
+        }
+        return !changed_.empty();
+    }
+    // Morphing, where the profile has none and it keeps the budget.
+    void morph(double error_px) {
+        const ProfileKey& key = *find_profile_key("refine.morph");
+        if (flight_.get(key) != 0) return;
+        flight_.set(key, 1); // by the error
+        if (cost_us(error_px) <= settings_.budget_us)
+            changed_.push_back({{&key, 1}, 0});
+        else
+            flight_.set(key, 0);
+    }
+    void take_back() {
+        for (const Change& c : changed_) flight_.set(*c.now.key, c.before);
+        changed_.clear();
+    }
+    [[nodiscard]] std::vector<TunedKey> found() const {
+        std::vector<TunedKey> keys;
+        for (const Change& c : changed_) keys.push_back(c.now);
+        return keys;
+    }
+
+    static constexpr std::uint32_t flights = 2 * 6; // about
+
+private:
+    struct Tried {
+        const char* key;
+        std::array<double, 3> values;
+    };
+    struct Change {
+        TunedKey now;
+        double before = 0;
+    };
+    static constexpr Tried cheaper[] = {{"refine.hysteresis", {0, 0.04, 0.1}}, {"refine.offscreen_factor", {1, 4, 8}}};
+    static constexpr double noise = 0.97;
+
+    // p99 of two flights, each frame with its least time; infinite where the threshold is not reached.
+    double cost_us(double error_px) {
+        FlightCost first = fly_(error_px);
+        const FlightCost second = fly_(error_px);
+        if (std::max(first.reached, second.reached) < least_reached) return std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < first.times_us.size(); ++i)
+            first.times_us[i] = std::min(first.times_us[i], second.times_us[i]);
+        return session::percentiles(first.times_us).p99;
+    }
+
+    MeasuredFlight& flight_;
+    const TuneSettings& settings_;
+    const Fly& fly_;
+    std::vector<Change> changed_;
+};
+
+std::string keys_text(const std::vector<TunedKey>& keys) {
+    std::string text;
+    for (const TunedKey& t : keys) {
+        Profile profile;
+        t.key->set(profile, t.value);
+        text += fmt::format("{}{}.{} {}", text.empty() ? "; with " : ", ", t.key->table, t.key->name,
+                            value_text(*t.key, profile));
+    }
+    return text;
+}
+
+// Other keys at the threshold that was found; with cheaper ones a smaller threshold is looked for.
+TuneResult tune_others(OtherKeys& others, TuneResult found, TuneSettings settings, const OtherKeys::Fly& fly,
+                       const std::function<void(const TuneResult&)>& each) {
+    if (others.make_cheaper(found.best_px) && found.best_px > rounded_up(settings.least_px)) {
+        settings.most_px = found.best_px;
+        // With what the first search flew above it: the curve has its span.
+        const auto beside_first = [&](TuneResult result) {
+            std::vector<TunePoint> curve;
+            for (const TunePoint& p : found.curve)
+                if (p.error_px > found.best_px) curve.push_back(p);
+            result.curve.insert(result.curve.begin(), curve.begin(), curve.end());
+            result.expected += found.flights;
+            return result;
+        };
+        TuneResult smaller =
+            beside_first(find_threshold(settings, fly, [&](const TuneResult& so_far) { each(beside_first(so_far)); }));
+        if (smaller.best_px == 0)
+            others.take_back(); // only by chance
+        else
+            found = std::move(smaller);
+    }
+    others.morph(found.best_px);
+    return found;
+}
+
 void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile* csv, JobControl& control) {
     control.publish([&](JobView& view) { view.tuned = settings; });
     const std::string flown = plan.flight_name;
@@ -229,31 +364,57 @@ void tune(MeasuredFlightPlan plan, const TuneSettings& settings, io::AtomicFile*
     const auto frames = static_cast<double>(flight.frames());
     Share share(control);
     std::uint32_t flights = 0, expected = 16;
-    const TuneResult result = find_threshold(
-        settings,
-        [&](double error_px) {
-            return fly_once(flight, error_px, [&](std::size_t frame) {
-                share.show(flights + static_cast<double>(frame) / frames, expected);
-            });
-        },
-        [&](const TuneResult& so_far) {
-            flights = so_far.flights;
-            expected = so_far.expected;
-            control.publish([&](JobView& view) {
-                view.curve = so_far.curve;
-                view.flights = so_far.flights;
-            });
+    const bool also = settings.also && flight.incremental();
+    const OtherKeys::Fly fly = [&](double error_px) {
+        FlightCost cost = fly_once(flight, error_px, [&](std::size_t frame) {
+            share.show(flights + static_cast<double>(frame) / frames, expected);
         });
+        ++flights;
+        return cost;
+    };
+    const auto each = [&](const TuneResult& so_far) {
+        expected = std::max(so_far.expected, flights) + (also ? OtherKeys::flights : 0);
+        control.publish([&](JobView& view) {
+            view.curve = so_far.curve;
+            view.flights = flights;
+        });
+    };
+    TuneResult result = find_threshold(settings, fly, each);
+    OtherKeys others(flight, settings, fly);
+    if (also && result.best_px > 0) result = tune_others(others, std::move(result), settings, fly, each);
+    result.flights = flights;
     if (csv != nullptr) write(*csv, tune_csv(result.curve));
     control.publish([&](JobView& view) {
         view.best_px = result.best_px;
-        view.result = tune_text(result, settings, flown);
+        view.flights = result.flights;
+        view.tuned_keys = others.found();
+        view.result = tune_text(result, settings, flown) + keys_text(view.tuned_keys);
+    });
+}
+
+constexpr double most_measured_samples = 64e6; // of a terrain: all of them, a frame
+
+// In a flight of its own, or the frames that are timed would find the caches full of samples; of some frames, as it
+// takes every sample of the terrain.
+void measure_errors(MeasuredFlight& flight, session::FlightLog& log, JobControl& control) {
+    const std::size_t count = log.frames.size();
+    const auto wanted = static_cast<std::size_t>(std::clamp(4e8 / flight.samples(), 16.0, 128.0));
+    const std::size_t every = std::max<std::size_t>(count / wanted, 1);
+    flight.fly(flight.error_px(), [&](const session::FrameEntry& entry, const FlownTimes&, std::size_t frame) {
+        control.progress("measure the error", frame, count);
+        if (frame == 0 || frame % every != 0) return;
+        session::FrameEntry measured = entry;
+        flight.measure(measured, frame);
+        log.frames[frame].verified_px = measured.verified_px;
     });
 }
 
 void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile& file, JobControl& control) {
     const double budget_us = plan.profile.cut.max_time_us;
     const std::string profile = plan.profile_name;
+    const PackHeader& header = plan.pack->pack().header;
+    const bool measures = static_cast<double>(header.columns) * header.rows <= most_measured_samples;
+    plan.measures = measures;
     MeasuredFlight flight(std::move(plan), control);
     session::FlightLog log;
     log.frames.reserve(flight.frames());
@@ -262,6 +423,7 @@ void benchmark(MeasuredFlightPlan plan, const std::string& path, io::AtomicFile&
         log.frames.push_back(entry);
         control.progress("fly", frame + 1, flight.frames());
     });
+    if (measures) measure_errors(flight, log, control);
     write(file, session::csv(log));
     const session::Summary s = session::summarise(log, flight.incremental());
     auto run = std::make_shared<FlownRun>(make_run(log.frames, flight.poses()));

@@ -19,6 +19,7 @@
 #include "editor/jobs/jobs.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/profile.h"
+#include "fjell/profile/keys.h"
 #include "session/log.h"
 #include "session/path.h"
 
@@ -32,6 +33,7 @@ struct MeasuredFlightPlan {
     bool draws = false;               // with upload, drawing and the GPU's work
     std::string profile_name{};       // for people
     std::string flight_name{};        // for people: what the route is called (Route::flight_name)
+    bool measures = false;            // errors too: a streamed terrain is read whole for them
 };
 
 // What a frame took, microseconds; upload and drawing only where the plan draws.
@@ -58,6 +60,12 @@ public:
     // and its number.
     using Each = std::function<void(const session::FrameEntry& entry, const FlownTimes& times, std::size_t frame)>;
     void fly(double error_px, const Each& each);
+    // Within each(): the error on screen of the frame's mesh, measured at every sample (session::verify_frame()).
+    void measure(session::FrameEntry& entry, std::size_t frame);
+    [[nodiscard]] double samples() const; // of the terrain
+    // Of the profile, for the flights that follow: a key that rebuilds nothing.
+    void set(const ProfileKey& key, double value);
+    [[nodiscard]] double get(const ProfileKey& key) const;
 
 private:
     struct Impl;

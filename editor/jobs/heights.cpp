@@ -127,12 +127,12 @@ struct SmallField {
     std::uint64_t step_count = 0;
 };
 
-SmallField small_field_of(const baker::HeightSource& s) {
+// times: as many texels, each way, as the picture has.
+SmallField small_field_of(std::int32_t columns, std::int32_t rows, double times = 1) {
     SmallField f;
-    const double scale =
-        std::min({1.0, picture_columns / static_cast<double>(s.columns), picture_rows / static_cast<double>(s.rows)});
-    f.columns = std::max(static_cast<std::uint32_t>(std::lround(s.columns * scale)), 1u);
-    f.rows = std::max(static_cast<std::uint32_t>(std::lround(s.rows * scale)), 1u);
+    const double scale = std::min({1.0, times * picture_columns / columns, times * picture_rows / rows});
+    f.columns = std::max(static_cast<std::uint32_t>(std::lround(columns * scale)), 1u);
+    f.rows = std::max(static_cast<std::uint32_t>(std::lround(rows * scale)), 1u);
     f.heights_m.assign(std::size_t{f.columns} * f.rows, std::numeric_limits<float>::quiet_NaN());
     return f;
 }
@@ -157,16 +157,20 @@ void add_rows(SmallField& f, std::uint32_t row, std::span<const float> heights, 
 }
 
 // False: it was told to stop.
-bool read_small(const baker::HeightSource& s, SmallField& f, baker::ReadStatistics& statistics, bool all,
-                const std::atomic<bool>& stop) {
+bool read_small(const baker::HeightSource& s, const baker::Window& part, SmallField& f,
+                baker::ReadStatistics& statistics, bool all, const std::atomic<bool>& stop,
+                std::atomic<double>* share) {
     const auto reader = s.reader();
-    const auto columns = static_cast<std::size_t>(s.columns);
+    const auto columns = static_cast<std::size_t>(part.columns);
     const auto most_rows = static_cast<std::int32_t>(std::max<std::size_t>(read_at_once / columns, 1));
     std::vector<float> heights;
     std::vector<double> sums(f.columns);
     std::vector<std::uint32_t> counts(f.columns);
     for (std::uint32_t row = 0; row < f.rows; ++row) {
-        const auto at = [&](std::uint32_t r) { return static_cast<std::int32_t>(std::int64_t{r} * s.rows / f.rows); };
+        if (share != nullptr) share->store(row / static_cast<double>(f.rows), std::memory_order_relaxed);
+        const auto at = [&](std::uint32_t r) {
+            return static_cast<std::int32_t>(std::int64_t{r} * part.rows / f.rows);
+        };
         std::int32_t begin = at(row), end = at(row + 1);
         if (!all) {
             begin = (begin + end) / 2;
@@ -178,11 +182,56 @@ bool read_small(const baker::HeightSource& s, SmallField& f, baker::ReadStatisti
             if (stop.load(std::memory_order_relaxed)) return false;
             const std::int32_t n = std::min(most_rows, end - y);
             heights.resize(columns * static_cast<std::size_t>(n));
-            reader->read({0, y, s.columns, n}, heights.data(), statistics);
+            reader->read({part.x, part.y + y, part.columns, n}, heights.data(), statistics);
             add_rows(f, row, heights, columns, sums, counts);
         }
     }
     return true;
+}
+
+// Where the samples of a reprojected field come from: of each cell of a small one its place in the files, NaN where no
+// file reaches, and the part of the files that it takes.
+struct SourcePlaces {
+    std::vector<std::array<double, 2>> of_cell;
+    baker::Window part;
+};
+
+SourcePlaces places_of(const baker::Unwarped& files, const baker::HeightSource& to, const SmallField& f) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    SourcePlaces p;
+    double least[2] = {infinite, infinite}, most[2] = {-infinite, -infinite};
+    const double extent[2] = {files.source->columns - 0.5, files.source->rows - 0.5};
+    for (std::uint32_t y = 0; y < f.rows; ++y)
+        for (std::uint32_t x = 0; x < f.columns; ++x) {
+            std::array<double, 2> at{(x + 0.5) * to.columns / f.columns - 0.5, (y + 0.5) * to.rows / f.rows - 0.5};
+            const bool there =
+                files.place(at[0], at[1]) && at[0] >= -0.5 && at[1] >= -0.5 && at[0] < extent[0] && at[1] < extent[1];
+            if (!there) at[0] = std::numeric_limits<double>::quiet_NaN();
+            p.of_cell.push_back(at);
+            for (std::size_t axis = 0; axis < 2 && there; ++axis) {
+                least[axis] = std::min(least[axis], at[axis]);
+                most[axis] = std::max(most[axis], at[axis]);
+            }
+        }
+    if (!(least[0] <= most[0])) return p;
+    const auto whole = [](double place) { return static_cast<std::int32_t>(std::lround(place)); };
+    p.part = {whole(least[0]), whole(least[1]), whole(most[0]) - whole(least[0]) + 1,
+              whole(most[1]) - whole(least[1]) + 1};
+    return p;
+}
+
+// As the bake will lay it out, from what was read of the files: the nearest cell of each place.
+void reproject(const SmallField& from, const SourcePlaces& places, SmallField& f) {
+    for (std::size_t i = 0; i < places.of_cell.size(); ++i) {
+        const auto [column, row] = places.of_cell[i];
+        if (std::isnan(column)) continue;
+        const auto cell = [](double at, std::int32_t first, std::int32_t count, std::uint32_t cells) {
+            const auto c = static_cast<std::int64_t>((std::round(at) - first) * cells / count);
+            return static_cast<std::size_t>(std::clamp<std::int64_t>(c, 0, std::int64_t{cells} - 1));
+        };
+        f.heights_m[i] = from.heights_m[cell(row, places.part.y, places.part.rows, from.rows) * from.columns +
+                                        cell(column, places.part.x, places.part.columns, from.columns)];
+    }
 }
 
 std::uint32_t packed_rgb(const float (&rgb)[3], float light) {
@@ -314,7 +363,7 @@ std::unique_ptr<baker::HeightSource> open_to_look(const BakePack& pack, HeightFa
     }
 }
 
-void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop) {
+void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop, std::atomic<double>* share) {
     std::error_code ignored;
     for (const std::string& file : pack.inputs)
         if (const auto bytes = fs::file_size(file, ignored); !ignored) f.file_bytes += bytes;
@@ -328,18 +377,35 @@ void look(const BakePack& pack, HeightFacts& f, const std::atomic<bool>& stop) {
     f.crs = baker::crs_text(baker::crs_label(s.crs_wkt));
     f.reprojected_from = s.facts.reprojected_from;
     f.unit_named = !s.facts.height_unit.empty() || pack.height_scale != 0;
-    f.all_read = static_cast<double>(s.columns) * s.rows <= most_read;
-    SmallField small = small_field_of(s);
+    // Reprojection interpolates, which takes a look a hundred times as long: it shows the nearest samples.
+    const std::optional<baker::Unwarped> files = baker::unwarped(s);
+    const baker::HeightSource& from = files ? *files->source : s;
+    SourcePlaces places{{}, {0, 0, s.columns, s.rows}};
+    SmallField small = small_field_of(s.columns, s.rows);
+    if (files) places = places_of(*files, s, small);
+    const baker::Window& part = places.part;
+    if (part.columns == 0) return;
+    f.all_read = static_cast<double>(part.columns) * part.rows <= most_read;
+    SmallField read_of = small_field_of(part.columns, part.rows, files ? 2 : 1);
     baker::ReadStatistics statistics;
-    if (!read_small(s, small, statistics, f.all_read, stop)) return;
-    const double read = static_cast<double>(s.columns) * (f.all_read ? s.rows : static_cast<double>(small.rows));
+    if (!read_small(from, part, read_of, statistics, f.all_read, stop, share)) return;
+    const double read =
+        static_cast<double>(part.columns) * (f.all_read ? part.rows : static_cast<double>(read_of.rows));
+    if (files)
+        reproject(read_of, places, small);
+    else
+        small = std::move(read_of);
     f.void_share = static_cast<double>(statistics.voids.count + statistics.implausible.count) / read;
+    if (files) // with the corners that no file reaches
+        f.void_share =
+            static_cast<double>(std::ranges::count_if(small.heights_m, [](float h) { return std::isnan(h); })) /
+            static_cast<double>(small.heights_m.size());
     f.known = statistics.least_m <= statistics.most_m;
     f.least_m = static_cast<double>(statistics.least_m);
     f.most_m = static_cast<double>(statistics.most_m);
     if (f.problem.empty()) {
         try {
-            (void)s.properties(statistics);
+            (void)from.properties(statistics);
         } catch (const Failure& failure) {
             tell_problem(f, failure.what(), BakeField::heights);
         }
@@ -387,11 +453,11 @@ BakePack looked_at(const BakePack& pack) {
 
 } // namespace
 
-HeightFacts look_at_heights(const BakePack& pack, const std::atomic<bool>& stop) {
+HeightFacts look_at_heights(const BakePack& pack, const std::atomic<bool>& stop, std::atomic<double>* share) {
     HeightFacts f;
     if (pack.inputs.empty() || pack.inputs.front().empty()) return f;
     try {
-        look(pack, f, stop);
+        look(pack, f, stop, share);
     } catch (const std::exception& failure) {
         tell_problem(f, failure.what(), BakeField::heights);
     }
@@ -414,12 +480,13 @@ void HeightLook::begin(const BakePack& pack) {
     look_ = std::make_shared<Look>();
     look_->of = pack;
     thread_ = std::jthread([look = look_] {
-        look->facts = look_at_heights(look->of, look->stop);
+        look->facts = look_at_heights(look->of, look->stop, &look->share);
         look->done.store(true, std::memory_order_release);
     });
 }
 
 bool HeightLook::follow(BakeDraft& draft) {
+    draft.look_share = look_ ? look_->share.load(std::memory_order_relaxed) : 0;
     const bool again = draft.version != version_ || (look_ && look_->stop.load(std::memory_order_relaxed));
     if (BakePack wanted = again ? looked_at(draft.pack) : BakePack{};
         again && (!(wanted == looked_at_) || (look_ && look_->stop))) {

@@ -75,6 +75,7 @@ struct BakeDraft {
     bool output_exists = false;
     std::string output_problem; // why the pack cannot be written there
     bool looking = false;       // the facts are those of an earlier draft
+    double look_share = 0;      // of the heights that are looked at, read
     HeightFacts facts;
     std::uint64_t looks = 0; // that ended
     unsigned texture = 0;    // GL name of the picture; 0: there is none
@@ -82,8 +83,9 @@ struct BakeDraft {
     std::string ready;       // a pack that was baked while another terrain was flown: the user decides
 };
 
-// The facts of one draft; stop is looked at between rows.
-[[nodiscard]] HeightFacts look_at_heights(const BakePack& pack, const std::atomic<bool>& stop);
+// The facts of one draft; stop is looked at between rows. share: of the rows that have been read; null: not told.
+[[nodiscard]] HeightFacts look_at_heights(const BakePack& pack, const std::atomic<bool>& stop,
+                                          std::atomic<double>* share = nullptr);
 
 class HeightLook {
 public:
@@ -101,6 +103,7 @@ private:
         BakePack of;
         HeightFacts facts;
         std::atomic<bool> stop{false}, done{false};
+        std::atomic<double> share{0};
     };
     void begin(const BakePack& pack);
 

@@ -60,6 +60,12 @@ void JobControl::check() const {
     if (cancelled()) throw Cancelled{};
 }
 
+void JobControl::goes_from(double share, double to) {
+    const std::scoped_lock hold(lock_);
+    from_ = share;
+    to_ = to;
+}
+
 void JobControl::progress(const char* stage, std::uint64_t done, std::uint64_t total) {
     check();
     const auto now = Clock::now();
@@ -72,7 +78,9 @@ void JobControl::progress(const char* stage, std::uint64_t done, std::uint64_t t
     }
     shown_ = now;
     const double elapsed = seconds(now - stage_began_);
-    view_.share = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
+    const double part = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
+    const bool whole = from_ > 0 || to_ < 1; // such a bar never goes back, though what a stage counts may grow
+    view_.share = std::max(from_ + (to_ - from_) * part, whole ? view_.share : 0);
     view_.rate = elapsed > 0.2 ? static_cast<double>(done) / elapsed : 0;
     view_.left_s = view_.rate > 0 ? static_cast<double>(total - std::min(done, total)) / view_.rate : 0;
     changed_.store(true, std::memory_order_release);

@@ -50,6 +50,12 @@ struct TunePoint {
     bool keeps = false;        // p99 is within the budget, and the threshold was reached
 };
 
+// A key that auto-tuning would change, beside the threshold.
+struct TunedKey {
+    const ProfileKey* key = nullptr;
+    double value = 0;
+};
+
 // Of a session of a job's own over the file that is shown.
 [[nodiscard]] session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, const Profile& profile,
                                                 std::shared_ptr<const session::GroundLayers> layers = {});
@@ -64,7 +70,7 @@ struct JobView {
     JobKind kind = JobKind::none;
     bool running = false, cancelled = false;
     std::string stage;
-    double share = 0;             // done, 0..1; of this stage
+    double share = 0;             // done, 0..1; of this stage, or of the whole (JobControl::goes_from)
     double rate = 0, left_s = 0;  // units of the stage a second, and until its end; 0: not known
     double seconds = 0;           // so far
     std::string problem;          // why it failed; empty: it did not
@@ -73,8 +79,9 @@ struct JobView {
     std::string output;           // the file that it wrote
     std::vector<TunePoint> curve; // of tuning, by falling threshold
     TuneSettings tuned;
-    std::uint32_t flights = 0; // of tuning, so far
-    double best_px = 0;        // of tuning: the smallest threshold that keeps the budget; 0: none does
+    std::uint32_t flights = 0;        // of tuning, so far
+    double best_px = 0;               // of tuning: the smallest threshold that keeps the budget; 0: none does
+    std::vector<TunedKey> tuned_keys; // of tuning, with best_px
     ExportPreview preview;
     std::shared_ptr<const FlownRun> run; // of a benchmark that is done
     std::uint64_t finished = 0;          // jobs that ended so far
@@ -85,6 +92,8 @@ class JobControl {
 public:
     // Throws Cancelled when the job is to stop. stage: what is being done. Cheap: at most 20 a second are shown.
     void progress(const char* stage, std::uint64_t done, std::uint64_t total);
+    // For one bar over several stages: what follows goes from the one share of the whole to the other.
+    void goes_from(double share, double to);
     void check() const; // throws Cancelled too, and shows nothing
     // Changes the view that panels will see.
     void publish(const std::function<void(JobView&)>& change);
@@ -95,6 +104,7 @@ private:
     std::stop_token stop_;
     std::mutex lock_; // of what follows
     JobView view_;
+    double from_ = 0, to_ = 1;
     std::chrono::steady_clock::time_point stage_began_, shown_;
     std::atomic<bool> changed_{false}, done_{false};
 };

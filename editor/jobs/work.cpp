@@ -14,6 +14,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/bake/recipe.h"
+#include "baker/georeference/crs_label.h"
 #include "baker/georeference/open_source.h"
 #include "baker/materials/encode.h"
 #include "baker/synth/synth.h"
@@ -107,6 +108,8 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
                                       s.columns, s.rows, s.tree.tiles_x, s.tree.tiles_y, s.tree.side(),
                                       byte_text(static_cast<double>(s.file_bytes)).text, s.seconds_total,
                                       s.resumed ? ", resumed from an earlier bake" : "");
+            const std::string crs = baker::crs_text(baker::crs_label(s.crs_wkt));
+            view.result += crs.empty() ? "; no CRS" : "; " + crs;
             for (const std::string& line : baker::remarks(s)) view.result += "; " + line;
         });
     } catch (const Failure&) {
@@ -160,6 +163,7 @@ namespace {
 gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& control) {
     gltf::SnapshotOptions options;
     options.write = !plan.path.empty();
+    options.texel_m = plan.texel_m;
     options.progress = [&control, write = options.write](std::uint64_t done, std::uint64_t total) {
         if (control.cancelled()) return false;
         control.progress(write ? "tiles" : "measure", done, total);
@@ -169,6 +173,7 @@ gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& contr
 }
 
 gltf::SnapshotCounts write(const ExportPlan& plan, const gltf::Snapshot& snapshot, JobControl& control) {
+    control.goes_from(plan.frame.empty() ? 0.3 : 0.02, 1);
     return session::write_snapshot(*plan.pack, snapshot, plan.path, snapshot_options(plan, control),
                                    {plan.layers, plan.profile.layers});
 }
@@ -186,12 +191,14 @@ gltf::SnapshotCounts write_refined(const ExportPlan& plan, JobControl& control) 
     session::Session session;
     session::open_session(options, session);
     control.check();
+    control.goes_from(0.02, 0.2);
     if (!own || session.streamed)
         (void)session::update_until_there(
             session, plan.view, options.profile, 0, [&](const session::FrameEntry& entry) {
                 const std::uint64_t wanted = entry.stream.pages_wanted, left = entry.stream.pages_left;
                 control.progress("stream", wanted > left ? wanted - left : 0, wanted);
             });
+    control.goes_from(0.2, 0.3);
     control.progress("refine", 0, 1);
     return write(
         plan, own ? gltf::take_refined(session.terrain(), plan.view, plan.error_px) : session::take_converged(session),
@@ -199,9 +206,11 @@ gltf::SnapshotCounts write_refined(const ExportPlan& plan, JobControl& control) 
 }
 
 void run(const ExportPlan& plan, JobControl& control) {
+    control.goes_from(0, 0.02);
     control.progress("open", 0, 1);
     const gltf::SnapshotCounts r = plan.frame.empty() ? write_refined(plan, control) : write(plan, plan.frame, control);
     control.publish([&](JobView& view) {
+        view.share = 1;
         view.output = plan.path;
         view.preview = {r.error_bound_px, r.vertices, r.triangles, r.file_bytes};
         view.result = fmt::format("{}{} vertices, {} triangles, {} within {:.3g} px{}",
@@ -219,6 +228,8 @@ Jobs::Body export_job(ExportPlan plan) {
         !(plan.error_px >= ranges::least_threshold_px && plan.error_px <= ranges::most_threshold_px))
         throw io::Failure(2, fmt::format("a threshold of {} px: must be {} to {}", plan.error_px,
                                          ranges::least_threshold_px, ranges::most_threshold_px));
+    if (!(plan.texel_m >= 0 && plan.texel_m <= 1e6))
+        throw io::Failure(2, fmt::format("a texel of {} m: must be 0 to 1,000,000", plan.texel_m));
     io::refuse_overwriting({plan.path}, {plan.pack->path()});
     return [plan = std::move(plan)](JobControl& control) { run(plan, control); };
 }

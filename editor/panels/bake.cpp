@@ -412,8 +412,10 @@ void draw_facts(const BakeDraft& draft) {
     const HeightFacts& f = draft.facts;
     if (!f.known) {
         ImGui::PushTextWrapPos(0);
-        ImGui::TextDisabled("%s", draft.looking ? "Reading the heights..."
-                                                : "Size, heights and coordinates of the file are shown here.");
+        if (draft.looking)
+            ImGui::TextDisabled("Reading the heights: %.0f%%", 100 * draft.look_share);
+        else
+            ImGui::TextDisabled("Size, heights and coordinates of the file are shown here.");
         ImGui::PopTextWrapPos();
         return;
     }
@@ -468,7 +470,7 @@ void draw_plan(const State& state) {
     const HeightFacts& f = d.facts;
     ImGui::PushTextWrapPos(0);
     if (d.looking) {
-        ImGui::TextDisabled("Reading the files...");
+        ImGui::TextDisabled("Reading the files: %.0f%%", 100 * d.look_share);
     } else if (d.pack.inputs.empty()) {
         ImGui::TextDisabled("Choose a file of heights: browse, type, or drop it on the window.");
     } else if (!f.problem.empty() || !d.output_problem.empty()) {
@@ -510,33 +512,15 @@ namespace {
 
 void draw_browser(BakeForm& form, const State& state, Commands& commands) {
     if (form.browsing == BakeField::none) return;
-    constexpr const char* title = "Choose a file";
-    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
-    const float em = ImGui::GetFontSize();
-    const keyboard::TabStops no_title(false); // its list brings its own
-    const ImVec2 display = ImGui::GetIO().DisplaySize, from = ImGui::GetWindowPos();
-    ImGui::SetNextWindowPos({std::min(from.x + 2 * em, 0.1F * display.x), from.y + 2 * em}, ImGuiCond_Appearing);
-    ImGui::SetNextWindowSize({std::min(44 * em, 0.9F * display.x), std::min(30 * em, display.y - from.y - 3 * em)});
-    bool open = true;
-    if (!ImGui::BeginPopupModal(title, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings)) return;
-    form.browser.nested = true;
     const bool output = form.browsing == BakeField::output;
-    begin_file_browser(form.browser, state, output ? file_name(state.bake.pack.output) : "");
-    const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
-        const keyboard::TabStops stops;
-        return draw_file_browser(state, commands, form.browser, "Choose");
-    }();
-    if (chosen) {
+    const NestedBrowser done =
+        draw_nested_browser(state, commands, form.browser, output ? file_name(state.bake.pack.output) : "");
+    if (done == NestedBrowser::chose)
         commands.push(
             GiveBakeFile{state.files.browser.path_of(form.browser.name), form.browsing, form.browsing_another});
-        open = false;
-    }
-    if (!open || form.browser.cancelled || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) {
-        form.browsing = BakeField::none;
-        form.browser = {};
-        ImGui::CloseCurrentPopup();
-    }
-    ImGui::EndPopup();
+    if (done == NestedBrowser::open) return;
+    form.browsing = BakeField::none;
+    form.browser = {};
 }
 
 void start(BakeForm& form, const State& state, Commands& commands) {

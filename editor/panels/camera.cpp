@@ -318,6 +318,17 @@ void draw_position(const State& state, PanelState&, Commands& commands) {
     given |= number("heading", heading, "%.1f deg", "Degrees clockwise from north. Enter applies it.");
     labelled("Pitch");
     given |= number("pitch", pitch, "%.1f deg", "Degrees up from the horizon, -86 to 86. Enter applies it.");
+    const baker::Coordinates& there = *state.scene.coordinates;
+    ImGui::TextWrapped("CRS: %s", there.crs().empty() ? "none" : there.crs().c_str());
+    ui::mark("camera", "crs");
+    if (!there.crs().empty()) {
+        const auto [east, north] = there.in_crs(place.position_m.x, place.position_m.z);
+        const int digits = there.projected() ? 1 : 6;
+        labelled("In the CRS");
+        ImGui::Text("%.*f, %.*f %s", digits, east, digits, north, there.unit().c_str());
+        ui::tip("The camera's place in the CRS, east and north. The probe (I) shows that of the ground under the "
+                "pointer, and its degrees.");
+    }
     if (!given) return;
     place.heading_rad = heading * degree;
     place.pitch_rad = pitch * degree;

@@ -234,8 +234,8 @@ constexpr Key all_keys[] = {
     {"M, Shift+M", "next and previous picture mode"},
     {"G", "wireframe"},
     {"L and left drag", "the sun: across its azimuth, up and down its elevation"},
-    {"I", "probe the ground under the pointer, or where the camera looks; a click or Enter marks a place, another one "
-          "measures from there"},
+    {"I", "probe the ground under the pointer, or where the camera looks; a click or Enter marks a place, others "
+          "measure from there: distance and area; Backspace: remove the last, with Shift all"},
     {"T", "pause graphs and times; again: go on"},
     {"Window", nullptr},
     {"Tab", "hide the panels, or show them"},

@@ -317,6 +317,30 @@ bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& 
     return chosen && choose(state, commands, form);
 }
 
+NestedBrowser draw_nested_browser(const State& state, Commands& commands, FileBrowserForm& form, const char* name) {
+    constexpr const char* title = "Choose a file";
+    if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
+    const float em = ImGui::GetFontSize();
+    const keyboard::TabStops no_title(false); // its list brings its own
+    const ImVec2 display = ImGui::GetIO().DisplaySize, from = ImGui::GetWindowPos();
+    ImGui::SetNextWindowPos({std::min(from.x + 2 * em, 0.1F * display.x), from.y + 2 * em}, ImGuiCond_Appearing);
+    ImGui::SetNextWindowSize({std::min(44 * em, 0.9F * display.x), std::min(30 * em, display.y - from.y - 3 * em)});
+    bool open = true;
+    if (!ImGui::BeginPopupModal(title, &open, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings))
+        return NestedBrowser::open;
+    form.nested = true;
+    begin_file_browser(form, state, name);
+    const bool chosen = [&] { // ImGui wants what is pushed within a window popped within it
+        const keyboard::TabStops stops;
+        return draw_file_browser(state, commands, form, "Choose");
+    }();
+    const bool over =
+        chosen || !open || form.cancelled || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
+    if (over) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+    return chosen ? NestedBrowser::chose : over ? NestedBrowser::closed : NestedBrowser::open;
+}
+
 bool draw_overwrite(FileBrowserForm& form) {
     constexpr const char* title = "Overwrite?";
     if (!form.asks) return false;

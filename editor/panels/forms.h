@@ -67,6 +67,11 @@ struct FileBrowserForm {
 void begin_file_browser(FileBrowserForm& form, const State& state, const char* name);
 // button: what choosing is called. True: a name was chosen, and it is no folder.
 [[nodiscard]] bool draw_file_browser(const State& state, Commands& commands, FileBrowserForm& form, const char* button);
+// The same in a window of its own over another dialog. name: what it begins with. chose: form.name was, and it is no
+// folder; closed: nothing was.
+enum class NestedBrowser : std::uint8_t { open, chose, closed };
+[[nodiscard]] NestedBrowser draw_nested_browser(const State& state, Commands& commands, FileBrowserForm& form,
+                                                const char* name);
 // Instead of the browser while form.asks. True: the file may be overwritten.
 [[nodiscard]] bool draw_overwrite(FileBrowserForm& form);
 

@@ -18,8 +18,17 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
     constexpr const char* kinds[] = {"as drawn now", "custom threshold"};
     fields::suggest(form.path, form.made_for, state, ".glb");
     ui::focus_first();
-    fields::path("glTF", "export", "path", form.path, "a file that ends in .glb",
-                 "Mesh, colours and camera in one file, for any viewer or modelling program.");
+    fields::label("glTF");
+    ImGui::SetNextItemWidth(-ImGui::CalcTextSize("Browse").x - 2 * ImGui::GetStyle().FramePadding.x -
+                            ImGui::GetStyle().ItemSpacing.x - 0.3F * ImGui::GetFontSize());
+    ImGui::InputTextWithHint("##path", "a file that ends in .glb", form.path, fields::path_bytes);
+    ui::control("export", "path", "Mesh, colours and camera in one file, for any viewer or modelling program.");
+    ImGui::SameLine();
+    if (ImGui::Button("Browse")) {
+        form.browsing = true;
+        commands.push(BrowseFor{FileFilter::meshes, form.path});
+    }
+    ui::mark("export", "browse");
     fields::destination("export", form.path);
     fields::choice(
         "Mesh", "export", "own", form.own, kinds,
@@ -38,16 +47,20 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
                    "0.01 to 1,000 pixels: a smaller threshold makes a larger file.");
     if (form.own == 1) form.error_px = shown;
     ImGui::EndDisabled();
+    fields::number("Texel, m", "export", "texel_m", form.texel_m, form.texel_m > 0 ? "%.6g" : "as the maps",
+                   "The size of a texel of its textures, in metres: larger ones make a smaller file. 0: as fine as the "
+                   "maps are.");
+    form.texel_m = std::max(form.texel_m, 0.0);
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open();
     const double error_px = form.own == 1 ? form.error_px : 0;
     if (fields::button("Preview", "export", "preview", can,
                        "Shows the counts and the size of the file to the byte. Writes nothing."))
-        commands.push(PreviewExport{form.converged, error_px});
+        commands.push(PreviewExport{form.converged, error_px, form.texel_m});
     ImGui::SameLine();
     if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
                        "Writes the file; an existing one is replaced only when it is complete.", true))
-        commands.push(ExportMesh{form.path, form.converged, error_px});
+        commands.push(ExportMesh{form.path, form.converged, error_px, form.texel_m});
     fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
         fields::cancel("export", commands);
@@ -59,6 +72,15 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
     }
     const bool counted = state.job.kind == JobKind::preview && !state.job.running && p.bytes != 0;
     if (!counted) fields::outcome(state, state.job.kind == JobKind::preview ? JobKind::preview : JobKind::snapshot);
+    if (!form.browsing) return;
+    const NestedBrowser done = draw_nested_browser(state, commands, form.browser, file_name(form.path));
+    if (done == NestedBrowser::chose) {
+        std::string path = state.files.browser.path_of(form.browser.name);
+        if (!path.ends_with(".glb")) path += ".glb";
+        fields::copy(form.path, path);
+    }
+    form.browsing = done == NestedBrowser::open;
+    if (!form.browsing) form.browser = {};
 }
 
 void draw_screenshot(const State&, PanelState& own, Commands& commands) {
@@ -126,17 +148,30 @@ void draw_tune_form(TuneForm& form) {
     ImGui::InputDouble("##most", &form.most_px, 0, 0, "%.4g");
     ui::control("auto-tune", "most_px", "The largest threshold to try, in pixels. The search begins with it.");
     ImGui::PopID();
+    ImGui::Checkbox("Off-screen, hysteresis, morphing too", &form.also);
+    ui::control("auto-tune", "also",
+                "Tries other off-screen factors and hystereses, and keeps those that make frames cheaper, so that a "
+                "smaller threshold fits. Switches morphing on where it fits as well. (Incremental.)");
 }
 
 void draw_tune_result(const State& state, const JobView& shown, Commands& commands) {
     if (shown.running || shown.best_px <= 0) return;
     char text[48];
-    std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
-    const ProfileKey* const key = find_profile_key("refine.max_error_px");
-    const bool used = key->get(state.document.profile()) == shown.best_px;
+    const Profile& profile = state.document.profile();
+    bool used = profile.refine.max_error_px == shown.best_px;
+    for (const TunedKey& t : shown.tuned_keys) used = used && t.key->get(profile) == t.value;
+    if (shown.tuned_keys.empty())
+        std::snprintf(text, sizeof text, "Use %.3g px", shown.best_px);
+    else
+        std::snprintf(text, sizeof text, "Use %.3g px and these", shown.best_px);
     ImGui::SameLine();
-    if (fields::button(text, "auto-tune", "use", !used, "Sets the threshold of the profile; one undo step."))
-        commands.push(SetKey{key, shown.best_px, false});
+    if (fields::button(text, "auto-tune", "use", !used, "Sets the profile to what was found; one undo step."))
+        commands.push(UseTuned{});
+    for (const TunedKey& t : shown.tuned_keys) {
+        Profile tuned = profile;
+        t.key->set(tuned, t.value);
+        ui::row(t.key->label, "%s", value_text(*t.key, tuned).c_str());
+    }
 }
 
 } // namespace
@@ -154,7 +189,8 @@ void draw_auto_tune(const State& state, PanelState& own, Commands& commands) {
                       static_cast<std::uint32_t>(form.frames),
                       form.least_px,
                       form.most_px,
-                      false};
+                      false,
+                      form.also};
         commands.push(t);
     }
     const bool running = fields::runs(state, JobKind::tune);

@@ -96,7 +96,9 @@ struct ExportForm {
     fields::PathText path = "";
     bool converged = false;
     int own = 0; // a threshold of its own
-    double error_px = 1;
+    double error_px = 1, texel_m = 0;
+    bool browsing = false; // for the file
+    FileBrowserForm browser;
 };
 
 struct ScreenshotForm {
@@ -107,6 +109,7 @@ struct TuneForm {
     double budget_ms = TuneSettings{}.budget_us / 1000, least_px = TuneSettings{}.least_px,
            most_px = TuneSettings{}.most_px;
     int measure = 0, frames = 0;
+    bool also = false;
 };
 struct CsvForm {
     std::string made_for = fields::nothing_yet;

@@ -115,7 +115,7 @@ void draw_legend(const State& state) {
 void explain_relief(const State& state) {
     char text[80];
     if (state.shows(Overlay::contours)) {
-        const double every_m = contour_interval_m(state.scene);
+        const double every_m = contour_interval_m(state);
         std::snprintf(text, sizeof text, "Contours every %.4g m, wider every %.4g m.", every_m, 5 * every_m);
         ui::note(text);
     }
@@ -142,6 +142,15 @@ void explain_overlays(const State& state) {
     }
     ui::note("True error:");
     error_legend(state.document.profile().refine.max_error_px);
+}
+
+void draw_interval(const State& state, Commands& commands) {
+    double every_m = state.interface.contour_m;
+    ImGui::SetNextItemWidth(7 * ImGui::GetFontSize());
+    const bool entered = ImGui::InputDouble("m between contours", &every_m, 0, 0, every_m > 0 ? "%.6g" : "auto",
+                                            ImGuiInputTextFlags_EnterReturnsTrue);
+    ui::control("overlay", "contour_m", "Metres between contours, 0.01 to 10,000. 0: as suits the terrain.");
+    if (entered) commands.push(SetContours{every_m > 0 ? std::clamp(every_m, least_contour_m, most_contour_m) : 0});
 }
 
 // Two stand side by side: what explains them below is seen on small screens too.
@@ -178,6 +187,7 @@ void draw_overlays(const State& state, PanelState&, Commands& commands) {
         if (ImGui::Checkbox(overlay_choices[i].label, &on)) commands.push(SetOverlay{static_cast<Overlay>(i), on});
         ui::control("overlay", overlay_names[i], overlay_choices[i].about);
     }
+    if (state.shows(Overlay::contours)) draw_interval(state, commands);
     if (state.scene.open()) explain_overlays(state);
 }
 

@@ -192,8 +192,9 @@ using PlaceValue = float (*)(const FlownPlace&);
 float ms_of(const FlownPlace& p) {
     return p.update_us / 1000;
 }
+// Measured, where it was: bounds lie at the threshold wherever it is kept.
 float px_of(const FlownPlace& p) {
-    return p.error_px;
+    return p.measured_px >= 0 ? p.measured_px : p.error_px;
 }
 
 // What the scale reaches to: without the dearest hundredth of all places, which get a mark at the rim.
@@ -394,8 +395,9 @@ void draw_heat_choice(const State& state, Commands& commands) {
             commands.push(SetHeat{static_cast<Heat>(i)});
         ui::control(
             "heat", heat_names[i],
-            "Colours the latest run's path on the overview (View > Overview). Blue is fast or exact, red is the "
-            "run's p99 time or its threshold, white is above that.");
+            "Colours the latest run's path on the overview (View > Overview). Time: blue is fast, red the run's "
+            "p99, white above. Error: blue is the least that was measured, red the largest, white above the "
+            "threshold.");
     }
 }
 
@@ -423,7 +425,12 @@ void draw_runs(const State& state, Commands& commands) {
     const FlownRun& latest = *state.runs.all[0];
     draw_strip({"update", "ms", ms_of, latest.budget_us / 1000, 6}, state, commands);
     draw_strip({"error", "px", px_of, latest.error_px, 6}, state, commands);
-    ImGui::TextColored(ImColor(ui::quiet).Value, "red below: a budget is exhausted");
+    const bool measured = !latest.places.empty() && latest.places.front().measured_px >= 0;
+    ui::note(measured
+                 ? "The error is measured at every sample; the line across is the threshold. Red below: a budget is "
+                   "exhausted."
+                 : "The error is its bound: the terrain is too large to be measured. Red below: a budget is "
+                   "exhausted.");
     draw_heat_choice(state, commands);
     draw_worst(state, commands);
 }
@@ -432,14 +439,22 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size) {
     if (state.runs.heat == Heat::none || state.runs.all.empty()) return;
     const FlownRun& run = *state.runs.all[0];
     const bool time = state.runs.heat == Heat::time;
-    const double full = std::max(time ? run.p99_us : run.error_px, 1e-9);
+    // Errors lie close below the threshold: from the least to the largest that was measured.
+    double least = 0, most = time ? run.p99_us : run.error_px;
+    if (!time && !run.places.empty() && run.places.front().measured_px >= 0) {
+        const auto [low, high] = std::ranges::minmax(run.places, {}, &FlownPlace::measured_px);
+        least = static_cast<double>(low.measured_px);
+        most = static_cast<double>(high.measured_px);
+    }
+    const double span = std::max(most - least, 1e-9);
     const float radius = 0.32F * ImGui::GetFontSize();
     const ui::PlainEdges one_over_the_other(list);
     for (const FlownPlace& p : run.places) {
-        const double value = static_cast<double>(time ? p.update_us : p.error_px);
+        const double value = static_cast<double>(time ? p.update_us : px_of(p));
         const ImVec2 at{from.x + static_cast<float>(p.pose.position_m.x / state.scene.width_m()) * size.x,
                         from.y + static_cast<float>(p.pose.position_m.z / state.scene.depth_m()) * size.y};
-        list.AddCircleFilled(at, radius, heat_colour(value / (time ? full : full * (1 + 1e-6))), 8);
+        const bool beyond = value > (time ? most : run.error_px * (1 + 1e-6));
+        list.AddCircleFilled(at, radius, heat_colour(beyond ? 2 : std::min((value - least) / span, 1.0)), 8);
     }
 }
 

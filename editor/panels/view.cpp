@@ -202,10 +202,33 @@ private:
     float values_;
 };
 
+// Where it is in the terrain's CRS, to a tenth of its unit, and in degrees.
+void coordinate_rows(const State& state, const ProbedGround& g, Rows& rows) {
+    const baker::Coordinates& c = *state.scene.coordinates;
+    char text[120];
+    if (c.projected()) {
+        const auto [east, north] = c.in_crs(g.position_m.x, g.position_m.z);
+        std::snprintf(text, sizeof text, "%.1f, %.1f %.20s", east, north, c.unit().c_str());
+        rows.row("East, north", text);
+    }
+    if (c.datum().empty()) return;
+    if (g.degrees)
+        std::snprintf(text, sizeof text, "%.6f, %.6f (%.24s)", (*g.degrees)[0], (*g.degrees)[1], c.datum().c_str());
+    else
+        std::snprintf(text, sizeof text, "not known here");
+    rows.row("Lat., lon.", text);
+}
+// How many rows these are.
+int coordinate_rows(const State& state) {
+    const baker::Coordinates& c = *state.scene.coordinates;
+    return (c.projected() ? 1 : 0) + (c.datum().empty() ? 0 : 1);
+}
+
 void ground_rows(const State& state, Rows& rows) {
     char text[96];
     const ProbedGround& g = *state.probe.ground;
     rows.row("Place", place_text(g.position_m.x, g.position_m.y, g.position_m.z).text);
+    coordinate_rows(state, g, rows);
     std::snprintf(text, sizeof text, "%.20s m away", metre_text(g.distance_m).text);
     rows.row("Distance", text);
     std::snprintf(text, sizeof text, "%.0f deg", g.slope_rad * 180 / std::numbers::pi);
@@ -214,7 +237,7 @@ void ground_rows(const State& state, Rows& rows) {
                   g.page);
     rows.row("Sample", text);
     if (g.finest)
-        std::snprintf(text, sizeof text, "full resolution");
+        std::snprintf(text, sizeof text, "full resolution, within %.3g m", g.error_m);
     else
         std::snprintf(text, sizeof text, "within %.3g m: pages missing", g.error_m);
     rows.row("Ground", text, g.finest ? IM_COL32_WHITE : ui::warning_colour);
@@ -243,11 +266,20 @@ void draw_profile(const HeightProfile& p, const ui::Rect& at, ImDrawList& list) 
 void profile_rows(const Probe& probe, Rows& rows) {
     char text[96];
     const HeightProfile& p = probe.profile;
-    const Vec3 &from = probe.mark_m[0], &to = probe.mark_m[1];
-    const double rise_m = to.y - from.y;
-    std::snprintf(text, sizeof text, "%.20s m, %.20s m %s", metre_text(p.length_m).text,
-                  metre_text(std::abs(rise_m)).text, rise_m < 0 ? "down" : "up");
-    rows.row("1 to 2", text, mark_colour);
+    const double rise_m = probe.mark_m[probe.marks - 1].y - probe.mark_m[0].y;
+    const auto metres = [&](const char* label, double m) {
+        std::snprintf(text, sizeof text, "%.20s m", metre_text(m).text);
+        rows.row(label, text, mark_colour);
+    };
+    metres("Distance", p.length_m);
+    metres("On ground", p.ground_length_m);
+    if (probe.marks > 2) {
+        rows.row("Area", area_text(p.area_m2).text, mark_colour);
+        rows.row("Of ground", area_text(p.ground_area_m2).text, mark_colour);
+    }
+    std::snprintf(text, sizeof text, "1 to %zu: %.20s m %s", probe.marks, metre_text(std::abs(rise_m)).text,
+                  rise_m < 0 ? "down" : "up");
+    rows.row("Rise", text);
     std::snprintf(text, sizeof text, "%.20s to %.20s m", metre_text(static_cast<double>(p.lowest_m)).text,
                   metre_text(static_cast<double>(p.highest_m)).text);
     rows.row("Heights", text);
@@ -268,14 +300,11 @@ struct Picture {
 // The line over the ground from mark to mark, whether something stands before it or not, and the marks.
 void draw_marks(const Probe& probe, const Picture& picture, const ui::Rect& plate, ImDrawList& list) {
     const float em = ImGui::GetFontSize();
-    if (probe.marks == 2) {
+    if (probe.marks >= 2) {
         const HeightProfile& p = probe.profile;
-        const Vec3 &from = probe.mark_m[0], &to = probe.mark_m[1];
         std::optional<ImVec2> before;
         for (std::size_t i = 0; i < p.samples; ++i) {
-            const double t = static_cast<double>(i) / (HeightProfile::samples - 1);
-            const auto now = picture.at(
-                {from.x + t * (to.x - from.x), static_cast<double>(p.height_m[i]), from.z + t * (to.z - from.z)});
+            const auto now = picture.at({p.place_m[i][0], static_cast<double>(p.height_m[i]), p.place_m[i][1]});
             if (before && now) list.AddLine(*before, *now, mark_colour, std::max(1.0F, em / 8));
             before = now;
         }
@@ -286,14 +315,15 @@ void draw_marks(const Probe& probe, const Picture& picture, const ui::Rect& plat
         list.AddCircleFilled(*at, 0.35F * em, shadow);
         list.AddCircleFilled(*at, 0.25F * em, mark_colour);
         if (at->x < plate.x + plate.width && at->y < plate.y + plate.height) continue; // which covers its number
-        const char name[2] = {static_cast<char>('1' + i), 0};
+        char name[24];
+        std::snprintf(name, sizeof name, "%zu", i + 1);
         list.AddText({at->x + 0.5F * em, at->y - 1.1F * em}, mark_colour, name);
     }
 }
 
 const char* probe_help(const Probe& probe) {
-    return probe.marks == 1 ? "Click: the second place. Esc or I: end."
-                            : "Click: mark a place, then another. Esc or I: end.";
+    return probe.marks == 0 ? "Click: mark a place, then others: distance and area. Esc or I: end."
+                            : "Click: one more place. Backspace: remove the last, with Shift all. Esc or I: end.";
 }
 
 struct ProbePlate {
@@ -301,15 +331,17 @@ struct ProbePlate {
     float text_width = 0, graph = 0; // graph: 0 without one
 };
 
-ProbePlate probe_plate(const Probe& probe, const ui::Rect& view) {
+ProbePlate probe_plate(const State& state, const ui::Rect& view) {
+    const Probe& probe = state.probe;
     const float em = ImGui::GetFontSize();
-    const bool both = probe.marks == 2;
+    const bool both = probe.marks >= 2;
+    const int rows = 6 + coordinate_rows(state) + (both ? 4 : 0) + (probe.marks > 2 ? 2 : 0);
     ProbePlate p;
     p.graph = both ? 5 * em : 0;
-    p.rect = {view.x + 0.6F * em, view.y + 0.6F * em, std::min(26 * em, view.width - 1.2F * em), 0};
+    p.rect = {view.x + 0.6F * em, view.y + 0.6F * em, std::min(28 * em, view.width - 1.2F * em), 0};
     p.text_width = p.rect.width - 1.2F * em;
     const float help = ImGui::CalcTextSize(probe_help(probe), nullptr, false, p.text_width).y;
-    p.rect.height = (1.3F * (both ? 8 : 6) + 1.2F) * em + p.graph + help;
+    p.rect.height = (1.3F * static_cast<float>(rows) + 1.2F) * em + p.graph + help;
     return p;
 }
 
@@ -317,7 +349,7 @@ ProbePlate probe_plate(const Probe& probe, const ui::Rect& view) {
 
 ui::Rect beside_probe(const State& state, const ui::Rect& view) {
     if (!state.probe.on || !state.scene.open()) return view;
-    const ui::Rect taken = probe_plate(state.probe, view).rect;
+    const ui::Rect taken = probe_plate(state, view).rect;
     const float right = taken.x + taken.width, low = taken.y + taken.height;
     if (view.x + view.width - right >= 30 * ImGui::GetFontSize())
         return {right, view.y, view.x + view.width - right, view.height};
@@ -331,7 +363,7 @@ void draw_probe(const State& state, const ui::Rect& view) {
     list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
     const float em = ImGui::GetFontSize();
     const Picture picture{state.eye.view, view};
-    const ProbePlate plate = probe_plate(probe, view);
+    const ProbePlate plate = probe_plate(state, view);
     draw_marks(probe, picture, plate.rect, list);
     if (probe.ground)
         if (const auto at = picture.at(probe.ground->position_m)) {
@@ -345,9 +377,9 @@ void draw_probe(const State& state, const ui::Rect& view) {
         ground_rows(state, rows);
     } else {
         rows.row("Place", probe.pointer ? "no ground here" : "move the pointer over the ground");
-        for (int i = 0; i < 5; ++i) rows.line("");
+        for (int i = 0; i < 5 + coordinate_rows(state); ++i) rows.line("");
     }
-    if (probe.marks == 2) {
+    if (probe.marks >= 2) {
         profile_rows(probe, rows);
         draw_profile(probe.profile, {from.x + 0.6F * em, rows.y(), plate.text_width, plate.graph - 0.4F * em}, list);
         rows.skip(plate.graph);
@@ -355,6 +387,33 @@ void draw_probe(const State& state, const ui::Rect& view) {
     rows.line(probe_help(probe), plate.text_width);
     list.PopClipRect();
 }
+
+// --- Heights beside contours.
+
+namespace {
+
+void draw_contour_labels(const State& state, const ui::Rect& view) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.PushClipRect({view.x, view.y}, {view.x + view.width, view.y + view.height});
+    const float em = ImGui::GetFontSize();
+    const ui::Rect room = beside_probe(state, view);
+    for (std::size_t i = 0; i < state.contour_labels.count; ++i) {
+        const ContourLabel& label = state.contour_labels.all[i];
+        char text[32];
+        std::snprintf(text, sizeof text, "%.10g", label.height_m);
+        const ImVec2 size = ImGui::CalcTextSize(text);
+        const ImVec2 at{view.x + static_cast<float>(label.x) * view.width - size.x / 2,
+                        view.y + static_cast<float>(label.y) * view.height - size.y / 2};
+        // The probe's plate and what is written at the foot are in front.
+        if (at.x < room.x || at.y < room.y || at.y + size.y > view.y + view.height - 2.4F * em) continue;
+        list.AddRectFilled({at.x - 0.25F * em, at.y - 0.05F * em}, {at.x + size.x + 0.25F * em, at.y + size.y},
+                           IM_COL32(12, 14, 18, 170), 0.2F * em);
+        list.AddText(at, IM_COL32(255, 232, 200, 255), text);
+    }
+    list.PopClipRect();
+}
+
+} // namespace
 
 // --- Keys and mouse over the picture, and what is written over it.
 
@@ -367,7 +426,7 @@ constexpr double fast = 5; // with Shift
 // digits are their ASCII codes.
 namespace key {
 constexpr int enter = 257, right = 262, left = 263, down = 264, up = 265, home = 268, f1 = 290, insert = 260,
-              remove = 261;
+              remove = 261, backspace = 259;
 }
 
 double axis(int plus, int minus) {
@@ -413,6 +472,12 @@ void handle_key_presses(const State& state, Commands& commands) {
     if (pressed('R')) commands.push(RecordPath{!state.route.recording()});
     if (pressed(key::enter) && state.probe.on && state.probe.ground)
         commands.push(MarkPlace{state.probe.ground->position_m.x, state.probe.ground->position_m.z});
+    if (pressed(key::backspace) && state.probe.on && state.probe.marks != 0) {
+        if (ImGui::GetIO().KeyShift)
+            commands.push(ClearMarks{});
+        else
+            commands.push(RemoveMark{});
+    }
     if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
     if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
@@ -513,6 +578,7 @@ void draw_view(const State& state, const ui::Layout& layout, PanelState& own, Co
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
     aim_probe(state, layout.view, commands);
+    draw_contour_labels(state, layout.view);
     draw_probe(state, layout.view);
     write_over(state, layout.view);
 }

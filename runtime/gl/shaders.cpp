@@ -486,7 +486,9 @@ vec3 with_relief(vec3 colour, vec3 normal) {
                                      vec3(0.02, 0.003, 0.08));
         float degrees_up = degrees(acos(clamp(normal.y, 0.0, 1.0)));
         int band = int(floor((degrees_up - 5.0) / 10.0)) - 1;
-        if (band >= 0) colour = mix(colour, bands[min(band, 3)], 0.6);
+        // Those of the legend, but for a little relief from the north-west.
+        float relief_light = 0.9 + 0.1 * dot(normal, vec3(-0.577, 0.577, -0.577));
+        if (band >= 0) colour = bands[min(band, 3)] * relief_light;
     }
     if (relief.x > 0.0) {
         float at = (surface.position.y + eye.z + eye.w) * relief.x, a_pixel = max(fwidth(at), 1e-9);

@@ -2,8 +2,10 @@
 #include <catch2/catch.hpp>
 
 #include <atomic>
+#include <cmath>
 #include <string>
 
+#include "baker/georeference/open_source.h"
 #include "baker/read/gdal_file.h"
 #include "editor/command.h"
 #include "editor/files/listing.h"
@@ -224,6 +226,68 @@ TEST_CASE("the dialog shows an image as the bake lays it: white of 10 to 16 bits
         REQUIRE(f.problem.empty());
         CHECK((f.texels.at(f.width_px - 1) & 255) == static_cast<std::uint32_t>(c.byte));
     }
+}
+
+TEST_CASE("heights that are reprojected are looked at through their files, each sample where the bake has it") {
+    const TemporaryFolder folder;
+    fjell::baker::register_drivers();
+    // A plane over degrees: 600 x 400 samples from 10 E 47 N, which rises to the east and to the north.
+    const double step = 1.0 / 1200;
+    {
+        OGRSpatialReference crs;
+        crs.SetFromUserInput("EPSG:4326");
+        GDALDataset* const file = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+            (folder / "a.tif").c_str(), 600, 400, 1, GDT_Float32, nullptr);
+        double t[6] = {10, step, 0, 47, 0, -step};
+        file->SetGeoTransform(t);
+        file->SetSpatialRef(&crs);
+        std::vector<float> row(600);
+        for (int y = 0; y < 400; ++y) {
+            for (int x = 0; x < 600; ++x) row[static_cast<std::size_t>(x)] = static_cast<float>(1000 + x - y);
+            REQUIRE(file->GetRasterBand(1)->RasterIO(GF_Write, 0, y, 600, 1, row.data(), 600, 1, GDT_Float32, 0, 0,
+                                                     nullptr) == CE_None);
+        }
+        GDALClose(file);
+    }
+    const BakePack pack = pack_of({folder / "a.tif"});
+    const auto source = bake_source(bake_recipe(pack));
+    const auto files = fjell::baker::unwarped(*source);
+    REQUIRE(files);
+    CHECK(files->source->columns == 600);
+    const auto reader = source->reader();
+    fjell::baker::ReadStatistics statistics;
+    std::vector<float> line(static_cast<std::size_t>(source->columns));
+    std::size_t heights = 0;
+    for (std::int32_t y = 3; y < source->rows; y += 40) {
+        reader->read({0, y, source->columns, 1}, line.data(), statistics);
+        for (std::int32_t x = 0; x < source->columns; x += 7) {
+            double column = x, row = y;
+            const float height_m = line[static_cast<std::size_t>(x)];
+            if (std::isnan(height_m)) continue;
+            REQUIRE(files->place(column, row));
+            CHECK(static_cast<double>(height_m) ==
+                  Approx(1000 + column - row).margin(0.6)); // at rims it is extrapolated
+            ++heights;
+        }
+    }
+    CHECK(heights > 500);
+    const HeightFacts f = facts_of(pack);
+    CHECK(f.problem.empty());
+    CHECK(f.columns == static_cast<std::uint32_t>(source->columns));
+    CHECK(f.reprojected_from.find("WGS 84") != std::string::npos);
+    CHECK(f.crs.find("UTM zone 32N") != std::string::npos);
+    CHECK(f.all_read);
+    CHECK(f.least_m == 1000 - 399);
+    CHECK(f.most_m == 1000 + 599);
+    CHECK(f.void_share > 0);
+    CHECK(f.void_share < 0.1);
+    // Of a part, only that is read.
+    BakePack part = pack;
+    part.bbox = "10.1,46.8,10.2,46.9";
+    const HeightFacts p = facts_of(part);
+    CHECK(p.problem.empty());
+    CHECK(p.least_m > 1000 + 110 - 250);
+    CHECK(p.most_m < 1000 + 250 - 110);
 }
 
 TEST_CASE("what a file leaves open about its heights is answered by the form's fields, a scale of 1 too") {

@@ -110,6 +110,20 @@ TEST_CASE("a job tells of its stage and share while it runs, and of its result w
     CHECK_FALSE(jobs.running());
 }
 
+TEST_CASE("an export is one bar from its beginning to its end, whatever its stages are") {
+    const JobPlace place(5);
+    Jobs jobs;
+    jobs.start(JobKind::snapshot, export_job(place.snapshot(place.folder / "a.glb", true)));
+    double share = 0;
+    const JobView done = finish(jobs, [&](const JobView& view) {
+        CHECK(view.share >= share);
+        share = view.share;
+    });
+    INFO(done.problem);
+    REQUIRE(done.problem.empty());
+    CHECK(done.share == 1);
+}
+
 TEST_CASE("what a job throws, whatever it is, is its problem, and the next one starts again") {
     Jobs jobs;
     const auto problem = [&](Jobs::Body body) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "editor/contours.h"
 #include "editor/measures.h"
 #include "editor/probe.h"
 #include "fjell/query.h"
@@ -130,7 +131,7 @@ TEST_CASE("the probe tells the ground under the pointer, its tile, and the trian
     CHECK(found > 40);
 }
 
-TEST_CASE("two marks give the heights on the way from one to the other, and a third begins again") {
+TEST_CASE("two marks give the heights on the way from one to the other, and a third one goes on from there") {
     Random random(3);
     const ProbedTerrain terrain(random, fjell::Method::incremental);
     const session::Ground ground = session::ground_of(terrain.session.terrain());
@@ -151,6 +152,50 @@ TEST_CASE("two marks give the heights on the way from one to the other, and a th
         CHECK(p.height_m[i] >= p.lowest_m);
         CHECK(p.height_m[i] <= p.highest_m);
     }
+    const double first_m = p.length_m, ground_m = p.ground_length_m;
+    CHECK(ground_m >= first_m);
+    CHECK(p.area_m2 == 0);
     set_mark(probe, terrain.session, 1, 1);
-    CHECK(probe.marks == 1);
+    CHECK(probe.marks == 3);
+    CHECK(p.length_m == Approx(first_m + std::hypot(ground.extent_x_m - 1, bz - 1)));
+    CHECK(p.ground_length_m > ground_m);
+    // Half the cross product of two of its edges.
+    CHECK(p.area_m2 == Approx(std::abs((ground.extent_x_m - ax) * (1 - az) - (bz - az) * (1 - ax)) / 2));
+    CHECK(p.ground_area_m2 > p.area_m2);
+    remove_mark(probe, terrain.session);
+    CHECK(probe.marks == 2);
+    CHECK(p.length_m == first_m);
+    CHECK(p.ground_length_m == ground_m);
+    CHECK(p.area_m2 == 0);
+    for (std::size_t i = 0; i < 2 * most_marks; ++i) set_mark(probe, terrain.session, 5.0 * static_cast<double>(i), az);
+    CHECK(probe.marks == most_marks);
+}
+
+TEST_CASE("a number beside a contour is the height of the ground there, and none is shown while the view moves") {
+    std::size_t labels = 0;
+    for (unsigned seed = 0; seed < rounds<unsigned>(4, 40); ++seed) {
+        INFO("seed " << seed);
+        Random random(seed);
+        const ProbedTerrain terrain(random, fjell::Method::incremental);
+        const PackHeader& h = terrain.session.terrain().header();
+        const double every_m = std::max(static_cast<double>(h.max_m - h.min_m) / 40, 0.01);
+        ContourLabels found;
+        update_contour_labels(found, terrain.session.terrain(), terrain.view, every_m, false, 40);
+        CHECK(found.count == 0); // the view has only just come here
+        update_contour_labels(found, terrain.session.terrain(), terrain.view, every_m, false, 40);
+        labels += found.count;
+        for (std::size_t i = 0; i < found.count; ++i) {
+            const ContourLabel& l = found.all[i];
+            CHECK(std::abs(std::remainder(l.height_m, every_m)) < 1e-6 * std::max(std::abs(l.height_m), 1.0));
+            const GroundHit hit = cast_ray(terrain.session.terrain(), terrain.view.eye_m,
+                                           direction_at(terrain.view, l.x, l.y), terrain.view.far_m);
+            REQUIRE(hit.hit);
+            CHECK(hit.position_m.y == Approx(l.height_m).margin(0.1001 * every_m));
+        }
+        View moved = terrain.view;
+        moved.eye_m.y += 1;
+        update_contour_labels(found, terrain.session.terrain(), moved, every_m, false, 40);
+        CHECK(found.count == 0);
+    }
+    CHECK(labels > 4);
 }

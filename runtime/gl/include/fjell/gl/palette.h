@@ -40,7 +40,7 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 inline constexpr Rgb8 error_stops[6] = {{34, 46, 140}, {70, 160, 225},  {244, 214, 50},
                                         {220, 24, 16}, {255, 255, 255}, {120, 120, 120}};
 
-// The colours of slopes (DrawOptions::slope) from these degrees on. They cover six tenths of the ground's colour.
+// The colours of slopes (DrawOptions::slope) from these degrees on, up to a fifth darker where they face south-east.
 inline constexpr int slope_bands_deg[4] = {15, 25, 35, 45};
 inline constexpr Rgb8 slope_rgb[4] = {{251, 217, 101}, {244, 124, 25}, {160, 39, 89}, {39, 9, 79}};
 
