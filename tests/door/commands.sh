@@ -11,6 +11,7 @@ ln -s "$repository"/{content,profiles} .
 
 fjell-bake synth content/terrain/mountains-small.json -o dem.tif
 gdal_translate -q -of PNG -ot Byte -scale -outsize 600 600 dem.tif image.png
+gdal_translate -q -ot Int16 -outsize 372 330 -a_nodata -32767 dem.tif craterlake_elev_i16_30m.tif # made up, too
 # Hills, and -9999 in a corner without a word about it.
 {
   printf 'ncols 70\nnrows 50\nxllcorner 0\nyllcorner 0\ncellsize 30\n'
