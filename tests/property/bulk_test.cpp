@@ -148,8 +148,9 @@ TEST_CASE("without a limit a jump and a zoom are built as a rebuild builds them,
             const bool is_built = report.work == anew.work && report.activations == anew.activations;
             if (frame == 0) CHECK(is_built);
             (is_built ? built : followed) += frame != 0;
-            // What a build of what was there would have cost, twice; and the last batch, which is not cut short.
-            if (!is_built) CHECK(report.work <= (active + 210 * pages) / 6 + 256 + 16 * 32);
+            // What a build of what was there would have cost, twice; and the last batch, which is not cut short. Frames
+            // that have neither leapt nor zoomed have no choice.
+            if (!is_built && frame % 3 != 2) CHECK(report.work <= (active + 210 * pages) / 6 + 256 + 16 * 32);
             CutSettings again = settings;
             again.visits = report.visits; // a replay by visits does the same
             const CutReport repeated = replayed.update({&view, 1}, again);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "cut/evaluate.h"
 #include "cut/state.h"
@@ -58,8 +59,13 @@ void end_morphing_in(Work& work, Morphing& morphing) {
     constexpr std::uint32_t all = (1u << rising_slots) - 1;
     constexpr std::int64_t slots_a_morph = 8;
     const auto ticks = static_cast<std::int64_t>(std::ceil(morphing.now.morph_s * ticks_a_second));
-    const std::int64_t slot_ticks = std::max<std::int64_t>((ticks + slots_a_morph - 1) / slots_a_morph, 1),
-                       now = morphing.clock.ticks / slot_ticks;
+    const std::int64_t slot_ticks = std::max<std::int64_t>((ticks + slots_a_morph - 1) / slots_a_morph, 1);
+    const auto waiting = std::span(q.sizes).subspan(rising_queues, rising_slots);
+    if (std::ranges::count(waiting, 0u) == rising_slots && morphing.late_count == 0 && morphing.out_count == 0) {
+        q.slots_from_ticks = morphing.clock.ticks;
+        q.opened = 0;
+    }
+    const std::int64_t now = (morphing.clock.ticks - q.slots_from_ticks) / slot_ticks;
     if (morphing.now.morph == Morph::none || slot_ticks != q.slot_ticks) q.open_slots = all; // times count no more
     for (std::int64_t n = std::max(q.opened, now - rising_slots) + 1; n <= now; ++n)
         q.open_slots |= 1u << n % rising_slots;
@@ -67,11 +73,11 @@ void end_morphing_in(Work& work, Morphing& morphing) {
     q.opened = now;
 }
 
-std::uint32_t rising_queue(Queues& q, const Morphing& morphing, std::int64_t arrives_ticks) {
+std::uint32_t rising_queue(Queues& q, std::int64_t arrives_ticks) {
     // A rebuild that cannot be completed refines before the first update has set how long a slot is.
     const std::int64_t slot_ticks = std::max<std::int64_t>(q.slot_ticks, 1),
-                       wanted = std::max(arrives_ticks, morphing.clock.ticks) / slot_ticks + 1,
-                       n = std::min(wanted, q.opened + rising_slots - 1);
+                       wanted = (arrives_ticks - q.slots_from_ticks + slot_ticks - 1) / slot_ticks,
+                       n = std::clamp(wanted, q.opened + 1, q.opened + std::int64_t{rising_slots} - 1);
     // What is left in it from the last time round waits for this one, or groups would be tried in the frame that has
     // filed them, again and again.
     q.open_slots &= ~(1u << n % rising_slots);

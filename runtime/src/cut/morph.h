@@ -90,7 +90,7 @@ inline void open_gate(Work& work) {
 // Forgets vertices that have reached their height. What has waited for them is tried again.
 void end_morphing_in(Work& work, Morphing& morphing);
 // The queue of a group that waits for a vertex that arrives then.
-[[nodiscard]] std::uint32_t rising_queue(Queues& queues, const Morphing& morphing, std::int64_t arrives_ticks);
+[[nodiscard]] std::uint32_t rising_queue(Queues& queues, std::int64_t arrives_ticks);
 
 // The vertex is active, has no active children and does not morph out yet. To the shader, a vertex that morphs out is
 // one that morphs in, from where it stands to the edge, whatever the distance: only its numbers change.

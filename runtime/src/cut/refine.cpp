@@ -134,8 +134,7 @@ void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
             }
         }
     if (blocked) return queue(s.work, number, group, blocked_queues + s.work.queues.turn);
-    if (rising && may_go_on())
-        return queue(s.work, number, group, rising_queue(s.work.queues, s.morphing, arrives_ticks));
+    if (rising && may_go_on()) return queue(s.work, number, group, rising_queue(s.work.queues, arrives_ticks));
     if (gated && may_go_on()) return queue(s.work, number, group, gated_queues + s.work.queues.gated_turn);
     if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
     if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);

@@ -218,8 +218,9 @@ struct Queues {
     std::uint8_t gate_passes;
     // A vertex arrives when its time has come, and not before: until then nobody looks at what waits for it. A slot is
     // an eighth of the time that vertices take; it opens when all of it is over, and slot n uses queue n %
-    // rising_slots.
-    std::int64_t slot_ticks, opened;
+    // rising_slots. They are counted from when nothing has morphed or waited, and not from when the clock began: the
+    // same flight an hour later does the same.
+    std::int64_t slot_ticks, slots_from_ticks, opened;
     std::uint32_t open_slots; // as bits: they may hold groups that are to be tried again
 };
 
