@@ -257,6 +257,7 @@ BakeSummary merge_shards(const ShardPlan& plan, const HeightSource& source, cons
                          const std::string& out_path) {
     check_source(plan, source);
     if (plan.packs) check_packs(plan, {});
+    remove_dead_attempts(plan);
     return Merge(plan, source, options, out_path).to_pack();
 }
 
@@ -264,6 +265,7 @@ MergedSet merge_shards_to_set(const ShardPlan& plan, const HeightSource& source,
                               const SetGrid& grid, const std::string& folder) {
     check_source(plan, source);
     check_packs(plan, grid);
+    remove_dead_attempts(plan);
     make_set_folder(folder);
     return Merge(plan, source, options, set_work_name(folder)).to_set(grid, folder);
 }

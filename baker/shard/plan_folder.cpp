@@ -343,6 +343,11 @@ std::string host() {
 
 } // namespace
 
+void remove_dead_attempts(const ShardPlan& plan) {
+    const OneAtATime turn(plan.folder + "/plan.json");
+    remove_dead(plan.folder + "/scratch", "");
+}
+
 ScratchFolder::ScratchFolder(const ShardPlan& plan, const ShardStep& step, int shard)
     : plan_(plan), step_(step), shard_(shard) {
     const std::string scratch = plan.folder + "/scratch", prefix = fmt::format("{}-{}.", step.name(), shard);

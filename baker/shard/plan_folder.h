@@ -125,6 +125,10 @@ private:
     std::map<std::string, ShardRecord::File> files_;
 };
 
+// Removes what attempts have left that were killed when their step was complete: nobody does that step again. What
+// cannot be removed stays.
+void remove_dead_attempts(const ShardPlan& plan);
+
 // ---- bytes of parcels: values one behind the other
 
 class ParcelWriter {
