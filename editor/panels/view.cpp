@@ -315,6 +315,12 @@ void draw_marks(const Probe& probe, const Picture& picture, const ui::Rect& plat
         list.AddCircleFilled(*at, 0.35F * em, shadow);
         list.AddCircleFilled(*at, 0.25F * em, mark_colour);
         if (at->x < plate.x + plate.width && at->y < plate.y + plate.height) continue; // which covers its number
+        // Of marks that lie together the first one has a number: two would be read as one.
+        const auto hides = [&](const Vec3& other) {
+            const auto there = picture.at(other);
+            return there && std::abs(there->x - at->x) < 1.5F * em && std::abs(there->y - at->y) < em;
+        };
+        if (std::any_of(probe.mark_m.begin(), probe.mark_m.begin() + static_cast<std::ptrdiff_t>(i), hides)) continue;
         char name[24];
         std::snprintf(name, sizeof name, "%zu", i + 1);
         list.AddText({at->x + 0.5F * em, at->y - 1.1F * em}, mark_colour, name);
