@@ -40,12 +40,19 @@ struct PathWindow {
 
     static std::vector<std::string> arguments(const TemporaryFolder& home) {
         spit(home / "zigzag.json", zigzag);
-        return {small_pack(),         "--size", "1000x840",       "--scale", "0.7", "--path",
-                home / "zigzag.json", "--do",   "panel pictures", "--do",    "home"};
+        return {
+            small_pack(),        "--size", "1000x840",       "--scale", "0.7", "--path", home / "zigzag.json", "--do",
+            "group view.map on", "--do",   "panel pictures", "--do",    "home"};
+    }
+    // The overview is in another panel than the timeline.
+    void show(const std::string& panel) {
+        if (editor.state()["interface"]["left"] != panel) editor.click("panel." + panel);
     }
     // The middle of what has that mark. What is in the picture can be taken while the pointer is there.
     [[nodiscard]] std::array<double, 2> middle(const std::string& mark) {
         const Place view = view_of(state);
+        if (mark.starts_with("map.")) show("view");
+        if (mark.starts_with("timeline.")) show("pictures");
         if (mark.starts_with("view.")) editor.move(view.x + 5, view.y + 5);
         const Place p = editor.place(mark);
         return {p.x + p.width / 2, p.y + p.height / 2};
@@ -120,6 +127,7 @@ TEST_CASE("a point is dragged on the overview, selected by a click in all three 
     w.editor.key("Delete");
     w.state = w.editor.state();
     CHECK(w.state["route"]["points"] == 4);
+    w.show("pictures");
     const Place line = w.editor.place("path.timeline");
     w.editor.click_at(line.x + 0.5 * line.width, line.y + 0.72 * line.height); // the playhead
     w.editor.key("Insert");
