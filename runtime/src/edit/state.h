@@ -66,13 +66,15 @@ struct QueueCell {
 struct Waiting {
     Stamp stamp;
     StampId id = 0;
-    Rect places;             // that it may change
-    bool held = false;       // for pages
-    bool wants_rest = false; // pages around it too, and that all is measured there
-    bool fits = false;       // it has been looked at, and is not refused
-    bool at_once = false;    // its pieces are one item
-    std::uint32_t piece = 0; // the next one
-    Change change{};         // of what has been looked at
+    Rect places;                                    // that it may change
+    bool held = false;                              // for pages
+    bool lacks_pages = true;                        // as it was at page_changes
+    bool wants_rest = false;                        // pages around it too, and that all is measured there
+    bool fits = false;                              // it has been looked at, and is not refused
+    bool at_once = false;                           // its pieces are one item
+    std::uint32_t piece = 0;                        // the next one
+    Change change{};                                // of what has been looked at
+    std::uint64_t page_changes = ~std::uint64_t{0}; // TerrainData::changes when its pages were looked for
 };
 
 // How far, in steps, a sphere may depend on a height: its children's, and those of the vertices that share their codes.
