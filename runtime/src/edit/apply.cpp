@@ -1,5 +1,6 @@
 #include "edit/apply.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "edit/areas.h"
@@ -192,6 +193,12 @@ bool is_held(const EditsData& e, Waiting& w) {
         });
     }
     return w.lacks_pages || (w.wants_rest && !is_at_rest(e, w.places));
+}
+
+bool awaits_pages(const EditsData& e, const Rect& places) {
+    if (e.awaiting_count == 0) return false;
+    return std::any_of(e.waiting, e.waiting + e.waiting_count,
+                       [&](const Waiting& w) { return w.awaits && w.places.grown(1).meets(places); });
 }
 
 bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samples) {
