@@ -374,8 +374,8 @@ public:
             if (!std::isnan(given_s)) g->clock_s = given_s;
             Followed& live = *g->live;
             if (!wait) live.follow(g->edited.get());
-            const io::LiveFrame& frame = wait ? settle(live, g->edited.get(), view, g->clock_s)
-                                              : live.ground.update({&view, 1}, g->clock_s);
+            const io::LiveFrame& frame =
+                wait ? settle(live, g->edited.get(), view, g->clock_s) : live.ground.update({&view, 1}, g->clock_s);
             if (std::isnan(given_s) && !wait) g->clock_s += 1.0 / 60;
             made.mesh = frame.mesh.mesh;
             made.cut = frame.cut, made.stream = frame.stream;
