@@ -167,6 +167,7 @@ void apply(EditsData& e, const Change& change) {
             if (t.tree.sample({x, y}) == SampleIndex{x, y}) remember(e, {x, y}, cell.steps, to);
             cell.steps = to;
         }
+    for (int z = 0; z < t.tree.tile_log2; ++z) e.window.note(z, places);
     widen(t.range, t.height_scale, change.heights);
     const Ground ground(t, &e.window);
     const bool radii_known = nest_radii(e, ground, places, static_cast<double>(by_m));

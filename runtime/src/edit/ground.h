@@ -91,6 +91,23 @@ void for_each_plane(int first, int last, const F& f) {
     for (int z = first; z <= last; ++z)
         for (const VertexKind kind : sides_then_centres) f(Plane{z, kind});
 }
+// Up the tree from what changes, from step 2^first to 2^last: changed = visit(plane, squares) of all planes, children
+// before their parents. squares: own(plane), and the parents of what has changed; some may lie beyond the terrain.
+template <typename Own, typename Visit>
+void go_up(int first, int last, const Own& own, const Visit& visit) {
+    Rect finer; // centres of the step before that have changed
+    for (int z = first; z <= last; ++z) {
+        const Plane side_x{z, VertexKind::side_x}, side_y{z, VertexKind::side_y}, centre{z, VertexKind::centre};
+        const Rect at = finer.empty() ? Rect{} : Rect{finer.x0 >> 1, finer.y0 >> 1, finer.x1 >> 1, finer.y1 >> 1};
+        const Rect along_x = finer.empty() ? at : Rect{at.x0, at.y0, at.x1, (finer.y1 + 1) >> 1},
+                   along_y = finer.empty() ? at : Rect{at.x0, at.y0, (finer.x1 + 1) >> 1, at.y1};
+        const Rect x = visit(side_x, own(side_x).with(along_x)), y = visit(side_y, own(side_y).with(along_y));
+        Rect todo = own(centre);
+        if (!x.empty()) todo = todo.with({x.x0, x.y0 - 1, x.x1, x.y1});
+        if (!y.empty()) todo = todo.with({y.x0 - 1, y.y0, y.x1, y.y1});
+        finer = visit(centre, todo);
+    }
+}
 // f(place, number) for the corners of tiles in a rectangle of places.
 template <typename F>
 void for_each_corner(const TerrainData& t, const Rect& places, const F& f) {

@@ -1,5 +1,8 @@
 #include "edit/window.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace fjell::edit {
 
 Cell Ground::beyond(SampleIndex v) const {
@@ -13,6 +16,7 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
         for (std::int32_t y = window.rect.y0; y <= window.rect.y1; ++y)
             std::fill_n(&window.at({window.rect.x0, y}), window.rect.columns(), Cell{});
     window.complete = !t.has_voids();
+    std::fill(std::begin(window.written), std::end(window.written), Rect{});
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
         for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
             const PageEntry entry = t.page_table[run.page];
@@ -56,7 +60,8 @@ void rebase_page(const TerrainData& t, std::uint32_t page, StepRange all) {
 void write_back(const TerrainData& t, Window& window, const StepRange& heights) {
     TerrainMemory& m = *t.memory;
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
-        for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
+        if (window.written[plane.z].empty()) return;
+        for_each_run(t, plane, plane.squares(window.written[plane.z].within(window.rect)), [&](const Run& run) {
             PageEntry entry = t.page_table[run.page];
             if (entry.slot == no_index) return;
             const Cell* const from = &window.at(plane.at(run.i, run.j));

@@ -18,7 +18,9 @@ inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) +
 struct Window {
     Rect rect;             // places
     bool complete = false; // all are loaded, and none is a hole
+    Rect written[max_tile_log2]; // by step: where vertices have changed since it was read
     Cell cells[window_side * window_side];
+    void note(int z, const Rect& places) { written[z] = written[z].with(places); }
     [[nodiscard]] Cell& at(SampleIndex v) {
         return cells[static_cast<std::size_t>(v.row - rect.y0) * window_side +
                      static_cast<std::size_t>(v.column - rect.x0)];
@@ -47,7 +49,7 @@ public:
     void set_error(const Plane& plane, std::int32_t i, std::int32_t j, std::uint8_t code) const {
         const SampleIndex v = plane.at(i, j);
         if (window_ != nullptr && window_->rect.contains(v))
-            window_->at(v).error = code;
+            window_->at(v).error = code, window_->note(plane.z, {v.column, v.row, v.column, v.row});
         else
             change_record(terrain, plane, i, j, [&](VertexRecord& record) { record.error = code; });
     }
@@ -58,6 +60,7 @@ public:
             Cell& cell = window_->at(v);
             if (!cell.loaded || cell.radius == code) return false;
             cell.radius = code;
+            window_->note(plane.z, {v.column, v.row, v.column, v.row});
             return true;
         }
         bool changed = false;
@@ -75,7 +78,7 @@ private:
 
 // Reads all within `rect`.
 void read(const TerrainData& t, const Rect& rect, Window& window);
-// Writes all that differs. heights: of those that do; pages whose base they do not count from get another one.
+// Writes what differs where it was noted, and corners. heights: of those that do; pages whose base they do not count from get another one.
 void write_back(const TerrainData& t, Window& window, const StepRange& heights);
 
 } // namespace fjell::edit
