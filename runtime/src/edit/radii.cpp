@@ -38,23 +38,21 @@ namespace {
 // radii, and one root for all of them will do.
 class Contents {
 public:
-    Contents() {
-        for (auto& way : climb_) std::fill_n(way, radius_codes, nothing);
-    }
+    Contents() { std::fill(std::begin(climb_), std::end(climb_), nothing); }
     // way: of two distances along the ground.
-    void see(int way, std::uint32_t radius, std::int32_t climb) {
-        std::int32_t& most = climb_[way][radius];
-        if (climb <= most) return;
-        if (most == nothing) seen_[seen_count_++] = static_cast<std::uint8_t>(way << 7 | static_cast<int>(radius));
-        most = climb;
+    void see(std::uint32_t way, std::uint32_t radius, std::int32_t climb) {
+        const std::uint32_t key = way * radius_codes + radius;
+        if (climb <= climb_[key]) return;
+        if (climb_[key] == nothing) seen_[seen_count_++] = static_cast<std::uint8_t>(key);
+        climb_[key] = climb;
     }
     // f(way, radius, climb) of all that was seen, which is forgotten.
     template <typename F>
     void take(const F& f) {
         for (int k = 0; k < seen_count_; ++k) {
-            const int way = seen_[k] >> 7, radius = seen_[k] & (radius_codes - 1);
-            f(way, static_cast<std::uint32_t>(radius), climb_[way][radius]);
-            climb_[way][radius] = nothing;
+            std::int32_t& climb = climb_[seen_[k]];
+            f(seen_[k] / radius_codes, seen_[k] % radius_codes, climb);
+            climb = nothing;
         }
         seen_count_ = 0;
     }
@@ -62,21 +60,31 @@ public:
 private:
     static_assert(radius_codes == 128, "a way and a radius are a byte of seen_");
     static constexpr std::int32_t nothing = -1;
-    std::int32_t climb_[2][radius_codes];
+    std::int32_t climb_[2 * radius_codes];
     std::uint8_t seen_[2 * radius_codes];
     int seen_count_ = 0;
 };
 
-// Where cells are read: in the window, if it has all around them, or wherever they are.
+// Where cells are read: in a window that has all around them, or wherever they are.
 struct InWindow {
+    using Place = const Cell*;
+    using Way = std::ptrdiff_t;
     Window& window;
-    [[nodiscard]] static bool has(SampleIndex) { return true; }
-    [[nodiscard]] const Cell& at(SampleIndex v) const { return window.at(v); }
+    [[nodiscard]] Place place(SampleIndex v) const { return &window.at(v); }
+    [[nodiscard]] static Way way(SampleIndex off) { return off.row * window_side + off.column; }
+    [[nodiscard]] static bool has(Place, Way) { return true; }
+    [[nodiscard]] static bool is_loaded(const Cell&) { return true; }
+    [[nodiscard]] static const Cell& at(Place place, Way way) { return place[way]; }
 };
 struct Anywhere {
+    using Place = SampleIndex;
+    using Way = SampleIndex;
     const Ground& ground;
-    [[nodiscard]] bool has(SampleIndex v) const { return ground.tree.contains(v); }
-    [[nodiscard]] Cell at(SampleIndex v) const { return ground.at(v); }
+    [[nodiscard]] static Place place(SampleIndex v) { return v; }
+    [[nodiscard]] static Way way(SampleIndex off) { return off; }
+    [[nodiscard]] bool has(Place place, Way way) const { return ground.tree.contains(place + way); }
+    [[nodiscard]] static bool is_loaded(const Cell& cell) { return cell.loaded; }
+    [[nodiscard]] Cell at(Place place, Way way) const { return ground.at(place + way); }
 };
 
 // Radii of planes.
@@ -101,9 +109,12 @@ public:
                 const auto code = static_cast<std::uint8_t>(code_up(unit_m(plane), radius_m(plane)));
                 all_loaded = all_loaded && known;
                 bool differs = false;
-                for (std::int32_t y = block.y0; y <= block.y1; ++y)
-                    for (std::int32_t x = block.x0; x <= block.x1; ++x)
-                        differs = (known ? ground_.set_radius(plane, x, y, code) : contain(plane, x, y)) || differs;
+                if (known) {
+                    differs = ground_.set_radii(plane, block, code);
+                } else {
+                    for (std::int32_t y = block.y0; y <= block.y1; ++y)
+                        for (std::int32_t x = block.x0; x <= block.x1; ++x) differs = contain(plane, x, y) || differs;
+                }
                 if (differs) changed = changed.with(block);
             }
         return changed;
@@ -121,7 +132,7 @@ public:
                                       static_cast<float>((2 * plane.z + 1 + (plane.kind == VertexKind::centre)) * by_m_ *
                                                          (1 + 0x1p-10)));
         const std::uint32_t code = code_up(unit_m(plane), most);
-        return code > own.radius && ground_.set_radius(plane, i, j, static_cast<std::uint8_t>(code));
+        return code > own.radius && ground_.set_radii(plane, {i, j, i, j}, static_cast<std::uint8_t>(code));
     }
 
 private:
@@ -149,7 +160,7 @@ private:
             const bool along_x = kind == VertexKind::side_x;
             const float along[2] = {along_x ? terms_.along_x[0] : terms_.along_y[0],
                                     along_x ? terms_.along_y[0] : terms_.along_x[0]};
-            contents_.take([&](int way, std::uint32_t, std::int32_t climb) {
+            contents_.take([&](std::uint32_t way, std::uint32_t, std::int32_t climb) {
                 most = std::max(most, (distance_m(along[way], climb) + terms_.leaf_pad) * radius_rounding);
             });
             return most;
@@ -157,7 +168,7 @@ private:
         const bool centre = kind == VertexKind::centre;
         const float unit_m = terms_.unit_m[centre ? 2 * z : 2 * z - 1];
         const float along[2] = {centre ? terms_.along_x[z] : terms_.across[z], terms_.along_y[z]};
-        contents_.take([&](int way, std::uint32_t radius, std::int32_t climb) {
+        contents_.take([&](std::uint32_t way, std::uint32_t radius, std::int32_t climb) {
             most =
                 std::max(most, (distance_m(along[way], climb) + unit_m * t_.radii.factor[radius]) * radius_rounding);
         });
@@ -167,41 +178,48 @@ private:
     // What the spheres of these vertices contain. False: something is not loaded, and is not among it.
     [[nodiscard]] bool see(const Plane& plane, const Rect& block) {
         Window* const w = ground_.window();
-        if (w != nullptr && w->rect.contains(plane.places(block).grown(1 << plane.z)))
-            return see_at(plane, block, InWindow{*w});
-        return see_at(plane, block, Anywhere{ground_});
+        if (w != nullptr && w->loaded && w->rect.contains(plane.places(block).grown(1 << plane.z)))
+            return see_in(plane, block, InWindow{*w});
+        return see_in(plane, block, Anywhere{ground_});
     }
     template <typename Cells>
-    [[nodiscard]] bool see_at(const Plane& plane, const Rect& block, const Cells& cells) {
-        const std::int32_t s = 1 << plane.z;
-        const bool centre = plane.kind == VertexKind::centre, leaf = plane.z == 0 && !centre;
-        // Where children are, and which way; of a leaf the corners of its triangles. Those of one way lie together.
-        const int across = plane.kind == VertexKind::side_y;
-        const SampleIndex along_x[2] = {{-s, 0}, {s, 0}}, along_y[2] = {{0, -s}, {0, s}};
-        const SampleIndex north[2] = {{-s / 2, -s / 2}, {s / 2, -s / 2}}, south[2] = {{-s / 2, s / 2}, {s / 2, s / 2}};
-        const SampleIndex(&first)[2] = !centre && !leaf ? north : across != 0 ? along_y : along_x;
-        const SampleIndex(&second)[2] = !centre && !leaf ? south : across != 0 ? along_x : along_y;
-        const int second_way = centre || leaf ? 1 : 0;
+    [[nodiscard]] bool see_in(const Plane& plane, const Rect& block, const Cells& cells) {
+        const std::int32_t s = 1 << plane.z, h = s / 2;
+        const auto ways = [&](SampleIndex a, SampleIndex b, const auto& f) {
+            return f(Cells::way({-a.column, -a.row}), Cells::way(a), Cells::way({-b.column, -b.row}), Cells::way(b));
+        };
+        const SampleIndex along_x{s, 0}, along_y{0, s};
+        if (plane.kind == VertexKind::centre)
+            return ways(along_x, along_y, [&](auto... way) { return see_all<1, 1>(plane, block, cells, way...); });
+        if (plane.z != 0)
+            return ways({h, h}, {h, -h}, [&](auto... way) { return see_all<0, 1>(plane, block, cells, way...); });
+        // A leaf's are the corners of its triangles: the ends first.
+        const bool x_first = plane.kind == VertexKind::side_x;
+        return ways(x_first ? along_x : along_y, x_first ? along_y : along_x,
+                    [&](auto... way) { return see_all<1, 0>(plane, block, cells, way...); });
+    }
+    // two_ways: are a and b nearer or farther along the ground than c and d? radii: have they any?
+    template <std::uint32_t two_ways, std::uint32_t radii, typename Cells, typename Way = typename Cells::Way>
+    [[nodiscard]] bool see_all(const Plane& plane, const Rect& block, const Cells& cells, Way a, Way b, Way c, Way d) {
         bool known = true;
         for (std::int32_t j = block.y0; j <= block.y1; ++j)
             for (std::int32_t i = block.x0; i <= block.x1; ++i) {
-                const SampleIndex v = plane.at(i, j);
-                const Cell own = cells.at(v);
-                if (!own.loaded) {
+                const auto v = cells.place(plane.at(i, j));
+                const Cell own = cells.at(v, {});
+                if (!Cells::is_loaded(own)) {
                     known = false;
                     continue;
                 }
-                const auto see_child = [&](int way, SampleIndex off) {
-                    const SampleIndex at = v + off;
-                    if (!cells.has(at)) return;
-                    const Cell child = cells.at(at);
-                    if (child.loaded)
-                        contents_.see(way, leaf ? 0 : child.radius, std::abs(child.steps - own.steps));
+                const auto see_child = [&](std::uint32_t number, Way way) {
+                    if (!cells.has(v, way)) return;
+                    const Cell child = cells.at(v, way);
+                    if (Cells::is_loaded(child))
+                        contents_.see(number, child.radius * radii, std::abs(child.steps - own.steps));
                     else
                         known = false;
                 };
-                see_child(0, first[0]), see_child(0, first[1]);
-                see_child(second_way, second[0]), see_child(second_way, second[1]);
+                see_child(0, a), see_child(0, b);
+                see_child(two_ways, c), see_child(two_ways, d);
             }
         return known;
     }

@@ -15,13 +15,13 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
     if (!all_loaded)
         for (std::int32_t y = window.rect.y0; y <= window.rect.y1; ++y)
             std::fill_n(&window.at({window.rect.x0, y}), window.rect.columns(), Cell{});
-    window.complete = !t.has_voids();
+    window.loaded = true;
     std::fill(std::begin(window.written), std::end(window.written), Rect{});
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
         for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
             const PageEntry entry = t.page_table[run.page];
             if (entry.slot == no_index) {
-                window.complete = false;
+                window.loaded = false;
                 return;
             }
             const VertexRecord* const from = t.records + std::size_t{entry.slot} * t.page_capacity + run.index;
@@ -31,6 +31,7 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
         });
     });
     for_each_corner(t, window.rect, [&](SampleIndex at, std::uint32_t) { window.at(at) = cell_at(t, at); });
+    window.complete = window.loaded && !t.has_voids();
 }
 
 namespace {
