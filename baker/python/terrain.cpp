@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -10,12 +11,14 @@
 #include <thread>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include "arrays.h"
 #include "baker/check/picture.h"
 #include "baking.h"
+#include "fjell/edit.h"
 #include "fjell/gl/context.h"
 #include "fjell/gl/renderer.h"
 #include "fjell/gl/target.h"
@@ -27,6 +30,7 @@
 #include "fjell/profile.h"
 #include "fjell/query.h"
 #include "fjell/texture.h"
+#include "session/stamps.h"
 #include "watched.h"
 
 namespace fjell::python {
@@ -43,14 +47,38 @@ Vec3 vector_of(const std::array<double, 3>& v) {
     return {v[0], v[1], v[2]};
 }
 
+// What has changed the ground, in order. The terrain that is asked for heights is changed at once; those that are
+// updated and drawn, which may be made later, when they are updated.
+struct Edited {
+    EditBudget budget;
+    io::AlignedMemory memory;
+    Edits edits;                           // of the terrain that is asked
+    std::deque<session::KeptStamp> stamps; // all that were applied; they stay where they are
+    std::uint64_t cursor = 0;              // of ground_changes()
+};
+
+// A terrain that is updated, and how many stamps it has been given.
+struct Followed {
+    io::LiveTerrain ground;
+    std::size_t stamps = 0;
+
+    Followed(const std::string& path, const io::LiveOptions& options) : ground(path, options) {}
+    void follow(const Edited* edited) {
+        StampId id = 0;
+        while (edited != nullptr && stamps < edited->stamps.size() &&
+               push_stamp(ground.edits(), edited->stamps[stamps].stamp(), id).ok())
+            ++stamps;
+    }
+};
+
 // What draws, of a terrain of its own: whoever updates the other one without drawing would lose its maps.
 struct Painter {
-    io::LiveTerrain ground;
+    Followed followed;
     std::unique_ptr<gl::Headless> context;
     std::unique_ptr<gl::Renderer> renderer;
     std::unique_ptr<gl::Target> target;
 
-    Painter(const std::string& path, const io::LiveOptions& options) : ground(path, options) {}
+    Painter(const std::string& path, const io::LiveOptions& options) : followed(path, options) {}
 };
 
 // All of a terrain. Arrays that show its memory keep it alive.
@@ -59,23 +87,40 @@ struct Ground {
     Profile profile;
     std::unique_ptr<io::LoadedPack> whole; // null: streamed
     std::mutex lock;                       // of what follows, which one thread uses at a time
-    std::unique_ptr<io::LiveTerrain> live; // null: there was no update yet
+    std::unique_ptr<Edited> edited;        // null: the ground cannot be changed
+    std::unique_ptr<Followed> live;        // null: there was no update yet
     std::unique_ptr<Painter> painter;
     double clock_s = 0; // of updates that are given no time
 
-    [[nodiscard]] const Terrain& terrain() const { return whole ? whole->terrain : live->terrain(); }
+    [[nodiscard]] const Terrain& terrain() const { return whole ? whole->terrain : live->ground.terrain(); }
+    [[nodiscard]] io::LiveOptions options() const {
+        io::LiveOptions made = live_options(profile);
+        if (edited) made.edits = edited->budget;
+        return made;
+    }
     void begin_updates() {
-        if (!live) live = std::make_unique<io::LiveTerrain>(path, live_options(profile));
+        if (!live) live = std::make_unique<Followed>(path, options());
+    }
+    void allow_edits(std::uint32_t blocks) {
+        if (!whole) throw Failure(1, "edit_blocks: a terrain that is streamed cannot be edited; leave out streaming");
+        auto made = std::make_unique<Edited>();
+        made->budget = {.blocks = blocks, .stamps = 4096};
+        const std::size_t bytes = edits_bytes(whole->terrain.header(), made->budget);
+        made->memory = io::allocate(bytes);
+        const Status s = create_edits(whole->terrain, made->budget, {made->memory.get(), bytes}, made->edits);
+        if (!s.ok()) throw Failure(1, std::string("edit_blocks: ") + s.field + ": " + message(s.code));
+        edited = std::move(made);
     }
 };
 
 // Updates until all that the view wants is there, or nothing comes any more.
-const io::LiveFrame& settle(io::LiveTerrain& live, const View& view, double& clock_s,
+const io::LiveFrame& settle(Followed& followed, const Edited* edited, const View& view, double& clock_s,
                             const std::function<void()>& after_each = {}) {
     constexpr int patience = 40'000; // updates, of 0.5 ms
     for (int i = 0;; ++i) {
         io::check_interrupt();
-        const io::LiveFrame& frame = live.update({&view, 1}, clock_s);
+        followed.follow(edited);
+        const io::LiveFrame& frame = followed.ground.update({&view, 1}, clock_s);
         clock_s += 1.0 / 60;
         if (after_each) after_each();
         if (frame.settled || i == patience) return frame;
@@ -150,7 +195,8 @@ MapCodes read_map(const std::string& path, bool normal) {
 class PyTerrain {
 public:
     PyTerrain(const std::string& path, const std::string& profile_path,
-              const std::vector<std::pair<std::string, std::string>>& overrides, bool streaming)
+              const std::vector<std::pair<std::string, std::string>>& overrides, bool streaming,
+              std::uint32_t edit_blocks)
         : ground_(std::make_shared<Ground>()) {
         Ground& g = *ground_;
         run_watched([&](const baker::Progress&) {
@@ -161,6 +207,7 @@ public:
                 g.begin_updates();
             else
                 g.whole = std::make_unique<io::LoadedPack>(io::load_pack(io::PackFile(path), io::LoadTerrain::yes));
+            if (edit_blocks != 0) g.allow_edits(edit_blocks);
         });
     }
 
@@ -269,6 +316,54 @@ public:
         return py::make_tuple(array_of<std::uint8_t>(std::move(map.codes), shape), map.samples_per_texel);
     }
 
+    [[nodiscard]] bool editable() const { return ground()->edited != nullptr; }
+
+    // Of the fields of a stamp in JSON (session/stamps.h). Returns the number of samples whose height has changed.
+    std::uint32_t edit(const std::string& stamp) {
+        const auto g = ground();
+        if (!g->edited) throw py::value_error("edit: open the terrain with edit_blocks");
+        return watched([&] {
+            session::KeptStamp kept = session::stamp_of(nlohmann::json::parse(stamp));
+            const std::lock_guard hold(g->lock);
+            Edited& e = *g->edited;
+            e.stamps.push_back(std::move(kept));
+            EditReport report;
+            StampId id = 0;
+            StampResult result{StampState::refused, push_stamp(e.edits, e.stamps.back().stamp(), id)};
+            if (result.status.ok()) {
+                (void)update_edits(e.edits, {}, {}, report); // all pages are loaded, and nothing limits it
+                result = stamp_state(e.edits, id);
+            }
+            if (result.state != StampState::applied) {
+                e.stamps.pop_back();
+                throw Failure(1, std::string("edit: ") + result.status.field + ": " + message(result.status.code));
+            }
+            return report.samples;
+        });
+    }
+
+    // Rectangles of samples (column, row, columns, rows) that have changed since the last call.
+    [[nodiscard]] py::list ground_changes() {
+        const auto g = ground();
+        py::list changed;
+        if (!g->edited) return changed;
+        const std::vector<GroundRect> rects = watched([&] {
+            const std::lock_guard hold(g->lock);
+            std::vector<GroundRect> found;
+            GroundRect some[64];
+            bool lost = false;
+            do {
+                const std::uint32_t count = take_ground_changes(g->edited->edits, g->edited->cursor, some, lost);
+                found.insert(found.end(), some, some + count);
+                if (count < std::size(some)) return found;
+            } while (true);
+        });
+        for (const GroundRect& r : rects)
+            changed.append(py::make_tuple(r.first.column, r.first.row, r.last.column - r.first.column + 1,
+                                          r.last.row - r.first.row + 1));
+        return changed;
+    }
+
     [[nodiscard]] Frame update(const View& view, const py::object& now_s, bool wait) {
         const auto g = ground();
         const double given_s = now_s.is_none() ? not_a_number : now_s.cast<double>();
@@ -277,8 +372,10 @@ public:
             const std::lock_guard hold(g->lock);
             g->begin_updates();
             if (!std::isnan(given_s)) g->clock_s = given_s;
+            Followed& live = *g->live;
+            if (!wait) live.follow(g->edited.get());
             const io::LiveFrame& frame =
-                wait ? settle(*g->live, view, g->clock_s) : g->live->update({&view, 1}, g->clock_s);
+                wait ? settle(live, g->edited.get(), view, g->clock_s) : live.ground.update({&view, 1}, g->clock_s);
             if (std::isnan(given_s) && !wait) g->clock_s += 1.0 / 60;
             made.mesh = frame.mesh.mesh;
             made.cut = frame.cut, made.stream = frame.stream;
@@ -293,8 +390,9 @@ public:
         const gltf::SnapshotCounts counts = watched([&] {
             const std::lock_guard hold(g->lock);
             g->begin_updates();
-            (void)settle(*g->live, view, g->clock_s);
-            return gltf::write_snapshot(*g->live, gltf::take_snapshot(*g->live, view), path);
+            (void)settle(*g->live, g->edited.get(), view, g->clock_s);
+            const io::LiveTerrain& live = g->live->ground;
+            return gltf::write_snapshot(live, gltf::take_snapshot(live, view), path);
         });
         py::dict said;
         said["tiles"] = counts.tiles, said["vertices"] = counts.vertices, said["triangles"] = counts.triangles;
@@ -333,9 +431,9 @@ private:
         if (found == std::end(modes))
             throw Failure(2, "mode: is " + mode + "; give shaded, wire, levels, distance, tiles or mips");
         if (!g.painter) {
-            auto painter = std::make_unique<Painter>(g.path, live_options(g.profile));
+            auto painter = std::make_unique<Painter>(g.path, g.options());
             painter->context = gl::Headless::create();
-            painter->renderer = gl::Renderer::create(painter->ground);
+            painter->renderer = gl::Renderer::create(painter->followed.ground);
             g.painter = std::move(painter);
         }
         Painter& p = *g.painter;
@@ -344,13 +442,13 @@ private:
             p.target = gl::Target::create(
                 {view.width_px, view.height_px, std::min(g.profile.samples, gl::max_target_samples())});
         double clock_s = 0;
-        (void)settle(p.ground, view, clock_s, [&] { p.renderer->upload(p.ground); });
+        (void)settle(p.followed, g.edited.get(), view, clock_s, [&] { p.renderer->upload(p.followed.ground); });
         gl::DrawOptions options;
         options.mode = found->second;
         options.wireframe = mode == "wire";
         options.light = g.profile.light;
         options.haze = haze;
-        p.renderer->draw(p.ground, view, options, *p.target);
+        p.renderer->draw(p.followed.ground, view, options, *p.target);
         p.target->read_colour(image);
     }
 
@@ -401,7 +499,7 @@ void add_terrain(py::module_& module) {
     py::class_<View>(module, "View").def(py::init(&view_of));
     py::class_<PyTerrain>(module, "Terrain")
         .def(py::init<const std::string&, const std::string&, const std::vector<std::pair<std::string, std::string>>&,
-                      bool>())
+                      bool, std::uint32_t>())
         .def("close", &PyTerrain::close)
         .def_property_readonly("closed", &PyTerrain::closed)
         .def_property_readonly("columns", of_header([](const PackHeader& h) { return h.columns; }))
@@ -418,6 +516,9 @@ void add_terrain(py::module_& module) {
         .def("patch", &PyTerrain::patch)
         .def("samples", &PyTerrain::samples)
         .def("map_codes", &PyTerrain::map_codes)
+        .def_property_readonly("editable", &PyTerrain::editable)
+        .def("edit", &PyTerrain::edit)
+        .def("ground_changes", &PyTerrain::ground_changes)
         .def("update", &PyTerrain::update)
         .def("snapshot", &PyTerrain::snapshot)
         .def("render", &PyTerrain::render)

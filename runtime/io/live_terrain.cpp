@@ -102,7 +102,7 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
     frame_.converged = frame_.cut.converged && frame_.stream.converged && frame_.stream.maps_converged;
     quiet_ = nothing_to_do(frame_.cut, frame_.stream, frame_.edits) ? quiet_ + 1 : 0;
     // twice: what an update requests it may find out in the next one
-    const bool moving = frame_.edits.waiting != frame_.edits.held || frame_.edits.loose != 0;
+    const bool moving = frame_.edits.waiting != 0 || frame_.edits.loose != 0;
     frame_.settled = (frame_.converged && !moving) || quiet_ > 1;
     name_what_is_short();
     return frame_;

@@ -103,7 +103,7 @@ TEST_CASE("vertices that have arrived stay where they are when morphing takes lo
 TEST_CASE("a report holds in the frame in which settings, budgets, views, thresholds or modes change") {
     Random random(391);
     std::size_t frames = 0, close = 0, converged = 0, rebuilt = 0, raised = 0, missing = 0;
-    for (int round = 0; round < rounds(24, 600); ++round) {
+    for (int round = 0; round < rounds(24, 200); ++round) {
         const auto pack = streamed_terrain(random, pick(random, 0, 3) == 0);
         CutBudget budget = ample_cut(pack.terrain, 3);
         if (pick(random, 0, 1) == 0)

@@ -11,6 +11,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
+#include "fjell/io/load.h"
 #include "fjell/pages.h"
 #include "fjell/profile.h"
 #include "fjell/profile/keys.h"
@@ -194,6 +195,48 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
     CHECK((short_of_blocks && stamp_state(terrain.edits(), id).state == StampState::refused));
     options.edits = EditBudget{.blocks = 0};
     CHECK(has_part(opening_refusal(place.pack, options), "EditBudget::blocks"));
+}
+
+TEST_CASE("what changes far away is seen from there: its pages are loaded, though no view wants them") {
+    const LivePlace place;
+    io::LiveOptions options = live_options(place.profile);
+    options.edits = EditBudget{};
+    const io::LoadedPack whole = io::load_pack(place.pack, io::LoadTerrain::yes);
+    for (const std::uint32_t page_slots : {8192u, 40u}) {
+        options.page_slots = page_slots;
+        io::LiveTerrain terrain(place.pack, options);
+        const Terrain& t = terrain.terrain();
+        const double across_m = t.extent_x_m(), x_m = across_m * 0.7, z_m = t.extent_z_m() * 0.6;
+        const View view = make_view({across_m / 2, 10 * across_m, t.extent_z_m() / 2}, {0, -1, 0.001}, {0, 1, 0}, 1,
+                                    640, 480, 1, 1e7);
+        double now_s = 0;
+        terrain.settings.cut.max_error_px = 4;
+        (void)settle(terrain, view, now_s);
+        REQUIRE(ground_height(t, x_m, z_m).error_m > t.header().quantum_m); // the full resolution is not there
+        const double wanted_m = ground_height(whole.terrain, x_m, z_m).height_m + 30;
+        Stamp stamp;
+        stamp.shape = StampShape::raise;
+        stamp.x_m = x_m, stamp.z_m = z_m;
+        stamp.radius_m = static_cast<float>(5 * t.spacing_x_m());
+        stamp.amount_m = 30;
+        StampId id = 0;
+        REQUIRE(push_stamp(terrain.edits(), stamp, id).ok());
+        const io::LiveFrame& frame = settle(terrain, view, now_s);
+        CAPTURE(page_slots, frame.edits.held);
+        CHECK(frame.settled);
+        CHECK(stamp_state(terrain.edits(), id).state == StampState::applied);
+        // Its pages may go again. The ground that is left of it is what the report says of it.
+        terrain.settings.cut.max_error_px = 1;
+        (void)settle(terrain, view, now_s);
+        const GroundHeight left = ground_height(t, x_m, z_m);
+        CHECK(std::abs(left.height_m - wanted_m) <= static_cast<double>(left.error_m + t.header().quantum_m));
+        terrain.settings.cut.max_error_px = 0.01; // now it is wanted in full
+        const View near = make_view({x_m, wanted_m + 300, z_m}, {0, -1, 0.001}, {0, 1, 0}, 1, 640, 480, 1, 1e7);
+        if (page_slots < 100) continue; // which is not enough for that
+        (void)settle(terrain, near, now_s);
+        CHECK(ground_height(t, x_m, z_m).height_m ==
+              Approx(wanted_m).margin(static_cast<double>(t.header().quantum_m)));
+    }
 }
 
 TEST_CASE("what does not suffice is a list of fields, and what a host has forgotten is a bit") {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import struct
 import zlib
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arrays import heights_of
 
 _Point = tuple[float, float, float]
 
@@ -139,7 +141,8 @@ class Terrain:
 
     path: of a pack, or of a pack set's folder. profile: a profile's path (profiles/*.toml), or a dict of its keys, such
     as {"refine.max_error_px": 2}. streaming: False reads all of the geometry at once, 4 bytes a sample; True keeps it
-    in the file, and heights are as fine as the last updates have asked for.
+    in the file, and heights are as fine as the last updates have asked for. edit_blocks: how much of the ground `edit`
+    may change: blocks of 32 x 32 samples, 4.2 KB each. 0: none. The pack's file never changes.
 
     Heights, rays and patches may be asked from any thread, at any time. Updates, snapshots and pictures take turns.
     Closing waits for nobody: a call that has begun ends as if the terrain were open, and arrays of frames stay valid.
@@ -157,6 +160,7 @@ class Terrain:
         profile: Union[None, str, "os.PathLike[str]", dict[str, Any]] = None,
         *,
         streaming: bool = False,
+        edit_blocks: int = 0,
     ) -> None:
         name = os.fspath(path)
         if not os.path.exists(name):
@@ -167,7 +171,9 @@ class Terrain:
                 text = str(value).lower() if isinstance(value, bool) else f'"{value}"' if isinstance(value, str) else repr(value)
                 overrides.append((key, text))
         file = "" if profile is None or isinstance(profile, dict) else os.fspath(profile)
-        self._native = _native.Terrain(name, file, overrides, streaming)
+        if not 0 <= edit_blocks <= 1 << 20:
+            raise ValueError(f"edit_blocks: is {edit_blocks}; give 0 to {1 << 20}")
+        self._native = _native.Terrain(name, file, overrides, streaming, edit_blocks)
         self.path = name
 
     def close(self) -> None:
@@ -282,11 +288,103 @@ class Terrain:
     def samples(self, step: int = 1) -> NDArray[np.float32]:
         """All heights, float32 [rows, columns], NaN for holes; or every step-th of a row and a column (a power of two).
 
-        A last one that would lie beyond the rim is the rim's. Read from the file, whatever is loaded.
+        A last one that would lie beyond the rim is the rim's. Read from the file, whatever is loaded; but of a terrain
+        with edit_blocks they are those of the edited ground.
         """
         if step < 1 or step & (step - 1):
             raise ValueError(f"step: is {step}; give a power of two")
-        return self._native.samples(step.bit_length() - 1)
+        if not self._native.editable:
+            return self._native.samples(step.bit_length() - 1)
+        side = 1025
+        columns, rows = ((count - 2) // step + 2 for count in (self.columns, self.rows))
+        made = np.empty((rows, columns), np.float32)
+        for y in range(0, rows, side):
+            for x in range(0, columns, side):
+                part = made[y : y + side, x : x + side]
+                part[:] = self.patch(x * step, y * step, max(*part.shape, 2), step).heights[: part.shape[0], : part.shape[1]]
+        return made
+
+    def edit(
+        self,
+        shape: str,
+        at: Optional[tuple[float, float]] = None,
+        *,
+        radius: Optional[float] = None,
+        falloff: float = 0.0,
+        amount: Optional[float] = None,
+        height: Optional[float] = None,
+        slope: tuple[float, float] = (0.0, 0.0),
+        wavelength: Optional[float] = None,
+        seed: int = 0,
+        points: Any = None,
+        first: Optional[tuple[int, int]] = None,
+        heights: Any = None,
+        mask: Any = None,
+    ) -> int:
+        """Changes the ground, and returns how many samples have another height. Metres, x and z as everywhere.
+
+        shape: "raise" adds `amount` (negative: takes away); "level" makes a plane with `height` at the centre and
+            `slope`, metres up a metre east and a metre south; "crater" makes a bowl `amount` deep, with a rim; "path"
+            makes a road along `points`, [n, 3] of x, z and height; "noise" adds hills of `amount` and `wavelength`;
+            "smooth" takes the mean of a sample and its neighbours; "heights" takes those of an array [rows, columns],
+            NaN leaving a sample as it is; "restore" gives back the pack's.
+        at: the centre, x and z. radius: within it the shape applies wholly, and fades out over `falloff`; of a path,
+            half its width.
+        first: column and row of the array's first sample. mask: uint8 [rows, columns], of any shape; 255 applies it
+            wholly, 0 not at all.
+
+        Heights move in steps of `quantum_m`. Heights, rays, patches and samples are those of the new ground at once;
+        frames, snapshots and pictures from the next one on, with their bound. Slopes, horizons and the textures of
+        snapshots stay the pack's. What is wrong, needs more than edit_blocks, or is steeper than the pack can bound,
+        is a ValueError and changes nothing. Each edit is kept until the terrain is closed.
+
+        >>> import numpy as np
+        >>> _ = fjell.bake(np.add.outer(np.arange(65.0), np.arange(97.0)), "slope.fjell", spacing=2)
+        >>> with fjell.Terrain("slope.fjell", edit_blocks=64) as terrain:
+        ...     changed = terrain.edit("level", (100, 60), radius=10, falloff=6, height=80)
+        ...     round(terrain.height(100, 60), 6), changed > 100
+        (80.0, True)
+        """
+        stamp: dict[str, Any] = {"shape": shape}
+        plain = {"radius_m": radius, "amount_m": amount, "height_m": height, "wavelength_m": wavelength}
+        stamp.update((name, float(value)) for name, value in plain.items() if value is not None)
+        optional = {"falloff_m": float(falloff), "slope_x": float(slope[0]), "slope_z": float(slope[1]), "seed": int(seed)}
+        stamp.update((name, value) for name, value in optional.items() if value != 0)
+        if at is not None:
+            stamp["at"] = [float(v) for v in at]
+        if points is not None:
+            stamp["points"] = np.asarray(points, np.float64).tolist()
+        shapes = set()
+        if heights is not None:
+            values, hidden = heights_of(heights)
+            numbers = values.astype(np.float64)
+            left = np.isnan(numbers) if hidden is None else np.isnan(numbers) | hidden
+            stamp["heights_m"] = np.where(left, None, numbers).ravel().tolist()  # type: ignore[call-overload]
+            shapes.add(values.shape)
+        if mask is not None:
+            shares, _ = heights_of(mask, "mask")
+            stamp["mask"] = shares.astype(np.int64).ravel().tolist()
+            shapes.add(shares.shape)
+        if len(shapes) > 1:
+            raise ValueError("mask: give one of the heights' shape")
+        if bool(shapes) != (first is not None):
+            raise ValueError("first: heights and a mask need it, and nothing else does: the column and row where they begin")
+        if first is not None:
+            stamp["first"] = [int(v) for v in first]
+            stamp["rows"], stamp["columns"] = shapes.pop()
+        try:
+            text = json.dumps(stamp, allow_nan=False)
+        except ValueError:
+            raise ValueError("edit: a number is infinite or none") from None
+        return self._native.edit(text)
+
+    def ground_changes(self) -> list[tuple[int, int, int, int]]:
+        """What edits have changed since the last call: rectangles of samples, (column, row, columns, rows), in order.
+
+        For physics and other copies of the ground: `patch` of a rectangle gives its heights. Of more than the last
+        1,024 changes it is all of the terrain.
+        """
+        return self._native.ground_changes()
 
     def _codes(self, kind: str) -> tuple[NDArray[np.uint8], tuple[float, float]]:
         codes, step = self._native.map_codes(kind)

@@ -123,13 +123,15 @@ enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2,
 struct EditReport {
     std::uint32_t applied = 0, refused = 0; // stamps, in this call
     std::uint32_t waiting = 0;              // stamps that are not applied yet
-    std::uint32_t held = 0;                 // of those the ones that wait for pages, or for errors around them
-    std::uint32_t samples = 0;              // whose height was changed
-    std::uint32_t loose = 0;                // areas whose coarse errors are not measured again yet
-    std::uint32_t unmeasured = 0;           // areas that cannot be before more pages are loaded
-    std::uint32_t work = 0;                 // items spent
-    std::uint32_t blocks = 0;               // of EditBudget::blocks in use
-    std::uint32_t exhausted = 0;            // EditBudgetBits that ended the call or refused a stamp
+    // Of those the ones that wait for pages, or for errors around them. A stream of the terrain loads such pages, after
+    // those that its views want; a host with its own loader has to.
+    std::uint32_t held = 0;
+    std::uint32_t samples = 0;    // whose height was changed
+    std::uint32_t loose = 0;      // areas whose coarse errors are not measured again yet
+    std::uint32_t unmeasured = 0; // areas that cannot be before more pages are loaded
+    std::uint32_t work = 0;       // items spent
+    std::uint32_t blocks = 0;     // of EditBudget::blocks in use
+    std::uint32_t exhausted = 0;  // EditBudgetBits that ended the call or refused a stamp
     double apply_us = 0, measure_us = 0;
 };
 // The frame's thread, before update_stream and update_cut: applies stamps, the one nearest to a view first but never

@@ -1,5 +1,6 @@
 #include "edit/apply.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "edit/areas.h"
@@ -184,14 +185,24 @@ void apply(EditsData& e, const Change& change) {
 
 } // namespace
 
-bool is_held(const EditsData& e, const Waiting& w) {
+bool is_held(const EditsData& e, Waiting& w) {
     const TerrainData& t = *e.terrain;
-    bool loaded = true;
-    for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
-        for_each_page(t, plane, plane.squares(w.places.grown(1)),
-                      [&](std::uint32_t page) { loaded = loaded && t.page_table[page].slot != no_index; });
-    });
-    return !loaded || (w.wants_rest && !is_at_rest(e, w.places));
+    if (w.page_changes != t.changes) { // not at every item: under a large stamp lie many pages
+        w.page_changes = t.changes;
+        w.lacks_pages = false;
+        for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
+            for_each_page(t, plane, plane.squares(w.places.grown(1)), [&](std::uint32_t page) {
+                w.lacks_pages = w.lacks_pages || t.page_table[page].slot == no_index;
+            });
+        });
+    }
+    return w.lacks_pages || (w.wants_rest && !is_at_rest(e, w.places));
+}
+
+bool awaits_pages(const EditsData& e, const Rect& places) {
+    if (e.awaiting_count == 0) return false;
+    return std::any_of(e.waiting, e.waiting + e.waiting_count,
+                       [&](const Waiting& w) { return w.awaits && w.places.grown(1).meets(places); });
 }
 
 bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samples) {

@@ -9,7 +9,11 @@ namespace fjell::edit {
 enum class Refusal : std::uint32_t { none, blocks, span, bound, number };
 
 // Has a stamp to wait: for pages, or until all is measured around it?
-[[nodiscard]] bool is_held(const EditsData& e, const Waiting& w);
+[[nodiscard]] bool is_held(const EditsData& e, Waiting& w);
+
+// Does a stamp await the pages of these places? A stream loads them whether a view wants them or not: from far away
+// none would, and what has changed would never be seen.
+[[nodiscard]] bool awaits_pages(const EditsData& e, const Rect& places);
 
 // The next piece of a stamp whose pages are loaded. First all are looked at, so that what is refused changes nothing.
 // Returns true when the stamp is done: applied, or refused. samples: grows by those whose heights have changed.

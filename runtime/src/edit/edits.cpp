@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include "block_layout.h"
 #include "edit/apply.h"
@@ -227,6 +228,7 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
         for (std::uint32_t k = 0; k < i && !behind; ++k) behind = e.waiting[k].places.grown(1).meets(w.places);
         if (behind) continue;
         w.held = is_held(e, w);
+        if (w.lacks_pages && !std::exchange(w.awaits, true)) ++e.awaiting_count, ++e.awaits_changes;
         if (w.held) continue;
         double away = 1e200;
         for (const View& view : views) away = std::min(away, distance_m(*e.terrain, w.places, view));
@@ -251,6 +253,7 @@ void apply_stamps(EditsData& e, std::span<const View> views, Budgeted& budget, E
                    static_cast<std::uint32_t>(refusal));
         ++(refused ? report.refused : report.applied);
         if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+        if (e.waiting[i].awaits) --e.awaiting_count, ++e.awaits_changes;
         std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
         --e.waiting_count;
         take_stamps(e);

@@ -68,11 +68,14 @@ struct Waiting {
     StampId id = 0;
     Rect places;             // that it may change
     bool held = false;       // for pages
+    bool lacks_pages = true; // as it was at page_changes
+    bool awaits = false;     // its pages: it has lacked some, and streams load them until it is done
     bool wants_rest = false; // pages around it too, and that all is measured there
     bool fits = false;       // it has been looked at, and is not refused
     bool at_once = false;    // its pieces are one item
     std::uint32_t piece = 0; // the next one
     Change change{};         // of what has been looked at
+    std::uint64_t page_changes = ~std::uint64_t{0}; // TerrainData::changes when its pages were looked for
 };
 
 // How far, in steps, a sphere may depend on a height: its children's, and those of the vertices that share their codes.
@@ -120,7 +123,8 @@ struct EditsData {
         results; // by id % (2 * queue_size): id << 16 | state << 12 | refusal << 8 | status code
     // The frame's thread.
     edit::Waiting* waiting;
-    std::uint32_t waiting_count;
+    std::uint32_t waiting_count, awaiting_count; // awaiting: those of the waiting that await pages
+    std::uint64_t awaits_changes;                // how often stamps began or ceased to
     edit::Block* blocks;
     std::uint32_t block_count;
     std::uint32_t* block_table; // by hash of their places: number, or no_index

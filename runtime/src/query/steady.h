@@ -7,7 +7,8 @@
 namespace fjell::query {
 
 // answer() of ground that stands still. Where it has moved at each attempt, what was read mixes heights of before and
-// after; those differ by TerrainData::editing_m at most, which is added to the error. Never waits.
+// after. Those of one change differ by TerrainData::editing_m at most, so the error grows by that for each change that
+// ran meanwhile. Never waits.
 template <typename Answer>
 [[nodiscard]] auto steady(const TerrainData& t, const Answer& answer) {
     constexpr int attempts = 3;
@@ -15,9 +16,11 @@ template <typename Answer>
         const std::uint32_t before = load_acquire(t.ground_epoch);
         auto result = answer();
         fence_acquire();
-        if (before % 2 == 0 && load_relaxed(t.ground_epoch) == before) return result;
+        const std::uint32_t after = load_relaxed(t.ground_epoch);
+        if (before % 2 == 0 && after == before) return result;
         if (attempt < attempts) continue;
-        result.error_m += load_relaxed(t.editing_m);
+        const std::uint32_t changes = (after + 1) / 2 - before / 2; // an odd number is in the middle of one
+        result.error_m += load_relaxed(t.editing_m) * static_cast<float>(changes);
         return result;
     }
 }

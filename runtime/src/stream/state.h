@@ -101,11 +101,12 @@ struct StreamState {
     std::uint32_t tiles, slots, watch_count;
     // Pages.
     std::uint64_t seen_ground; // of TerrainData::ground_changes
+    std::uint64_t seen_awaits; // of EditsData::awaits_changes
     Watch* watches;
     float* due;     // the odometer at which the answer may change
     float* page_px; // as last tested: the threshold in pixels at which it ceases to be wanted
     WatchState* states;
-    std::uint8_t* wants;         // 1: by a view; 2: by a prediction
+    std::uint8_t* wants;         // 1: by a view or a stamp; 2: by a prediction
     std::uint64_t* missing_bits; // watches that are wanted and not there
     std::uint32_t* watch_page;   // page number in the terrain
     std::uint8_t* below;         // a slot's pages below that are loaded or in flight

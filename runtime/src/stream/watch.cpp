@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/apply.h"
 #include "edit/blocks.h"
 
 namespace fjell {
@@ -23,18 +24,28 @@ namespace {
 constexpr double grow = 1 + 0x1p-16; // more than all roundings of wanted() together
 constexpr double sooner = 0.95;      // share of the threshold at which a page will be wanted soon
 
-// Places whose ground a page's vertices may depend on.
-edit::Rect places_around(const TerrainData& t, std::uint32_t tile, std::uint32_t page) {
+// A page's own places, and the distance between its vertices.
+struct PagePlaces {
+    edit::Rect rect;
+    std::int32_t step;
+};
+PagePlaces places_of(const TerrainData& t, std::uint32_t tile, std::uint32_t page) {
     const SampleIndex place = t.tile_xy(tile);
     SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
-    std::int32_t cells = t.tree.side(), out = edit::radius_reach * cells;
+    std::int32_t cells = t.tree.side(), step = cells;
     if (const int z = t.pages.page_step_log2(page); z >= 0) {
         const SampleIndex position = t.pages.page_position(page);
         cells = static_cast<std::int32_t>(2 * page_squares) << z;
-        out = edit::radius_reach << z;
+        step = 1 << z;
         first = {first.column + position.column * cells, first.row + position.row * cells};
     }
-    return edit::Rect{first.column, first.row, first.column + cells, first.row + cells}.grown(out);
+    return {{first.column, first.row, first.column + cells, first.row + cells}, step};
+}
+
+// Places whose ground a page's vertices may depend on.
+edit::Rect places_around(const TerrainData& t, std::uint32_t tile, std::uint32_t page) {
+    const PagePlaces own = places_of(t, tile, page);
+    return own.rect.grown(edit::radius_reach * own.step);
 }
 
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
@@ -43,15 +54,8 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     // What was edited may stand, hide and reach farther.
     const auto by_m =
         t.edits != nullptr ? static_cast<float>(edit::growth_m(*t.edits, places_around(t, tile, page))) : 0.0f;
-    const SampleIndex place = t.tile_xy(tile);
-    SampleIndex first{place.column * t.tree.side(), place.row * t.tree.side()};
-    std::int32_t cells = t.tree.side();
-    if (const int z = t.pages.page_step_log2(page); z >= 0) {
-        const SampleIndex position = t.pages.page_position(page);
-        cells = static_cast<std::int32_t>(2 * page_squares) << z;
-        first = {first.column + position.column * cells, first.row + position.row * cells};
-    }
-    const SampleIndex a = t.tree.sample(first), b = t.tree.sample({first.column + cells, first.row + cells});
+    const edit::Rect own = places_of(t, tile, page).rect;
+    const SampleIndex a = t.tree.sample({own.x0, own.y0}), b = t.tree.sample({own.x1, own.y1});
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.column),
@@ -78,6 +82,12 @@ void watch_page(StreamState& s, std::uint32_t watch, std::uint32_t tile, std::ui
 
 void follow_ground(StreamState& s) {
     const TerrainData& t = *s.terrain;
+    if (const std::uint64_t awaits = t.edits != nullptr ? t.edits->awaits_changes : 0; s.seen_awaits != awaits) {
+        s.seen_awaits = awaits;
+        for (std::uint32_t i = 0; i < s.watch_count; ++i)
+            if (s.due[i] < never) s.due[i] = -1;
+        s.tested = false;
+    }
     if (s.seen_ground == t.ground_changes) return;
     const bool all = t.changed_ground == nullptr || t.ground_changes - s.seen_ground > ground_change_log;
     for (std::uint32_t watch = 0; watch < s.watch_count; ++watch) {
@@ -110,6 +120,19 @@ void forget_watch(StreamState& s, std::uint32_t watch) {
     set_missing(s, watch, false);
 }
 
+namespace {
+
+// By a stamp. A square of a page may reach a step beyond it.
+bool is_awaited(const StreamState& s, std::uint32_t watch) {
+    const TerrainData& t = *s.terrain;
+    if (t.edits == nullptr || t.edits->awaiting_count == 0) return false;
+    const PagePlaces own = places_of(t, s.watch_page[watch] / t.pages_per_tile, s.watch_page[watch] % t.pages_per_tile);
+    const bool whole_tile = own.step == t.tree.side();
+    return edit::awaits_pages(*t.edits, own.rect.grown(whole_tile ? 2 : 2 * own.step));
+}
+
+} // namespace
+
 // How wanted, by whom, and for how long that stands.
 void test(StreamState& s, std::uint32_t watch) {
     const Watch& w = s.watches[watch];
@@ -127,7 +150,7 @@ void test(StreamState& s, std::uint32_t watch) {
         most = std::max(most, px);
         slack_m = std::min(slack_m, std::abs(apart - reach / threshold));
     }
-    if (is_root(s, watch)) wants |= 1;
+    if (is_root(s, watch) || is_awaited(s, watch)) wants |= 1;
     s.wants[watch] = wants;
     s.page_px[watch] = static_cast<float>(most);
     s.due[watch] = static_cast<float>(std::min((s.odometer_m + slack_m * 0.999) * (1 - 0x1p-22), double{never} / 2));

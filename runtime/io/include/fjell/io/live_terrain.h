@@ -75,7 +75,7 @@ struct LiveFrame {
     // All pages and maps that the views want are loaded, and the mesh is drawn to the threshold.
     bool converged = false;
     // Converged, or as near to it as budgets and disk allow. Nothing is read, waits or moves, and another update with
-    // the same views would change nothing. A stamp that waits for pages which no view wants does not count.
+    // the same views would change nothing. A stamp whose pages cannot be had does not count.
     bool settled = false;
     // Names of the budget fields that did not suffice, e.g. "CutBudget::vertices".
     std::span<const char* const> short_of;
