@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "edit/small_diamonds.h"
 #include "fjell/edit.h"
 #include "fjell/measure.h"
 #include "fjell/query.h"
-#include "edit/small_diamonds.h"
 #include "shared/diamond_error.h"
 #include "support/paging_host.h"
 #include "support/rounds.h"
@@ -530,15 +530,15 @@ TEST_CASE("small diamonds are measured in vectors as they are sample by sample",
         window->rect = {64, 64, 64 + edit::window_side - 1, 64 + edit::window_side - 1};
         const int most = 1 << pick(random, 1, 19);
         for (edit::Cell& cell : window->cells) cell.steps = pick(random, -most, most);
-        const edit::Plane plane{pick(random, 1, edit::measured_at_once),
-                                edit::sides_then_centres[pick(random, 0, 2)]};
+        const edit::Plane plane{pick(random, 1, edit::measured_at_once), edit::sides_then_centres[pick(random, 0, 2)]};
         const edit::Rect squares = plane.squares(window->rect.grown(-(1 << plane.z)));
         const std::int32_t count = std::min(pick(random, 1, edit::diamond_lanes), squares.columns());
-        const std::int32_t i = pick(random, squares.x0, squares.x1 + 1 - count), j = pick(random, squares.y0, squares.y1);
+        const std::int32_t i = pick(random, squares.x0, squares.x1 + 1 - count),
+                           j = pick(random, squares.y0, squares.y1);
         const auto from_sw = [&](SampleIndex v) { return diamond(tree, v).ends[0].row > v.row; };
         const bool centre = plane.kind == VertexKind::centre;
-        const edit::DiamondRow row{
-            &window->at(plane.at(i, j)), plane.z, plane.kind, count, centre && from_sw(plane.at(i, j)), centre};
+        const edit::DiamondRow row{&window->at(plane.at(i, j)),       plane.z, plane.kind, count,
+                                   centre && from_sw(plane.at(i, j)), centre};
         CAPTURE(round, plane.z, static_cast<int>(plane.kind), count, i, j);
         std::int32_t vector[edit::diamond_lanes], scalar[edit::diamond_lanes];
         edit::worst_under(row, vector), edit::worst_under_scalar(row, scalar);

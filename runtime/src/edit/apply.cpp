@@ -168,7 +168,8 @@ void apply(EditsData& e, const Change& change) {
     for (std::int32_t y = places.y0; y <= places.y1; ++y) {
         Cell* const cells = &e.window.at({places.x0, y});
         const std::int32_t* const to = &e.piece.at({places.x0, y});
-        if (y < t.tree.rows()) remember(e, {places.x0, y}, std::min(places.x1 + 1, t.tree.columns()) - places.x0, cells, to);
+        if (y < t.tree.rows())
+            remember(e, {places.x0, y}, std::min(places.x1 + 1, t.tree.columns()) - places.x0, cells, to);
         for (std::int32_t k = 0; k < places.columns(); ++k) cells[k].steps = to[k];
     }
     for (int z = 0; z < t.tree.tile_log2; ++z) e.window.note(z, places);

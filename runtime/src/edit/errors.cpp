@@ -182,8 +182,8 @@ private:
             for (std::int32_t k = 0; k < count; ++k) {
                 const Cell* const own = first + 2 * k;
                 const bool from_sw = first_from_sw != (alternates && (k & 1) != 0);
-                const std::ptrdiff_t end = !centre ? (plane_.kind == VertexKind::side_x ? 1 : window_side)
-                                                   : window_side + (from_sw ? -1 : 1);
+                const std::ptrdiff_t end =
+                    !centre ? (plane_.kind == VertexKind::side_x ? 1 : window_side) : window_side + (from_sw ? -1 : 1);
                 const std::int64_t jump =
                     2 * std::int64_t{own->steps} - std::int64_t{own[-end].steps} - std::int64_t{own[end].steps};
                 codes[k] = t_.memory->leaf.code(static_cast<std::uint32_t>(std::abs(jump)));

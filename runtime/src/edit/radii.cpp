@@ -129,8 +129,8 @@ public:
         float most = radius_m(plane);
         if (!known && by_m_ > 0)
             most = std::max(most, unit_m(plane) * t_.radii.factor[own.radius] +
-                                      static_cast<float>((2 * plane.z + 1 + (plane.kind == VertexKind::centre)) * by_m_ *
-                                                         (1 + 0x1p-10)));
+                                      static_cast<float>((2 * plane.z + 1 + (plane.kind == VertexKind::centre)) *
+                                                         by_m_ * (1 + 0x1p-10)));
         const std::uint32_t code = code_up(unit_m(plane), most);
         return code > own.radius && ground_.set_radii(plane, {i, j, i, j}, static_cast<std::uint8_t>(code));
     }
@@ -169,8 +169,7 @@ private:
         const float unit_m = terms_.unit_m[centre ? 2 * z : 2 * z - 1];
         const float along[2] = {centre ? terms_.along_x[z] : terms_.across[z], terms_.along_y[z]};
         contents_.take([&](std::uint32_t way, std::uint32_t radius, std::int32_t climb) {
-            most =
-                std::max(most, (distance_m(along[way], climb) + unit_m * t_.radii.factor[radius]) * radius_rounding);
+            most = std::max(most, (distance_m(along[way], climb) + unit_m * t_.radii.factor[radius]) * radius_rounding);
         });
         return most;
     }

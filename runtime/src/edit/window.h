@@ -16,9 +16,9 @@ inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) +
                               window_side = largest_piece + 2 * window_margin;
 
 struct Window {
-    Rect rect;             // places
-    bool loaded = false;   // all are
-    bool complete = false; // and none is a hole
+    Rect rect;                   // places
+    bool loaded = false;         // all are
+    bool complete = false;       // and none is a hole
     Rect written[max_tile_log2]; // by step: where vertices have changed since it was read
     Cell cells[window_side * window_side];
     void note(int z, const Rect& places) { written[z] = written[z].with(places); }
@@ -99,7 +99,8 @@ private:
 
 // Reads all within `rect`.
 void read(const TerrainData& t, const Rect& rect, Window& window);
-// Writes what differs where it was noted, and corners. heights: of those that do; pages whose base they do not count from get another one.
+// Writes what differs where it was noted, and corners. heights: of those that do; pages whose base they do not count
+// from get another one.
 void write_back(const TerrainData& t, Window& window, const StepRange& heights);
 
 } // namespace fjell::edit
