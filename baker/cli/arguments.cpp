@@ -175,9 +175,12 @@ void add_common_options(CLI::App& app, Arguments& a) {
 
 void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles = app.add_subcommand(
-        "tiles", "write a pack as a pyramid of tiles for globes: quantized-mesh 1.0, as CesiumJS reads it, or 3D Tiles 1.1");
+        "tiles",
+        "write a pack as a pyramid of tiles for globes: quantized-mesh 1.0, as CesiumJS reads it, or 3D Tiles 1.1");
     c.tiles->add_option("PACK", a.pack, about_pack)->required();
-    c.tiles->add_option("-o,--output", a.tiles_folder, "the new folder to write: layer.json and z/x/y.terrain, or tileset.json and z/x/y.glb")
+    c.tiles
+        ->add_option("-o,--output", a.tiles_folder,
+                     "the new folder to write: layer.json and z/x/y.terrain, or tileset.json and z/x/y.glb")
         ->required();
     c.tiles
         ->add_option_function<std::string>(
@@ -245,9 +248,7 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
         ->add_option("-o,--output", a.mesh_path,
                      "the file to write: .glb and .obj (y up), .ply (z up), or .stl (z up, closed, for printing)")
         ->required();
-    c.mesh
-        ->add_option("--max-error-m", a.mesh_error_m,
-                     "metres that a sample may lie above or below the mesh, at most")
+    c.mesh->add_option("--max-error-m", a.mesh_error_m, "metres that a sample may lie above or below the mesh, at most")
         ->check(io::within(0, 1e6));
     c.mesh
         ->add_option("--max-triangles", a.mesh.max_triangles,

@@ -235,7 +235,8 @@ int run_heights(Arguments a) {
     fmt::print("{}: {} x {} heights{}, {} x {} m apart\n", a.dem_path, s.columns, s.rows,
                a.heights.tile_side > 0 ? fmt::format(" in each of {} x {} tiles", s.tiles_x, s.tiles_y) : "",
                s.spacing_m[0], s.spacing_m[1]);
-    if (s.sixteen_bits) fmt::print("a height is {} m + {} m * number; {} says so too\n", s.offset_m, s.scale_m, s.files.back());
+    if (s.sixteen_bits)
+        fmt::print("a height is {} m + {} m * number; {} says so too\n", s.offset_m, s.scale_m, s.files.back());
     if (s.holes_filled > 0) fmt::print("{} samples without a height were filled\n", s.holes_filled);
     fmt::print("no sample is farther than {:.6g} m from the surface through them\n", s.error_m);
     return 0;
@@ -329,8 +330,8 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() || commands.join->parsed() ||
-                       commands.synth->parsed() || commands.materials->parsed();
+                       commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() ||
+                       commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
         throw Failure(
             2,

@@ -31,8 +31,8 @@ HeightFormat height_format_of(const std::string& path) {
     if (ending == ".png") return HeightFormat::png;
     if (ending == ".exr") return HeightFormat::exr;
     if (ending == ".tif" || ending == ".tiff") return HeightFormat::tif;
-    throw Failure(2, fmt::format("{}: heights are written as .tif, .raw, .r16, .png or .exr; give a name that ends so",
-                                 path));
+    throw Failure(
+        2, fmt::format("{}: heights are written as .tif, .raw, .r16, .png or .exr; give a name that ends so", path));
 }
 
 // Every step-th sample; beyond the rim its last ones.
@@ -42,8 +42,8 @@ struct StepGrid {
     StepGrid(const Ground& of, int level)
         : ground(of), step(1 << level), columns((of.columns - 2) / step + 2), rows((of.rows - 2) / step + 2) {}
     [[nodiscard]] float at(std::int64_t x, std::int64_t y) const {
-        return ground.row(std::min<std::int64_t>(y * step, ground.rows - 1))[std::min<std::int64_t>(
-            x * step, ground.columns - 1)];
+        return ground.row(
+            std::min<std::int64_t>(y * step, ground.rows - 1))[std::min<std::int64_t>(x * step, ground.columns - 1)];
     }
 };
 
@@ -105,19 +105,16 @@ std::vector<T> window_of(const StepGrid& grid, std::int64_t x0, std::int64_t y0,
     numbers.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     for (std::int64_t y = y0; y < y0 + rows; ++y)
         for (std::int64_t x = x0; x < x0 + columns; ++x)
-            numbers.push_back(number(grid.at(std::min<std::int64_t>(x, grid.columns - 1),
-                                             std::min<std::int64_t>(y, grid.rows - 1))));
+            numbers.push_back(
+                number(grid.at(std::min<std::int64_t>(x, grid.columns - 1), std::min<std::int64_t>(y, grid.rows - 1))));
     return numbers;
 }
 
 void write_tif(const HeightSource& source, const HeightFilesSummary& s, std::int64_t x0, std::int64_t y0,
                const std::vector<float>& heights, const std::string& path, int threads) {
-    const HeightArray array{reinterpret_cast<const std::byte*>(heights.data()),
-                            NumberType::float32,
-                            s.columns,
-                            s.rows,
-                            sizeof(float),
-                            static_cast<std::ptrdiff_t>(sizeof(float)) * s.columns};
+    const HeightArray array{
+        reinterpret_cast<const std::byte*>(heights.data()),    NumberType::float32, s.columns, s.rows, sizeof(float),
+        static_cast<std::ptrdiff_t>(sizeof(float)) * s.columns};
     ReadOptions as_it_is;
     as_it_is.nodata = NoData::hole;
     as_it_is.voids.no_others = true;
@@ -163,13 +160,13 @@ void write_with_gdal(const std::string& path, const char* driver, std::int32_t c
     GDALDriver* const memory = GetGDALDriverManager()->GetDriverByName("MEM");
     GDALDriver* const to = GetGDALDriverManager()->GetDriverByName(driver);
     if (!memory || !to)
-        throw Failure(3, fmt::format("{}: this GDAL has no driver for {}; install one, or take another format", path,
-                                     driver));
+        throw Failure(
+            3, fmt::format("{}: this GDAL has no driver for {}; install one, or take another format", path, driver));
     GdalFile image(memory->Create("", columns, rows, 1, type, nullptr));
     const std::string name = fmt::format("/vsimem/fjell-{}", static_cast<const void*>(&out));
-    bool written = image && image->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, columns, rows,
-                                                              const_cast<T*>(numbers.data()), columns, rows, type, 0, 0,
-                                                              nullptr) == CE_None;
+    bool written =
+        image && image->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, columns, rows, const_cast<T*>(numbers.data()),
+                                                   columns, rows, type, 0, 0, nullptr) == CE_None;
     if (written) image.reset(to->CreateCopy(name.c_str(), image.get(), 0, nullptr, nullptr, nullptr));
     written = written && image && !messages.failed();
     image.reset();

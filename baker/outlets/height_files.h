@@ -1,12 +1,12 @@
 // A height field as files of numbers for engines: 16 bits (.raw, .r16, .png), floats (.exr) or GeoTIFF (.tif), of every
 // sample or of a step, whole or as tiles.
 //
-// A step of level L takes every 2^L-th sample, from the north-west on. Where the field ends inside a step or a tile, the
-// rim's heights go on. Tiles have SIDE x SIDE numbers, and share a row or column with each neighbour; OUT.r16 becomes
-// OUT_x0_y0.r16, x to the east, y to the south. A file of 16 bits stands for heights offset_m + scale_m * number. OUT.json
-// beside the files holds the summary. Only GeoTIFF keeps holes; elsewhere they are filled.
-// O(samples); memory: 4 bytes a sample (9 while holes are filled), and a file. Each file is replaced whole, the summary
-// last. Throws Failure: 1 the source, 2 an unknown ending or a side that is too small, 3 the disk, or a driver that GDAL
+// A step of level L takes every 2^L-th sample, from the north-west on. Where the field ends inside a step or a tile,
+// the rim's heights go on. Tiles have SIDE x SIDE numbers, and share a row or column with each neighbour; OUT.r16
+// becomes OUT_x0_y0.r16, x to the east, y to the south. A file of 16 bits stands for heights offset_m + scale_m *
+// number. OUT.json beside the files holds the summary. Only GeoTIFF keeps holes; elsewhere they are filled. O(samples);
+// memory: 4 bytes a sample (9 while holes are filled), and a file. Each file is replaced whole, the summary last.
+// Throws Failure: 1 the source, 2 an unknown ending or a side that is too small, 3 the disk, or a driver that GDAL
 // lacks.
 #pragma once
 
@@ -28,10 +28,10 @@ struct HeightFilesOptions {
 };
 
 struct HeightFilesSummary {
-    std::int32_t columns = 0, rows = 0;     // of a file
-    std::int32_t tiles_x = 1, tiles_y = 1;  // files
-    double spacing_m[2] = {1, 1};           // between numbers
-    double scale_m = 1, offset_m = 0;       // of 16 bits
+    std::int32_t columns = 0, rows = 0;    // of a file
+    std::int32_t tiles_x = 1, tiles_y = 1; // files
+    double spacing_m[2] = {1, 1};          // between numbers
+    double scale_m = 1, offset_m = 0;      // of 16 bits
     bool sixteen_bits = false;
     std::uint64_t holes_filled = 0;
     // The largest vertical distance of a sample from the surface through the file's heights, whichever diagonal cuts

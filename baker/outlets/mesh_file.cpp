@@ -31,8 +31,8 @@ MeshFormat format_of(const std::string& path) {
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     for (std::size_t i = 0; i < std::size(mesh_endings); ++i)
         if (ending == mesh_endings[i]) return static_cast<MeshFormat>(i);
-    throw Failure(2, fmt::format("{}: meshes are written as {}; give a name that ends so", path,
-                                 fmt::join(mesh_endings, ", ")));
+    throw Failure(
+        2, fmt::format("{}: meshes are written as {}; give a name that ends so", path, fmt::join(mesh_endings, ", ")));
 }
 
 bool is_z_up(MeshFormat format) {
@@ -249,9 +249,7 @@ std::uint64_t write_stl(const HeightMesh& mesh, const Ground& ground, const Mesh
     header.resize(80, ' ');
     out.put(header);
     out.put(static_cast<std::uint32_t>(facets));
-    const auto under = [&](std::uint32_t i) {
-        return Corner3{mesh.vertices[i][0], mesh.vertices[i][1], floor_m};
-    };
+    const auto under = [&](std::uint32_t i) { return Corner3{mesh.vertices[i][0], mesh.vertices[i][1], floor_m}; };
     for (const auto& t : mesh.triangles) put_facet(out, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     for (const auto& t : mesh.base) put_facet(out, under(t[0]), under(t[2]), under(t[1]));
     for (const auto& [a, b] : edges) {
@@ -275,8 +273,8 @@ HeightMesh mesh_of_at_most(std::uint64_t most, const Ground& ground, const MeshF
     double over_m = 0, under_m = std::max(1e-3, static_cast<double>(ground.max_m) - static_cast<double>(ground.min_m));
     HeightMesh best = mesh_within(ground, options, format, under_m);
     if (best.triangles.size() > most)
-        throw Failure(2, fmt::format("--max-triangles {}: the coarsest mesh has {}; give as many", most,
-                                     best.triangles.size()));
+        throw Failure(
+            2, fmt::format("--max-triangles {}: the coarsest mesh has {}; give as many", most, best.triangles.size()));
     max_error_m = under_m;
     constexpr int rounds = 14;
     constexpr double near = 0.98; // of the target
@@ -308,8 +306,8 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
                                 : mesh_within(ground, options, format, options.max_error_m);
     s.mesh_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (mesh.triangles.empty())
-        throw Failure(1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh",
-                                     path));
+        throw Failure(
+            1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh", path));
     if (mesh.true_error_m > s.max_error_m)
         throw Failure(1, fmt::format("--max-error-m {}: coordinates in float are {} m off so far from sample (0, 0); "
                                      "give that much, or a part with --bbox",

@@ -10,12 +10,9 @@
 namespace fjell::baker {
 
 HeightArray Ground::array() const {
-    return {reinterpret_cast<const std::byte*>(heights_m.in_memory()),
-            NumberType::float32,
-            columns,
-            rows,
-            sizeof(float),
-            static_cast<std::ptrdiff_t>(sizeof(float)) * columns};
+    return {
+        reinterpret_cast<const std::byte*>(heights_m.in_memory()), NumberType::float32, columns, rows, sizeof(float),
+        static_cast<std::ptrdiff_t>(sizeof(float)) * columns};
 }
 
 Ground read_ground(const HeightSource& source, GroundHoles holes, int threads, const Progress& progress) {
@@ -50,10 +47,7 @@ Ground read_ground(const HeightSource& source, GroundHoles holes, int threads, c
     const auto level = [](const std::string&, std::int64_t columns, std::int64_t rows) {
         return Store<float>({}, columns, rows);
     };
-    fill_voids({ground.heights_m,
-                {properties.native_quantum_m, properties.anchor_m},
-                resolve_threads(threads),
-                level},
+    fill_voids({ground.heights_m, {properties.native_quantum_m, properties.anchor_m}, resolve_threads(threads), level},
                filled);
     ground.heights_m = std::move(filled);
     for (std::int32_t y = 0; y < ground.rows; ++y)

@@ -16,11 +16,11 @@ namespace fjell::baker {
 struct Ground {
     std::int32_t columns = 0, rows = 0;
     double spacing_m[2] = {1, 1};
-    double quantum_m = 0;        // the step that heights are multiples of, from anchor_m; 0: not known
-    double anchor_m = 0;         // a height on that step
-    float min_m = 0, max_m = 0;  // of ground that was read
-    std::uint64_t holes = 0;     // samples without a height: NaN, or filled
-    Store<float> heights_m;      // row by row, from the north-west
+    double quantum_m = 0;       // the step that heights are multiples of, from anchor_m; 0: not known
+    double anchor_m = 0;        // a height on that step
+    float min_m = 0, max_m = 0; // of ground that was read
+    std::uint64_t holes = 0;    // samples without a height: NaN, or filled
+    Store<float> heights_m;     // row by row, from the north-west
 
     [[nodiscard]] const float* row(std::int64_t y) const {
         return reinterpret_cast<const float*>(heights_m.in_memory()) + y * columns;

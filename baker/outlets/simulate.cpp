@@ -72,7 +72,7 @@ void write_mujoco(const Ground& g, Folder& to, SimulateSummary& summary) {
     const double range = static_cast<double>(g.max_m) - static_cast<double>(g.min_m);
     const double elevation_m = range > 0 ? range : 1;
     std::vector<std::byte> bytes(8 + static_cast<std::size_t>(g.columns) * static_cast<std::size_t>(g.rows) *
-                                     sizeof(float));
+                                         sizeof(float));
     const std::int32_t size[2] = {g.rows, g.columns};
     std::memcpy(bytes.data(), size, sizeof size);
     std::byte* at = bytes.data() + sizeof size;

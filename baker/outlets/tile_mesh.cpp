@@ -216,7 +216,9 @@ private:
             const Triangle& root = triangles_[i];
             bisect_triangle(
                 root.c, root.a, root.b, [&](SampleIndex at) { return active_.contains(key_of(at)); },
-                [&](SampleIndex apex, SampleIndex from, SampleIndex to) { draw({from, to, apex}); });
+                [&](SampleIndex apex, SampleIndex from, SampleIndex to) {
+                    draw({from, to, apex});
+                });
         }
     }
     void draw(const std::array<SampleIndex, 3>& at) {

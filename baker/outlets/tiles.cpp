@@ -447,8 +447,9 @@ private:
 
 // What the bytes depend on.
 std::string job_of(const HeightSource& source, const TilesOptions& options) {
-    return fmt::format("fjell tiles 2\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n", source.identity(),
-                       static_cast<int>(options.format), static_cast<int>(options.tiling), options.max_level, options.normals, options.gzip);
+    return fmt::format("fjell tiles 2\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n",
+                       source.identity(), static_cast<int>(options.format), static_cast<int>(options.tiling),
+                       options.max_level, options.normals, options.gzip);
 }
 
 bool is_empty(const std::string& folder) {

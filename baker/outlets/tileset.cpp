@@ -118,8 +118,7 @@ std::vector<std::byte> glb_of(const GltfPlaces& g, double error_m) {
         views.push_back(view(places_bytes, normals_bytes, array_buffer));
     }
     const ordered_json gltf{
-        {"asset",
-         {{"version", "2.0"}, {"generator", "fjell-bake"}, {"extras", {{"fjell", {{"error_m", error_m}}}}}}},
+        {"asset", {{"version", "2.0"}, {"generator", "fjell-bake"}, {"extras", {{"fjell", {{"error_m", error_m}}}}}}},
         {"scene", 0},
         {"scenes", {{{"nodes", {0}}}}},
         {"nodes", {{{"mesh", 0}}}},
@@ -176,8 +175,8 @@ public:
         n.json["boundingVolume"] = {{"region", region(box, n.low_m, n.high_m)}};
         n.json["geometricError"] = n.error_m;
         n.json["refine"] = "REPLACE";
-        n.json["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, middle[0] - parent[0], middle[1] - parent[1],
-                               middle[2] - parent[2], 1};
+        n.json["transform"] = {
+            1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, middle[0] - parent[0], middle[1] - parent[1], middle[2] - parent[2], 1};
         n.json["content"] = {{"uri", fmt::format("{}/{}/{}.glb", t.id.level, t.id.x, t.id.y)}};
         if (!children.empty()) n.json["children"] = std::move(children);
         return n;
@@ -225,14 +224,13 @@ std::string tileset_json(Tiling tiling, const std::vector<std::vector<TilesetTil
     }
     // Without any tile all of the ground is missing: whoever sees it refines.
     const double nothing_m = globe_radius_m;
-    const ordered_json tileset{
-        {"asset", {{"version", "1.1"}, {"extras", {{"fjell", ordered_json::parse(extras)}}}}},
-        {"geometricError", nothing_m},
-        {"root",
-         {{"boundingVolume", {{"region", Tree3d::region(box, low_m, high_m)}}},
-          {"geometricError", nothing_m},
-          {"refine", "REPLACE"},
-          {"children", std::move(children)}}}};
+    const ordered_json tileset{{"asset", {{"version", "1.1"}, {"extras", {{"fjell", ordered_json::parse(extras)}}}}},
+                               {"geometricError", nothing_m},
+                               {"root",
+                                {{"boundingVolume", {{"region", Tree3d::region(box, low_m, high_m)}}},
+                                 {"geometricError", nothing_m},
+                                 {"refine", "REPLACE"},
+                                 {"children", std::move(children)}}}};
     return tileset.dump() + "\n";
 }
 

@@ -67,8 +67,8 @@ std::map<std::string, std::string> files_under(const std::filesystem::path& fold
 }
 
 json checked(const TemporaryFolder& folder, const std::string& tiles, const std::string& checker = "check.py") {
-    return json::parse(output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/" + checker + " " + tiles +
-                                             " points.txt"));
+    return json::parse(
+        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/" + checker + " " + tiles + " points.txt"));
 }
 
 } // namespace
@@ -84,12 +84,13 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
         const TemporaryFolder folder;
         CAPTURE(place.name);
         bake_at(folder, place);
-        for (const std::string way : {"geographic", "mercator", "geographic --format 3dtiles", "mercator --format 3dtiles"}) {
+        for (const std::string way :
+             {"geographic", "mercator", "geographic --format 3dtiles", "mercator --format 3dtiles"}) {
             const bool mercator = way.starts_with("mercator"), tileset = way.ends_with("3dtiles");
             if (mercator && place.name != "a fjord") continue; // whose map does not reach the pole
             CAPTURE(way);
-            const json said =
-                json::parse(output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --tiling " + way));
+            const json said = json::parse(
+                output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --tiling " + way));
             const json found = checked(folder, "out", tileset ? "check3d.py" : "check.py");
             CHECK(found["levels"] == said["levels"].size());
             CHECK(found["samples"] >= (place.columns * place.rows - 35) * found["levels"].get<int>());

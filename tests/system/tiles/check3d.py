@@ -87,15 +87,28 @@ class Tile3d(Tile):
         self.v = [round((q - south) / (north - south) * 32767) for q in self.lat]
         if min(self.u + self.v) < 0 or max(self.u + self.v) > 32767:
             fail(f"{self.name}: a vertex lies outside of its region")
+        size_m = max(math.dist(self.places[0], p) for p in self.places)
         for lon, lat, u, v in zip(self.lon, self.lat, self.u, self.v):
-            off = max(abs((lon - west) / (east - west) * 32767 - u) * (abs(lat) < 89.9999),
-                      abs((lat - south) / (north - south) * 32767 - v))
-            if off > 0.05:
-                fail(f"{self.name}: a vertex is {off} off the grid")
+            off_m = math.hypot(
+                ((lon - west) - (east - west) * u / 32767) * math.cos(math.radians(lat)) * (abs(lat) < 89.9999),
+                (lat - south) - (north - south) * v / 32767) * 111.4e3
+            if off_m > 1.5e-7 * size_m:  # floats
+                fail(f"{self.name}: a vertex is {off_m} m off the grid")
+        # All of a pole's vertices are one place: which longitude one has cannot be told from it.
+        self.pole = {i for i, lat in enumerate(self.lat) if abs(lat) > 89.9999}
         tops, feet = {}, {}
         for i, key in enumerate(zip(self.u, self.v)):
-            (feet if key in tops else tops)[key] = i
-        ground = set(tops.values())
+            if i not in self.pole:
+                (feet if key in tops else tops)[key] = i
+        depth = min((self.height[tops[k]] - self.height[i] for k, i in feet.items()), default=0)
+        highest = max((self.height[i] for i in self.pole), default=0)
+        for i in self.pole:
+            (feet if highest - self.height[i] > depth / 2 else tops)["pole", i] = i
+        tops.setdefault(("pole", None), max(self.pole, key=lambda i: self.height[i], default=None))
+        for kind, i in list(feet.items()):
+            if kind[0] == "pole":
+                feet.pop(kind), feet.setdefault(("pole", None), i)
+        ground = set(tops.values()) - {None}
         self.triangles = [t for t in triangles if all(i in ground for i in t)]
         self.walls = [t for t in triangles if not all(i in ground for i in t)]
         rim = lambda i: self.u[i] in (0, 32767) or self.v[i] in (0, 32767)
@@ -108,7 +121,8 @@ class Tile3d(Tile):
             self.depth = min(depths)
             if max(depths) - min(depths) > 0.02 * max(depths) + 0.01:
                 fail(f"{self.name}: walls of several depths")
-        if len(self.walls) != 2 * sum(len(side) - 1 for side in self.sides) or not all(map(rim, feet.values())):
+        walls = 2 * sum(len(side) - 1 for side in self.sides)
+        if not self.pole and len(self.walls) != walls or not all(map(rim, feet.values())):
             fail(f"{self.name}: {len(self.walls)} triangles of walls")
         if normals is not None:
             for n, p in zip(zip(normals[0::3], normals[1::3], normals[2::3]), self.places):
@@ -162,12 +176,17 @@ def main():
     for z, tiles in sorted(levels.items()):
         seen = 0
         for (x, y), tile in tiles.items():
-            tile.check_cover()
+            if not tile.pole:
+                tile.check_cover()
             west, south, east, north = tile.box
             under = [s for s in samples[bisect_left(longitudes, west):bisect_right(longitudes, east)]
                      if south <= s[1] <= north]
             seen += len(under)
-            worst, flat = tile.errors(under, 7)
+            if tile.pole:
+                flat = max((abs(tile.flat_height(lon, lat, tile.triangles) - h) for lon, lat, h in under[::7]), default=0)
+                worst = flat
+            else:
+                worst, flat = tile.errors(under, 7)
             if max(worst, flat) > tile.error:
                 fail(f"{tile.name}: says {tile.error} m, and a sample is {worst} m (in space {flat} m) from it")
             if under:
@@ -182,7 +201,7 @@ def main():
                 if other not in tiles:
                     continue
                 mine, theirs = ([tiles_.places[i] for i in sorted(
-                    tiles_.sides[s], key=lambda i, t=tiles_: t.v[i] if side == 2 else t.u[i])]
+                    set(tiles_.sides[s]) - tiles_.pole, key=lambda i, t=tiles_: t.v[i] if side == 2 else t.u[i])]
                     for tiles_, s in ((tile, side), (tiles[other], side - 2)))
                 if len(mine) != len(theirs) or any(
                         math.dist(p, q) > 1e-6 * math.radians(east - west + north - south) * A for p, q in zip(mine, theirs)):
