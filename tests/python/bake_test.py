@@ -153,7 +153,9 @@ class Bakes(unittest.TestCase):
         new = content(self.bake_apart(heights))
         for after in (0.01, 0.1, 0.3, 0.7):
             done = subprocess.run(
-                [sys.executable, "-c", script, self.path("h.npy"), out, str(after)], capture_output=True, text=True
+                ["env", "LD_PRELOAD=" + os.environ["PYTHON_PRELOAD"], sys.executable, "-c", script, self.path("h.npy"), out, str(after)],
+                capture_output=True,
+                text=True,
             )
             with self.subTest(after=after):
                 self.assertEqual(content(out), new if "baked" in done.stdout else old, done.stderr)
