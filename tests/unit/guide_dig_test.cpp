@@ -37,8 +37,7 @@ TEST_CASE("the guide's game digs where its camera looks") {
     REQUIRE(update_edits(edits, {&walker, 1}, {.max_time_us = 500}, report).ok());
     INFO(stamp_state(edits, id).status.field);
     REQUIRE(stamp_state(edits, id).state == StampState::applied);
-    const double deep_m =
-        height_m - static_cast<double>(ground_height(terrain, crater->x_m, crater->z_m).height_m);
+    const double deep_m = height_m - static_cast<double>(ground_height(terrain, crater->x_m, crater->z_m).height_m);
     // The bowl of samples around the middle: a cell's diagonal away it is shallower by less than a fifth.
     CHECK(deep_m > 0.8 * static_cast<double>(crater->amount_m));
     CHECK(deep_m < 1.01 * static_cast<double>(crater->amount_m));
