@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "edit/small_diamonds.h"
 #include "fjell/edit.h"
 #include "fjell/measure.h"
 #include "fjell/query.h"
@@ -513,4 +514,41 @@ TEST_CASE("a stamp that cannot be is refused by its field's name, and changes no
     const std::size_t bytes = edits_bytes(pack.terrain.header(), {});
     const auto memory = io::allocate(bytes);
     CHECK(create_edits(pack.terrain, {}, {memory.get(), bytes}, second).code == StatusCode::not_supported);
+}
+
+TEST_CASE("small diamonds are measured in vectors as they are sample by sample", "[edit]") {
+    Random random(44);
+    const Tree tree{7, 2, 2, 0, 0};
+    const auto window = std::make_unique<edit::Window>();
+    struct Ground {
+        const Tree& tree;
+        edit::Window& window;
+        [[nodiscard]] std::int32_t h(SampleIndex v) const { return window.at(v).steps; }
+        [[nodiscard]] static bool is_void(SampleIndex) { return false; }
+    } const ground{tree, *window};
+    for (int round = 0; round < rounds(30, 300); ++round) {
+        window->rect = {64, 64, 64 + edit::window_side - 1, 64 + edit::window_side - 1};
+        const int most = 1 << pick(random, 1, 19);
+        for (edit::Cell& cell : window->cells) cell.steps = pick(random, -most, most);
+        const edit::Plane plane{pick(random, 1, edit::measured_at_once), edit::sides_then_centres[pick(random, 0, 2)]};
+        const edit::Rect squares = plane.squares(window->rect.grown(-(1 << plane.z)));
+        const std::int32_t count = std::min(pick(random, 1, edit::diamond_lanes), squares.columns());
+        const std::int32_t i = pick(random, squares.x0, squares.x1 + 1 - count),
+                           j = pick(random, squares.y0, squares.y1);
+        const auto from_sw = [&](SampleIndex v) { return diamond(tree, v).ends[0].row > v.row; };
+        const bool centre = plane.kind == VertexKind::centre;
+        const edit::DiamondRow row{&window->at(plane.at(i, j)),       plane.z, plane.kind, count,
+                                   centre && from_sw(plane.at(i, j)), centre};
+        CAPTURE(round, plane.z, static_cast<int>(plane.kind), count, i, j);
+        std::int32_t vector[edit::diamond_lanes], scalar[edit::diamond_lanes];
+        edit::worst_under(row, vector), edit::worst_under_scalar(row, scalar);
+        for (std::int32_t k = 0; k < count; ++k) {
+            const Diamond d = diamond(tree, plane.at(i + k, j));
+            double worst = 0;
+            for (const SampleIndex apex : d.apexes)
+                worst = std::max(worst, diamonds::scan_triangle(ground, apex, d.ends[0], d.ends[1]).worst_steps);
+            CHECK(vector[k] == worst * (2 << plane.z));
+            CHECK(scalar[k] == vector[k]);
+        }
+    }
 }

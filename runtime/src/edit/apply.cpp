@@ -26,15 +26,20 @@ public:
         e_.piece.rect = rect;
         Change change;
         change.pieces = 1;
-        for (std::int32_t y = rect.y0; y <= rect.y1; ++y)
-            for (std::int32_t x = rect.x0; x <= rect.x1; ++x) {
-                const Cell& now = e_.window.at({x, y});
-                const std::int32_t to = e_.piece.at({x, y}) = new_steps({x, y}, now, change);
-                if (to == now.steps || !piece.contains(SampleIndex{x, y})) continue;
-                change.places = change.places.with({x, y, x, y});
-                change.heights.add(to), change.before.add(now.steps), change.off.add(to - now.steps);
+        for (std::int32_t y = rect.y0; y <= rect.y1; ++y) {
+            const Cell* const now = &e_.window.at({rect.x0, y});
+            std::int32_t* const to = &e_.piece.at({rect.x0, y});
+            for (std::int32_t k = 0; k < rect.columns(); ++k) to[k] = new_steps({rect.x0 + k, y}, now[k], change);
+            if (y > piece.y1) continue;
+            std::int32_t first = INT32_MAX, last = 0;
+            for (std::int32_t k = 0; k <= piece.x1 - rect.x0; ++k) {
+                if (to[k] == now[k].steps) continue;
+                first = std::min(first, k), last = k;
+                change.heights.add(to[k]), change.before.add(now[k].steps), change.off.add(to[k] - now[k].steps);
                 ++change.samples;
             }
+            if (first <= last) change.places = change.places.with({rect.x0 + first, y, rect.x0 + last, y});
+        }
         if (change.samples != 0) look_at_steps(places, change);
         return change;
     }
@@ -130,7 +135,7 @@ Rect next_piece(const TerrainData& t, const Waiting& w, std::uint32_t& n) {
 }
 
 // unknown: it has to be looked at again. at_once: not piece by piece.
-Refusal refusal_of(const EditsData& e, const Change& change, bool& unknown, bool& at_once) {
+Refusal refusal_of(EditsData& e, const Change& change, bool& unknown, bool& at_once) {
     unknown = at_once = false;
     if (change.no_number) return Refusal::number;
     if (change.samples == 0) return Refusal::none;
@@ -160,14 +165,14 @@ void apply(EditsData& e, const Change& change) {
     if (by_m > t.editing_m) store_release(t.editing_m, by_m);
     store_release(t.ground_epoch, t.ground_epoch + 1);
     fence_release();
-    for (std::int32_t y = places.y0; y <= places.y1; ++y)
-        for (std::int32_t x = places.x0; x <= places.x1; ++x) {
-            Cell& cell = e.window.at({x, y});
-            const std::int32_t to = e.piece.at({x, y});
-            if (to == cell.steps) continue;
-            if (t.tree.sample({x, y}) == SampleIndex{x, y}) remember(e, {x, y}, cell.steps, to);
-            cell.steps = to;
-        }
+    for (std::int32_t y = places.y0; y <= places.y1; ++y) {
+        Cell* const cells = &e.window.at({places.x0, y});
+        const std::int32_t* const to = &e.piece.at({places.x0, y});
+        if (y < t.tree.rows())
+            remember(e, {places.x0, y}, std::min(places.x1 + 1, t.tree.columns()) - places.x0, cells, to);
+        for (std::int32_t k = 0; k < places.columns(); ++k) cells[k].steps = to[k];
+    }
+    for (int z = 0; z < t.tree.tile_log2; ++z) e.window.note(z, places);
     widen(t.range, t.height_scale, change.heights);
     const Ground ground(t, &e.window);
     const bool radii_known = nest_radii(e, ground, places, static_cast<double>(by_m));

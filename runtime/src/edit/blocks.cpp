@@ -3,6 +3,7 @@
 #include "edit/areas.h"
 #include "edit/errors.h"
 #include "edit/radii.h"
+#include "shared/compiler.h"
 
 namespace fjell::edit {
 
@@ -35,9 +36,8 @@ const Block* find_edited(const EditsData& e, SampleIndex sample) {
     return b != nullptr && b->edited[in_block(sample)] != as_in_pack ? b : nullptr;
 }
 
-// Makes room for a value among those that count from a base; there is, or the stamp would have been refused.
-void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* edited, std::int32_t value) {
-    if (value >= base && value - base < as_in_pack) return;
+// Values count from another base, so that there is room for one more among them.
+FJELL_COLD void rebase(std::int32_t& base, std::uint16_t* values, const std::uint16_t* edited, std::int32_t value) {
     StepRange all{value, value};
     for (std::size_t k = 0; k < block_side * block_side; ++k)
         if (edited[k] != as_in_pack) all.add(base + values[k]);
@@ -45,6 +45,10 @@ void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* e
     for (std::size_t k = 0; k < block_side * block_side; ++k)
         if (edited[k] != as_in_pack) values[k] = static_cast<std::uint16_t>(base + values[k] - to);
     base = to;
+}
+// Makes room for a value among those that count from a base; there is, or the stamp would have been refused.
+void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* edited, std::int32_t value) {
+    if (value < base || value - base >= as_in_pack) rebase(base, values, edited, value);
 }
 
 // Gives a block back: the last one takes its number, and what was found past its cell moves up.
@@ -77,6 +81,39 @@ Rect places_of_block(const TerrainData& t, const Block& b) {
                               (b.y << block_log2) + block_side - 1});
 }
 
+// The cell of the table with a block's number: that of a new one, whose numbers count from around these heights, where
+// there was none.
+std::uint32_t block_cell_for(EditsData& e, std::int32_t x, std::int32_t y, std::int32_t before, std::int32_t after) {
+    const std::uint32_t cell = cell_of_block(e, x, y);
+    std::uint32_t& number = e.block_table[cell];
+    if (number != no_index) return cell;
+    number = e.block_count++;
+    Block& b = e.blocks[number];
+    b = {};
+    b.x = x, b.y = y;
+    b.pack_base = before - as_in_pack / 2, b.base = after - as_in_pack / 2;
+    std::fill_n(b.edited, block_side * block_side, as_in_pack);
+    return cell;
+}
+// Sample k's heights before and after.
+void remember(Block& b, std::size_t k, std::int32_t before, std::int32_t after) {
+    if (b.edited[k] == as_in_pack) {
+        make_room(b.pack_base, b.pack, b.edited, before);
+        b.pack[k] = static_cast<std::uint16_t>(before - b.pack_base);
+        ++b.differing;
+    }
+    if (after == b.pack_base + b.pack[k]) {
+        b.edited[k] = as_in_pack;
+        --b.differing;
+        return;
+    }
+    make_room(b.base, b.edited, b.edited, after);
+    b.edited[k] = static_cast<std::uint16_t>(after - b.base);
+    const std::int32_t off = after - (b.pack_base + b.pack[k]);
+    b.least_off = std::min(b.least_off, off);
+    b.most_off = std::max(b.most_off, off);
+}
+
 bool fits(const StepRange& r) {
     return r.span() < as_in_pack - 1;
 }
@@ -86,35 +123,19 @@ bool counts_from(std::int32_t base, const StepRange& r) {
 
 } // namespace
 
-void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_t after) {
-    const std::int32_t x = sample.column >> block_log2, y = sample.row >> block_log2;
-    const std::uint32_t cell = cell_of_block(e, x, y);
-    std::uint32_t& number = e.block_table[cell];
-    if (number == no_index) {
-        number = e.block_count++;
-        Block& b = e.blocks[number];
-        b = {};
-        b.x = x, b.y = y;
-        b.pack_base = before - as_in_pack / 2, b.base = after - as_in_pack / 2;
-        std::fill_n(b.edited, block_side * block_side, as_in_pack);
+void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const std::int32_t* after) {
+    for (std::int32_t k = 0; k < count;) {
+        const std::int32_t x = (first.column + k) >> block_log2,
+                           end = std::min(count, ((x + 1) << block_log2) - first.column);
+        while (k < end && after[k] == before[k].steps) ++k;
+        if (k == end) continue;
+        const std::uint32_t cell = block_cell_for(e, x, first.row >> block_log2, before[k].steps, after[k]);
+        Block& b = e.blocks[e.block_table[cell]];
+        for (; k < end; ++k)
+            if (after[k] != before[k].steps)
+                remember(b, in_block({first.column + k, first.row}), before[k].steps, after[k]);
+        if (b.differing == 0) remove_block(e, cell);
     }
-    Block& b = e.blocks[number];
-    const std::size_t k = in_block(sample);
-    if (b.edited[k] == as_in_pack) {
-        make_room(b.pack_base, b.pack, b.edited, before);
-        b.pack[k] = static_cast<std::uint16_t>(before - b.pack_base);
-        ++b.differing;
-    }
-    if (after == b.pack_base + b.pack[k]) {
-        b.edited[k] = as_in_pack;
-        if (--b.differing == 0) remove_block(e, cell);
-        return;
-    }
-    make_room(b.base, b.edited, b.edited, after);
-    b.edited[k] = static_cast<std::uint16_t>(after - b.base);
-    const std::int32_t off = after - (b.pack_base + b.pack[k]);
-    b.least_off = std::min(b.least_off, off);
-    b.most_off = std::max(b.most_off, off);
 }
 
 bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps) {

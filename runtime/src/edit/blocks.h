@@ -5,8 +5,9 @@
 
 namespace fjell::edit {
 
-// A sample's heights before and after. There is a block for it, or room for one (missing_blocks()).
-void remember(EditsData& e, SampleIndex sample, std::int32_t before, std::int32_t after);
+// What samples of a row become: `count` of them, from `first` on. There are blocks for those that change, or room for
+// them (missing_blocks()).
+void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const std::int32_t* after);
 // The pack's height of a sample that has been edited; otherwise false.
 [[nodiscard]] bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps);
 

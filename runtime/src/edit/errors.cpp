@@ -1,5 +1,6 @@
 #include "edit/errors.h"
 
+#include "edit/small_diamonds.h"
 #include "shared/diamond_error.h"
 
 namespace fjell::edit {
@@ -115,60 +116,6 @@ Measured scan(const EditsData& e, const Ground& ground, SampleIndex v) {
     return {diamond_error(ground, terms, v, [&](SampleIndex apex) { return t.tree.contains(apex); }).code, true};
 }
 
-// What lies under a small diamond, looked at sample by sample in the window: the largest difference from its triangles,
-// in units of 1 / 2s steps. v: its vertex, of step s, with all around it loaded.
-class SmallDiamond {
-public:
-    SmallDiamond(const Cell* v, std::int32_t s) : v_(v), s_(s) {}
-    [[nodiscard]] std::int32_t side_x() {
-        const std::int32_t west = h(-s_, 0), east = h(s_, 0), gx = east - west, middle = west + east;
-        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
-            const std::int32_t far = std::abs(dy), rise = 2 * h(0, dy < 0 ? -s_ : s_) - middle;
-            row(dy, far - s_, s_ - far, s_ * middle + far * rise, gx);
-        }
-        return worst_;
-    }
-    [[nodiscard]] std::int32_t side_y() {
-        const std::int32_t north = h(0, -s_), south = h(0, s_), gy = south - north, middle = north + south;
-        const std::int32_t to_west = 2 * h(-s_, 0) - middle, to_east = 2 * h(s_, 0) - middle;
-        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
-            const std::int32_t half = s_ - std::abs(dy), at = s_ * middle + gy * dy;
-            row(dy, -half, 0, at, -to_west);
-            row(dy, 0, half, at, to_east);
-        }
-        return worst_;
-    }
-    // from_sw: its hypotenuse runs from south-west to north-east, otherwise from north-west to south-east.
-    [[nodiscard]] std::int32_t centre(bool from_sw) {
-        const std::int32_t sign = from_sw ? -1 : 1;
-        const std::int32_t north = h(-s_ * sign, -s_), south = h(s_ * sign, s_); // ends of the hypotenuse
-        const std::int32_t west = h(-s_, s_ * sign), east = h(s_, -s_ * sign);   // apexes
-        for (std::int32_t dy = -s_; dy <= s_; ++dy) {
-            // Across the west triangle's row heights change as along its leg, and so across the east one's.
-            const std::int32_t split = dy * sign, at = s_ * (north + south) + dy * (south - north);
-            row(dy, -s_, split, at, from_sw ? north - west : south - west, split);
-            row(dy, split, s_, at, from_sw ? east - south : east - north, split);
-        }
-        return worst_;
-    }
-
-private:
-    [[nodiscard]] std::int32_t h(std::int32_t dx, std::int32_t dy) const {
-        return v_[dy * window_side + dx].steps - v_->steps;
-    }
-    // at: the triangle's height at dx = origin.
-    void row(std::int32_t dy, std::int32_t from, std::int32_t to, std::int32_t at, std::int32_t gx,
-             std::int32_t origin = 0) {
-        const Cell* const cells = v_ + dy * window_side;
-        std::int32_t plane = at + gx * (from - origin), worst = worst_;
-        for (std::int32_t dx = from; dx <= to; ++dx, plane += gx)
-            worst = std::max(worst, std::abs(2 * s_ * (cells[dx].steps - v_->steps) - plane));
-        worst_ = worst;
-    }
-    const Cell* v_;
-    std::int32_t s_, worst_ = 0;
-};
-
 // Of the ground under its triangles alone. least: a smaller code is not told from this one.
 Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least) {
     const TerrainData& t = ground.terrain;
@@ -180,37 +127,91 @@ Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v,
         const std::int64_t jump = std::abs(2 * std::int64_t{own.steps} - a.steps - b.steps);
         return {t.memory->leaf.code(static_cast<std::uint32_t>(jump)), true};
     }
-    const int z = Tree::step_log2(v);
-    const std::int32_t s = 1 << z;
-    if (Window* const w = ground.window(); w != nullptr && w->complete && z <= measured_at_once &&
-                                           w->rect.contains(Rect{v.column - s, v.row - s, v.column + s, v.row + s})) {
-        SmallDiamond small(&w->at(v), s);
-        const VertexKind kind = Tree::kind(v);
-        const std::int32_t worst = kind == VertexKind::side_x   ? small.side_x()
-                                   : kind == VertexKind::side_y ? small.side_y()
-                                                                : small.centre(d.ends[0].row > v.row);
-        return {t.errors.code_up(0.5 * static_cast<double>(t.header.quantum_m) / s * worst), true};
-    }
     Search search(ground, v, least);
     for (const SampleIndex apex : d.apexes)
         if (t.tree.contains(apex)) search.triangle(apex, d.ends, v);
     return {search.code(), search.exact()};
 }
 
+// Errors of the vertices of one plane whose diamonds lie in a window that is complete.
+class MeasuredPlane {
+public:
+    MeasuredPlane(const Ground& ground, const Plane& plane)
+        : t_(ground.terrain), window_(*ground.window()), plane_(plane) {}
+    // Squares of those of a rectangle that can be measured so.
+    [[nodiscard]] static Rect measurable(const Ground& ground, const Plane& plane, const Rect& squares) {
+        const TerrainData& t = ground.terrain;
+        const Window* const w = ground.window();
+        if (w == nullptr || !w->complete || plane.z > measured_at_once) return {};
+        if (plane.z != 0 && t.header.estimate == ErrorEstimate::midpoint) return {};
+        Rect inside = w->rect.grown(-(1 << plane.z));
+        // At a rim inside a tile triangles are squeezed.
+        if (t.tree.cut_x != 0) inside.x1 = std::min(inside.x1, t.tree.columns() - 1 - (1 << plane.z));
+        if (t.tree.cut_y != 0) inside.y1 = std::min(inside.y1, t.tree.rows() - 1 - (1 << plane.z));
+        return inside.empty() ? Rect{} : plane.squares(inside).within(squares);
+    }
+    // Returns the squares whose codes have changed. most: grows to the largest code.
+    [[nodiscard]] Rect measure(const Rect& squares, std::uint32_t& most) const {
+        Rect changed;
+        for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+            for (std::int32_t i = squares.x0; i <= squares.x1; i += diamond_lanes) {
+                std::uint8_t codes[diamond_lanes];
+                const std::int32_t count = std::min(diamond_lanes, squares.x1 - i + 1);
+                ground_codes(i, j, count, codes);
+                Cell* const first = &window_.at(plane_.at(i, j));
+                for (std::int32_t k = 0; k < count; ++k) {
+                    Cell& own = first[static_cast<std::ptrdiff_t>(k) << (plane_.z + 1)];
+                    const std::uint32_t code = std::max<std::uint32_t>(codes[k], asked_of(own));
+                    if (code == own.error) continue;
+                    own.error = static_cast<std::uint8_t>(code);
+                    most = std::max(most, code);
+                    changed = changed.with({i + k, j, i + k, j});
+                }
+            }
+        return changed;
+    }
+
+private:
+    void ground_codes(std::int32_t i, std::int32_t j, std::int32_t count, std::uint8_t* codes) const {
+        const SampleIndex v = plane_.at(i, j);
+        const Cell* const first = &window_.at(v);
+        const bool centre = plane_.kind == VertexKind::centre;
+        const bool alternates = centre && plane_.z != t_.tree.tile_log2 - 1,
+                   first_from_sw = centre && diamond(t_.tree, v).ends[0].row > v.row;
+        if (plane_.z == 0) {
+            for (std::int32_t k = 0; k < count; ++k) {
+                const Cell* const own = first + 2 * k;
+                const bool from_sw = first_from_sw != (alternates && (k & 1) != 0);
+                const std::ptrdiff_t end =
+                    !centre ? (plane_.kind == VertexKind::side_x ? 1 : window_side) : window_side + (from_sw ? -1 : 1);
+                const std::int64_t jump =
+                    2 * std::int64_t{own->steps} - std::int64_t{own[-end].steps} - std::int64_t{own[end].steps};
+                codes[k] = t_.memory->leaf.code(static_cast<std::uint32_t>(std::abs(jump)));
+            }
+            return;
+        }
+        std::int32_t worst[diamond_lanes];
+        worst_under({first, plane_.z, plane_.kind, count, first_from_sw, alternates}, worst);
+        const double unit_m = 0.5 * static_cast<double>(t_.header.quantum_m) / (1 << plane_.z);
+        for (std::int32_t k = 0; k < count; ++k) codes[k] = t_.errors.code_up(unit_m * worst[k]);
+    }
+    [[nodiscard]] std::uint32_t asked_of(const Cell& vertex) const {
+        const bool centre = plane_.kind == VertexKind::centre;
+        if (!centre && plane_.z == 0) return 0;
+        const Cell* const own = &vertex;
+        const std::ptrdiff_t h = centre ? 1 << plane_.z : 1 << (plane_.z - 1), across = centre ? 0 : h;
+        const std::ptrdiff_t a = h + across * window_side, b = h * window_side - across;
+        const std::uint32_t most = std::max({own[a].error, own[-a].error, own[b].error, own[-b].error});
+        return std::min(t_.errors.above(most), 255u);
+    }
+    const TerrainData& t_;
+    Window& window_;
+    Plane plane_;
+};
+
 } // namespace
 
 Asked asked_by_children(const Ground& ground, SampleIndex v) {
-    const std::int32_t s = 1 << Tree::step_log2(v);
-    const bool centre = Tree::kind(v) == VertexKind::centre;
-    if (!centre && s == 1) return {0, true};
-    if (Window* const w = ground.window();
-        w != nullptr && w->complete && w->rect.contains(Rect{v.column - s, v.row - s, v.column + s, v.row + s})) {
-        const Cell* const own = &w->at(v);
-        const std::ptrdiff_t h = centre ? s : s / 2, across = centre ? 0 : h;
-        const std::ptrdiff_t a = h + across * window_side, b = h * window_side - across;
-        const std::uint32_t most = std::max({own[a].error, own[-a].error, own[b].error, own[-b].error});
-        return {std::min(ground.terrain.errors.above(most), 255u), true};
-    }
     const Children below = children(v);
     Asked asked{0, true};
     for (int k = 0; k < below.count; ++k) {
@@ -241,39 +242,61 @@ std::uint32_t grown(const TerrainData& t, std::uint32_t code, double by_m) {
 // it by a mean of d's at its corners; these differ by at most most - least, so the new difference is at most
 // e + (most - least). Codes round up, so they bound it; and each is raised to what its children ask for, from fine to
 // coarse, so they nest.
+//
+// Only vertices with changed ground under them, and those above a vertex whose code has changed, need another one: all
+// others nest and bound as they did. One that is not loaded counts as changed.
 int raise_errors(EditsData& e, const Ground& ground, const Rect& places, const StepRange& off) {
     TerrainData& t = *e.terrain;
     const double by_m = off.span() * static_cast<double>(t.header.quantum_m);
     int loose_z = std::min(t.header.estimate == ErrorEstimate::midpoint ? t.tree.tile_log2 : measured_at_once + 1,
                            t.tree.tile_log2);
     std::uint32_t most = 0;
-    for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
-        const Rect squares = around(t.tree, plane, places), touched = places.grown(1 << plane.z);
-        for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
-            for (std::int32_t i = squares.x0; i <= squares.x1; ++i) {
-                const SampleIndex v = plane.at(i, j);
-                const Cell own = ground.at(v);
-                if (!own.loaded) {
-                    loose_z = std::min(loose_z, plane.z);
-                    continue;
-                }
-                const Asked asked = asked_by_children(ground, v);
-                // The ground under its triangles has changed, or that under a vertex below it may have.
-                const bool affected = touched.contains(v) || !asked.all;
-                std::uint32_t code = std::max(affected ? grown(t, own.error, by_m) : own.error, asked.code);
-                // Measured too where it has grown again and again, until no code is left.
-                if (plane.z < loose_z || code == 255) {
-                    const Measured measured = measure(e, ground, v, asked);
-                    if (measured.exact)
-                        code = measured.code;
-                    else
-                        loose_z = std::min(loose_z, plane.z);
-                }
-                if (code == own.error) continue;
-                ground.set_error(plane, i, j, static_cast<std::uint8_t>(code));
-                most = std::max(most, code);
+    const auto raise = [&](const Plane& plane, std::int32_t i, std::int32_t j, const Rect& touched) { // true: changed
+        const SampleIndex v = plane.at(i, j);
+        const Cell own = ground.at(v);
+        if (!own.loaded) {
+            loose_z = std::min(loose_z, plane.z);
+            return true;
+        }
+        const Asked asked = asked_by_children(ground, v);
+        const auto may_be = [&] {
+            // The ground under its triangles has changed, or that under a vertex below it may have.
+            const bool affected = touched.contains(v) || !asked.all;
+            return std::max(affected ? grown(t, own.error, by_m) : own.error, asked.code);
+        };
+        std::uint32_t code = 256;
+        // Measured too where it has grown again and again, until no code is left.
+        if (plane.z < loose_z || (code = may_be()) == 255) {
+            const Measured measured = measure(e, ground, v, asked);
+            if (measured.exact)
+                code = measured.code;
+            else
+                loose_z = std::min(loose_z, plane.z), code = may_be();
+        }
+        if (code == own.error) return false;
+        ground.set_error(plane, i, j, static_cast<std::uint8_t>(code));
+        most = std::max(most, code);
+        return true;
+    };
+    go_up(
+        0, t.tree.tile_log2 - 1, [&](const Plane& plane) { return plane.squares(places.grown(1 << plane.z)); },
+        [&](const Plane& plane, const Rect& todo) {
+            const Rect squares = todo.within(plane.all(t.tree)), touched = places.grown(1 << plane.z),
+                       at_once = MeasuredPlane::measurable(ground, plane, squares);
+            Rect changed;
+            if (!at_once.empty()) {
+                changed = MeasuredPlane(ground, plane).measure(at_once, most);
+                ground.window()->note(plane.z, plane.places(changed));
             }
-    });
+            for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+                for (std::int32_t i = squares.x0; i <= squares.x1; ++i) {
+                    if (at_once.contains(SampleIndex{i, j}))
+                        i = at_once.x1;
+                    else if (raise(plane, i, j, touched))
+                        changed = changed.with({i, j, i, j});
+                }
+            return changed;
+        });
     note_error(t, most);
     return loose_z;
 }

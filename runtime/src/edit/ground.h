@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "pack/memory.h"
@@ -90,6 +91,23 @@ template <typename F>
 void for_each_plane(int first, int last, const F& f) {
     for (int z = first; z <= last; ++z)
         for (const VertexKind kind : sides_then_centres) f(Plane{z, kind});
+}
+// Up the tree from what changes, from step 2^first to 2^last: changed = visit(plane, squares) of all planes, children
+// before their parents. squares: own(plane), and the parents of what has changed; some may lie beyond the terrain.
+template <typename Own, typename Visit>
+void go_up(int first, int last, const Own& own, const Visit& visit) {
+    Rect finer; // centres of the step before that have changed
+    for (int z = first; z <= last; ++z) {
+        const Plane side_x{z, VertexKind::side_x}, side_y{z, VertexKind::side_y}, centre{z, VertexKind::centre};
+        const Rect at = finer.empty() ? Rect{} : Rect{finer.x0 >> 1, finer.y0 >> 1, finer.x1 >> 1, finer.y1 >> 1};
+        const Rect along_x = finer.empty() ? at : Rect{at.x0, at.y0, at.x1, (finer.y1 + 1) >> 1},
+                   along_y = finer.empty() ? at : Rect{at.x0, at.y0, (finer.x1 + 1) >> 1, at.y1};
+        const Rect x = visit(side_x, own(side_x).with(along_x)), y = visit(side_y, own(side_y).with(along_y));
+        Rect todo = own(centre);
+        if (!x.empty()) todo = todo.with({x.x0, x.y0 - 1, x.x1, x.y1});
+        if (!y.empty()) todo = todo.with({y.x0 - 1, y.y0, y.x1, y.y1});
+        finer = visit(centre, todo);
+    }
 }
 // f(place, number) for the corners of tiles in a rectangle of places.
 template <typename F>
@@ -215,9 +233,15 @@ struct Cell {
     std::uint8_t error = 0, radius = 0;
     bool hole = false, loaded = false;
 };
+static_assert(sizeof(Cell) == 8 && offsetof(Cell, error) == 4 && offsetof(Cell, radius) == 5 &&
+                  offsetof(Cell, hole) == 6 && offsetof(Cell, loaded) == 7,
+              "cell_of() puts a cell together as one word");
+// In one word, because a window is read of some ten thousand.
 [[nodiscard]] inline Cell cell_of(std::int32_t base, VertexRecord record) {
-    return {base + record.height, record.error, static_cast<std::uint8_t>(record.radius & (radius_codes - 1)),
-            is_void(record), true};
+    const auto bits = bits_as<std::uint32_t>(record);
+    const std::uint32_t steps = static_cast<std::uint32_t>(base) + (bits & 0xffff),
+                        codes = (bits >> 16 & 0x7fff) | bits >> 31 << 16 | 1u << 24;
+    return bits_as<Cell>(std::uint64_t{codes} << 32 | steps);
 }
 [[nodiscard]] inline Cell cell_at(const TerrainData& t, SampleIndex v) {
     if (t.tree.is_corner(v)) {

@@ -33,17 +33,71 @@ RadiusTerms radius_terms(const TerrainData& t) {
 
 namespace {
 
-// Radii of one step.
-class RadiusStep {
+// What a vertex' sphere contains, of one vertex or of several that share a code. Of what lies as far along the ground
+// and has one radius only the greatest climb counts: floats round alike, so larger climbs never come out with smaller
+// radii, and one root for all of them will do.
+class Contents {
+public:
+    Contents() { std::fill(std::begin(climb_), std::end(climb_), nothing); }
+    // way: of two distances along the ground.
+    void see(std::uint32_t way, std::uint32_t radius, std::int32_t climb) {
+        const std::uint32_t key = way * radius_codes + radius;
+        if (climb <= climb_[key]) return;
+        if (climb_[key] == nothing) seen_[seen_count_++] = static_cast<std::uint8_t>(key);
+        climb_[key] = climb;
+    }
+    // f(way, radius, climb) of all that was seen, which is forgotten.
+    template <typename F>
+    void take(const F& f) {
+        for (int k = 0; k < seen_count_; ++k) {
+            std::int32_t& climb = climb_[seen_[k]];
+            f(seen_[k] / radius_codes, seen_[k] % radius_codes, climb);
+            climb = nothing;
+        }
+        seen_count_ = 0;
+    }
+
+private:
+    static_assert(radius_codes == 128, "a way and a radius are a byte of seen_");
+    static constexpr std::int32_t nothing = -1;
+    std::int32_t climb_[2 * radius_codes];
+    std::uint8_t seen_[2 * radius_codes];
+    int seen_count_ = 0;
+};
+
+// Where cells are read: in a window that has all around them, or wherever they are.
+struct InWindow {
+    using Place = const Cell*;
+    using Way = std::ptrdiff_t;
+    Window& window;
+    [[nodiscard]] Place place(SampleIndex v) const { return &window.at(v); }
+    [[nodiscard]] static Way way(SampleIndex off) { return off.row * window_side + off.column; }
+    [[nodiscard]] static bool has(Place, Way) { return true; }
+    [[nodiscard]] static bool is_loaded(const Cell&) { return true; }
+    [[nodiscard]] static const Cell& at(Place place, Way way) { return place[way]; }
+};
+struct Anywhere {
+    using Place = SampleIndex;
+    using Way = SampleIndex;
+    const Ground& ground;
+    [[nodiscard]] static Place place(SampleIndex v) { return v; }
+    [[nodiscard]] static Way way(SampleIndex off) { return off; }
+    [[nodiscard]] bool has(Place place, Way way) const { return ground.tree.contains(place + way); }
+    [[nodiscard]] static bool is_loaded(const Cell& cell) { return cell.loaded; }
+    [[nodiscard]] Cell at(Place place, Way way) const { return ground.at(place + way); }
+};
+
+// Radii of planes.
+class Nesting {
 public:
     // by_m: what heights have moved by at most, where radii can only be bounded.
-    RadiusStep(const EditsData& e, const Ground& ground, int z, double by_m)
-        : terms_(e.radius), ground_(ground), t_(ground.terrain), z_(z), by_m_(by_m) {}
+    Nesting(const EditsData& e, const Ground& ground, double by_m)
+        : terms_(e.radius), ground_(ground), t_(ground.terrain), by_m_(by_m) {}
 
     // Codes of a plane over squares, and stores them; whole blocks, which share one where the step has pages of its
     // own. Returns those that changed.
     [[nodiscard]] Rect plane(const Plane& plane, Rect squares, bool& all_loaded) {
-        const std::int32_t size = t_.tree.tile_log2 - 1 - z_ >= page_squares_log2 ? 1 << radius_squares_log2 : 1;
+        const std::int32_t size = t_.tree.tile_log2 - 1 - plane.z >= page_squares_log2 ? 1 << radius_squares_log2 : 1;
         const Rect all = plane.all(t_.tree);
         squares = squares.within(all);
         Rect changed;
@@ -51,17 +105,16 @@ public:
         for (std::int32_t j = squares.y0 & -size; j <= squares.y1; j += size)
             for (std::int32_t i = squares.x0 & -size; i <= squares.x1; i += size) {
                 const Rect block = Rect{i, j, i + size - 1, j + size - 1}.within(all);
-                float most = 0;
-                bool known = true;
-                for (std::int32_t y = block.y0; y <= block.y1 && known; ++y)
-                    for (std::int32_t x = block.x0; x <= block.x1 && known; ++x)
-                        known = add(plane.at(x, y), plane.kind, most);
+                const bool known = see(plane, block);
+                const auto code = static_cast<std::uint8_t>(code_up(unit_m(plane), radius_m(plane)));
                 all_loaded = all_loaded && known;
-                const auto code = static_cast<std::uint8_t>(code_up(unit_m(plane), most));
                 bool differs = false;
-                for (std::int32_t y = block.y0; y <= block.y1; ++y)
-                    for (std::int32_t x = block.x0; x <= block.x1; ++x)
-                        differs = (known ? ground_.set_radius(plane, x, y, code) : contain(plane, x, y)) || differs;
+                if (known) {
+                    differs = ground_.set_radii(plane, block, code);
+                } else {
+                    for (std::int32_t y = block.y0; y <= block.y1; ++y)
+                        for (std::int32_t x = block.x0; x <= block.x1; ++x) differs = contain(plane, x, y) || differs;
+                }
                 if (differs) changed = changed.with(block);
             }
         return changed;
@@ -70,20 +123,21 @@ public:
     // One vertex, which has to contain its children: those that are loaded, and the others wherever they may be by now.
     // Never less than it does. True: it was another radius.
     bool contain(const Plane& plane, std::int32_t i, std::int32_t j) {
-        const SampleIndex v = plane.at(i, j);
-        const Cell own = ground_.at(v);
+        const Cell own = ground_.at(plane.at(i, j));
         if (!own.loaded) return false;
-        float most = 0;
-        if (!add(v, plane.kind, most) && by_m_ > 0)
+        const bool known = see(plane, {i, j, i, j});
+        float most = radius_m(plane);
+        if (!known && by_m_ > 0)
             most = std::max(most, unit_m(plane) * t_.radii.factor[own.radius] +
-                                      static_cast<float>((levels_below(v) + 1) * by_m_ * (1 + 0x1p-10)));
+                                      static_cast<float>((2 * plane.z + 1 + (plane.kind == VertexKind::centre)) *
+                                                         by_m_ * (1 + 0x1p-10)));
         const std::uint32_t code = code_up(unit_m(plane), most);
-        return code > own.radius && ground_.set_radius(plane, i, j, static_cast<std::uint8_t>(code));
+        return code > own.radius && ground_.set_radii(plane, {i, j, i, j}, static_cast<std::uint8_t>(code));
     }
 
 private:
     [[nodiscard]] float unit_m(const Plane& plane) const {
-        return terms_.unit_m[2 * z_ + (plane.kind == VertexKind::centre ? 1 : 0)];
+        return terms_.unit_m[2 * plane.z + (plane.kind == VertexKind::centre ? 1 : 0)];
     }
     [[nodiscard]] std::uint32_t code_up(float unit_m, float radius_m) const {
         const double asked_m = static_cast<double>(radius_m) * sphere_margin;
@@ -98,105 +152,104 @@ private:
         const float climb = static_cast<float>(steps) * terms_.quantum + terms_.height_pad;
         return std::sqrt(along_ground + climb * climb);
     }
-    // most: of the radii so far. False: something is not loaded, and most is of the rest.
-    [[nodiscard]] bool add(SampleIndex v, VertexKind kind, float& most) const {
-        const Cell own = ground_.at(v);
-        if (!own.loaded) return false;
-        return kind != VertexKind::centre && z_ == 0 ? add_leaf(v, own, kind, most) : add_parent(v, own, kind, most);
-    }
-    // Contains the corners of its triangles.
-    [[nodiscard]] bool add_leaf(SampleIndex v, const Cell& own, VertexKind kind, float& most) const {
-        const bool along_x = kind == VertexKind::side_x;
-        const float to_end = along_x ? terms_.along_x[0] : terms_.along_y[0],
-                    to_apex = along_x ? terms_.along_y[0] : terms_.along_x[0];
-        const Diamond d = diamond(t_.tree, v);
-        std::int32_t end = 0, apex = 0; // largest differences: the larger one is farther away
-        for (int k = 0; k < 2; ++k) {
-            // An apex beyond the terrain stands where the vertex does.
-            const Cell at_end = ground_.at(d.ends[k]),
-                       at_apex = t_.tree.contains(d.apexes[k]) ? ground_.at(d.apexes[k]) : own;
-            if (!at_end.loaded || !at_apex.loaded) return false;
-            end = std::max(end, std::abs(at_end.steps - own.steps));
-            apex = std::max(apex, std::abs(at_apex.steps - own.steps));
+    // The radius that what was seen asks for.
+    [[nodiscard]] float radius_m(const Plane& plane) {
+        const auto [z, kind] = plane;
+        float most = 0;
+        if (kind != VertexKind::centre && z == 0) { // the corners of its triangles: ends, and apexes
+            const bool along_x = kind == VertexKind::side_x;
+            const float along[2] = {along_x ? terms_.along_x[0] : terms_.along_y[0],
+                                    along_x ? terms_.along_y[0] : terms_.along_x[0]};
+            contents_.take([&](std::uint32_t way, std::uint32_t, std::int32_t climb) {
+                most = std::max(most, (distance_m(along[way], climb) + terms_.leaf_pad) * radius_rounding);
+            });
+            return most;
         }
-        const float largest_m = std::max(distance_m(to_end, end), distance_m(to_apex, apex));
-        most = std::max(most, (largest_m + terms_.leaf_pad) * radius_rounding);
-        return true;
-    }
-    // Contains its children's spheres.
-    [[nodiscard]] bool add_parent(SampleIndex v, const Cell& own, VertexKind kind, float& most) const {
         const bool centre = kind == VertexKind::centre;
-        const float unit_m = terms_.unit_m[centre ? 2 * z_ : 2 * z_ - 1];
-        struct Farthest { // of children that lie as far along the ground, and have one radius
-            float along = 0;
-            std::uint32_t radius = 0;
-            std::int32_t climb = -1;
-        } farthest;
-        const auto add_farthest = [&] {
-            if (farthest.climb < 0) return;
-            const float radius_m = unit_m * t_.radii.factor[farthest.radius];
-            most = std::max(most, (distance_m(farthest.along, farthest.climb) + radius_m) * radius_rounding);
+        const float unit_m = terms_.unit_m[centre ? 2 * z : 2 * z - 1];
+        const float along[2] = {centre ? terms_.along_x[z] : terms_.across[z], terms_.along_y[z]};
+        contents_.take([&](std::uint32_t way, std::uint32_t radius, std::int32_t climb) {
+            most = std::max(most, (distance_m(along[way], climb) + unit_m * t_.radii.factor[radius]) * radius_rounding);
+        });
+        return most;
+    }
+
+    // What the spheres of these vertices contain. False: something is not loaded, and is not among it.
+    [[nodiscard]] bool see(const Plane& plane, const Rect& block) {
+        Window* const w = ground_.window();
+        if (w != nullptr && w->loaded && w->rect.contains(plane.places(block).grown(1 << plane.z)))
+            return see_in(plane, block, InWindow{*w});
+        return see_in(plane, block, Anywhere{ground_});
+    }
+    template <typename Cells>
+    [[nodiscard]] bool see_in(const Plane& plane, const Rect& block, const Cells& cells) {
+        const std::int32_t s = 1 << plane.z, h = s / 2;
+        const auto ways = [&](SampleIndex a, SampleIndex b, const auto& f) {
+            return f(Cells::way({-a.column, -a.row}), Cells::way(a), Cells::way({-b.column, -b.row}), Cells::way(b));
         };
+        const SampleIndex along_x{s, 0}, along_y{0, s};
+        if (plane.kind == VertexKind::centre)
+            return ways(along_x, along_y, [&](auto... way) { return see_all<1, 1>(plane, block, cells, way...); });
+        if (plane.z != 0)
+            return ways({h, h}, {h, -h}, [&](auto... way) { return see_all<0, 1>(plane, block, cells, way...); });
+        // A leaf's are the corners of its triangles: the ends first.
+        const bool x_first = plane.kind == VertexKind::side_x;
+        return ways(x_first ? along_x : along_y, x_first ? along_y : along_x,
+                    [&](auto... way) { return see_all<1, 0>(plane, block, cells, way...); });
+    }
+    // two_ways: are a and b nearer or farther along the ground than c and d? radii: have they any?
+    template <std::uint32_t two_ways, std::uint32_t radii, typename Cells, typename Way = typename Cells::Way>
+    [[nodiscard]] bool see_all(const Plane& plane, const Rect& block, const Cells& cells, Way a, Way b, Way c, Way d) {
         bool known = true;
-        for (const SampleIndex at : children(v).at) {
-            if (!t_.tree.contains(at)) continue;
-            const Cell child = ground_.at(at);
-            if (!child.loaded) {
-                known = false;
-                continue;
+        for (std::int32_t j = block.y0; j <= block.y1; ++j)
+            for (std::int32_t i = block.x0; i <= block.x1; ++i) {
+                const auto v = cells.place(plane.at(i, j));
+                const Cell own = cells.at(v, {});
+                if (!Cells::is_loaded(own)) {
+                    known = false;
+                    continue;
+                }
+                const auto see_child = [&](std::uint32_t number, Way way) {
+                    if (!cells.has(v, way)) return;
+                    const Cell child = cells.at(v, way);
+                    if (Cells::is_loaded(child))
+                        contents_.see(number, child.radius * radii, std::abs(child.steps - own.steps));
+                    else
+                        known = false;
+                };
+                see_child(0, a), see_child(0, b);
+                see_child(two_ways, c), see_child(two_ways, d);
             }
-            const float along = !centre ? terms_.across[z_] : at.row == v.row ? terms_.along_x[z_] : terms_.along_y[z_];
-            const std::int32_t climb = std::abs(child.steps - own.steps);
-            if (farthest.climb >= 0 && farthest.along == along && farthest.radius == child.radius) {
-                farthest.climb = std::max(farthest.climb, climb);
-                continue;
-            }
-            add_farthest();
-            farthest = {along, child.radius, climb};
-        }
-        add_farthest();
         return known;
     }
 
     const RadiusTerms& terms_;
     const Ground& ground_;
     const TerrainData& t_;
-    int z_;
     double by_m_;
+    Contents contents_;
 };
 
 // told: followers look at all vertices around `places` anyway; otherwise what changes is noted, wherever it is.
 bool nest(EditsData& e, const Ground& ground, const Rect& places, double by_m, int from_z, bool told) {
     const TerrainData& t = *e.terrain;
     bool all_loaded = true;
-    Rect finer; // centres of the step before that stand or reach elsewhere
-    for (int z = from_z; z < t.tree.tile_log2; ++z) {
-        const Rect changed = told ? places : places.grown(radius_reach << z).within(grid_of(t.tree));
-        RadiusStep step(e, ground, z, by_m);
-        const auto nest_plane = [&](const Plane& plane, const Rect& squares) {
-            const Rect differ = step.plane(plane, squares, all_loaded), moved = plane.places(differ);
-            if (!differ.empty() && !(told && changed.grown(error_reach(plane.kind) << z).contains(moved)))
-                push_change(e, moved, z);
-            return differ;
-        };
-        Rect sides[2]; // along x, along y
-        for (const int k : {0, 1}) {
-            const bool along_x = k == 0;
-            const Plane plane{z, along_x ? VertexKind::side_x : VertexKind::side_y};
-            const Rect own = plane.squares(changed);
-            Rect todo = z == 0 ? plane.squares(changed.grown(1)) : own;
-            if (!finer.empty())
-                todo = todo.with({finer.x0 >> 1, finer.y0 >> 1, (finer.x1 + (along_x ? 0 : 1)) >> 1,
-                                  (finer.y1 + (along_x ? 1 : 0)) >> 1});
-            sides[k] = nest_plane(plane, todo).with(own);
-        }
-        const Plane centres{z, VertexKind::centre};
-        const Rect own = centres.squares(changed);
-        Rect todo = own;
-        if (!sides[0].empty()) todo = todo.with({sides[0].x0, sides[0].y0 - 1, sides[0].x1, sides[0].y1});
-        if (!sides[1].empty()) todo = todo.with({sides[1].x0 - 1, sides[1].y0, sides[1].x1, sides[1].y1});
-        finer = nest_plane(centres, todo).with(own);
-    }
+    const auto changed = [&](int z) { // where vertices stand or reach elsewhere, whatever their children do
+        return told ? places : places.grown(radius_reach << z).within(grid_of(t.tree));
+    };
+    Nesting nesting(e, ground, by_m);
+    go_up(
+        from_z, t.tree.tile_log2 - 1,
+        [&](const Plane& plane) {
+            const bool leaf = plane.z == 0 && plane.kind != VertexKind::centre;
+            return plane.squares(changed(plane.z).grown(leaf ? 1 : 0));
+        },
+        [&](const Plane& plane, const Rect& squares) {
+            const Rect differ = nesting.plane(plane, squares, all_loaded), moved = plane.places(differ);
+            if (!differ.empty() && !(told && places.grown(error_reach(plane.kind) << plane.z).contains(moved)))
+                push_change(e, moved, plane.z);
+            return differ.with(plane.squares(changed(plane.z)));
+        });
     return all_loaded;
 }
 
@@ -211,7 +264,7 @@ bool nest_radii_of_pages(EditsData& e, const Rect& places, int from_z) {
 }
 
 void contain_children(const EditsData& e, const Ground& ground, const Plane& plane, std::int32_t i, std::int32_t j) {
-    (void)RadiusStep(e, ground, plane.z, 0).contain(plane, i, j);
+    (void)Nesting(e, ground, 0).contain(plane, i, j);
 }
 
 void push_change(EditsData& e, const Rect& places, int step_log2) {

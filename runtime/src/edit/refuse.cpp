@@ -48,9 +48,9 @@ LevelFit fit_levels(const EditsData& e, double steepest_m, double range_m) {
 // Has every vertex around a change a code, whatever ground its level has codes for, and however its own ground moves?
 // From the codes that it has now: an error grows by what heights under its triangles move apart by, a radius by the
 // same a level, and a code for rounding. bend_m: what neighbours move apart by.
-Fit keep_codes(const EditsData& e, const Change& change, const LevelFit& levels, double bend_m) {
+Fit keep_codes(EditsData& e, const Change& change, const LevelFit& levels, double bend_m) {
     const TerrainData& t = *e.terrain;
-    const Ground ground(t, nullptr);
+    const Ground ground(t, &e.window); // of what was looked at last
     const double all_m = metres(e, change.off.span());
     const auto apart_m = [&](double samples) { return std::min(all_m, samples * bend_m); };
     const auto by_m = [&](int z) { return apart_m(4.0 * (1 << z)); };
@@ -107,7 +107,7 @@ bool is_at_rest(const EditsData& e, const Rect& places) {
     return rests;
 }
 
-Fit fits_codes(const EditsData& e, const Change& change, bool& at_once) {
+Fit fits_codes(EditsData& e, const Change& change, bool& at_once) {
     const TerrainData& t = *e.terrain;
     const double range_m = std::max(t.range.high_m, t.height_scale.height_m(change.heights.high)) -
                            static_cast<double>(std::min(t.range.low_m, t.height_scale.height_m(change.heights.low)));

@@ -12,7 +12,7 @@ namespace fjell::edit {
 // Have all spheres and errors codes while a stamp's ground comes, piece by piece, and then? unknown: ask again when
 // is_at_rest(), for codes may be larger than they need be. at_once: if its pieces come together.
 enum class Fit { yes, no, unknown };
-[[nodiscard]] Fit fits_codes(const EditsData& e, const Change& change, bool& at_once);
+[[nodiscard]] Fit fits_codes(EditsData& e, const Change& change, bool& at_once);
 // Are all vertices around these places loaded, and all errors measured?
 [[nodiscard]] bool is_at_rest(const EditsData& e, const Rect& places);
 

@@ -1,5 +1,8 @@
 #include "edit/window.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace fjell::edit {
 
 Cell Ground::beyond(SampleIndex v) const {
@@ -12,12 +15,13 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
     if (!all_loaded)
         for (std::int32_t y = window.rect.y0; y <= window.rect.y1; ++y)
             std::fill_n(&window.at({window.rect.x0, y}), window.rect.columns(), Cell{});
-    window.complete = !t.has_voids();
+    window.loaded = true;
+    std::fill(std::begin(window.written), std::end(window.written), Rect{});
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
         for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
             const PageEntry entry = t.page_table[run.page];
             if (entry.slot == no_index) {
-                window.complete = false;
+                window.loaded = false;
                 return;
             }
             const VertexRecord* const from = t.records + std::size_t{entry.slot} * t.page_capacity + run.index;
@@ -27,6 +31,7 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
         });
     });
     for_each_corner(t, window.rect, [&](SampleIndex at, std::uint32_t) { window.at(at) = cell_at(t, at); });
+    window.complete = window.loaded && !t.has_voids();
 }
 
 namespace {
@@ -56,7 +61,8 @@ void rebase_page(const TerrainData& t, std::uint32_t page, StepRange all) {
 void write_back(const TerrainData& t, Window& window, const StepRange& heights) {
     TerrainMemory& m = *t.memory;
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
-        for_each_run(t, plane, plane.squares(window.rect), [&](const Run& run) {
+        if (window.written[plane.z].empty()) return;
+        for_each_run(t, plane, plane.squares(window.written[plane.z].within(window.rect)), [&](const Run& run) {
             PageEntry entry = t.page_table[run.page];
             if (entry.slot == no_index) return;
             const Cell* const from = &window.at(plane.at(run.i, run.j));

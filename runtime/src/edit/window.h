@@ -16,9 +16,12 @@ inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) +
                               window_side = largest_piece + 2 * window_margin;
 
 struct Window {
-    Rect rect;             // places
-    bool complete = false; // all are loaded, and none is a hole
+    Rect rect;                   // places
+    bool loaded = false;         // all are
+    bool complete = false;       // and none is a hole
+    Rect written[max_tile_log2]; // by step: where vertices have changed since it was read
     Cell cells[window_side * window_side];
+    void note(int z, const Rect& places) { written[z] = written[z].with(places); }
     [[nodiscard]] Cell& at(SampleIndex v) {
         return cells[static_cast<std::size_t>(v.row - rect.y0) * window_side +
                      static_cast<std::size_t>(v.column - rect.x0)];
@@ -47,17 +50,40 @@ public:
     void set_error(const Plane& plane, std::int32_t i, std::int32_t j, std::uint8_t code) const {
         const SampleIndex v = plane.at(i, j);
         if (window_ != nullptr && window_->rect.contains(v))
-            window_->at(v).error = code;
+            window_->at(v).error = code, window_->note(plane.z, {v.column, v.row, v.column, v.row});
         else
             change_record(terrain, plane, i, j, [&](VertexRecord& record) { record.error = code; });
     }
-    // True: it was another one.
+    // Of all these squares. True: one was another one.
+    bool set_radii(const Plane& plane, const Rect& squares, std::uint8_t code) const {
+        const Rect places = plane.places(squares);
+        bool changed = false;
+        if (window_ != nullptr && window_->rect.contains(places)) {
+            const std::int32_t step = 2 << plane.z;
+            for (std::int32_t y = places.y0; y <= places.y1; y += step) {
+                Cell* const row = &window_->at({places.x0, y});
+                for (std::int32_t x = 0; x < places.columns(); x += step) {
+                    if (!row[x].loaded || row[x].radius == code) continue;
+                    row[x].radius = code;
+                    changed = true;
+                }
+            }
+            if (changed) window_->note(plane.z, places);
+            return changed;
+        }
+        for (std::int32_t j = squares.y0; j <= squares.y1; ++j)
+            for (std::int32_t i = squares.x0; i <= squares.x1; ++i) changed = set_radius(plane, i, j, code) || changed;
+        return changed;
+    }
+
+private:
     bool set_radius(const Plane& plane, std::int32_t i, std::int32_t j, std::uint8_t code) const {
         const SampleIndex v = plane.at(i, j);
         if (window_ != nullptr && window_->rect.contains(v)) {
             Cell& cell = window_->at(v);
             if (!cell.loaded || cell.radius == code) return false;
             cell.radius = code;
+            window_->note(plane.z, {v.column, v.row, v.column, v.row});
             return true;
         }
         bool changed = false;
@@ -67,15 +93,14 @@ public:
         });
         return changed;
     }
-
-private:
     [[nodiscard]] Cell beyond(SampleIndex v) const; // not inline, so that at() is
     Window* window_;
 };
 
 // Reads all within `rect`.
 void read(const TerrainData& t, const Rect& rect, Window& window);
-// Writes all that differs. heights: of those that do; pages whose base they do not count from get another one.
+// Writes what differs where it was noted, and corners. heights: of those that do; pages whose base they do not count
+// from get another one.
 void write_back(const TerrainData& t, Window& window, const StepRange& heights);
 
 } // namespace fjell::edit
