@@ -200,6 +200,15 @@ if(HOST MATCHES "hosts/game$")
       message(FATAL_ERROR "with ${fault} the game says ${output}where it said ${said}, or draws another picture")
     endif()
   endforeach()
+  # A key digs a crater where the camera looks: to its depth, but for what samples round off.
+  must("digging" ${FOLDER}/game ${PACK} ${FOLDER}/dug.png 120 --dig 60)
+  file(SHA256 ${FOLDER}/dug.png hash)
+  if(NOT output MATCHES "\ndug [0-9.]+ m ahead: [1-9][0-9]+ samples, ([0-9.]+) m deep of ([0-9.]+) m\n$" OR hash STREQUAL whole)
+    message(FATAL_ERROR "where a key digs, the game says ${output}, or draws what it drew without")
+  endif()
+  if(CMAKE_MATCH_1 LESS 1 OR CMAKE_MATCH_1 GREATER CMAKE_MATCH_2)
+    message(FATAL_ERROR "a crater is not as deep as it is dug: ${output}")
+  endif()
   # Of its pages, 86, there is room for a few.
   execute_process(COMMAND ${FOLDER}/game ${PACK} ${FOLDER}/few.png 120 20 RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE errors TIMEOUT 60)
   if(NOT code EQUAL 1 OR NOT errors MATCHES "game: raise TerrainBudget::page_slots" OR NOT output MATCHES "vertices, (1[0-9]|20) pages, 0 failed" OR

@@ -1,12 +1,13 @@
 // The game of the tier below io::LiveTerrain (content/hosts/first has that): with memory and a loader of its own it
 // walks over a pack that is streamed from the disk, in split screen with a drone, without a window.
-//   game PACK PICTURE.png [FRAMES [PAGES]]
+//   game PACK PICTURE.png [FRAMES [PAGES]] [--dig FRAME]    --dig: in that frame a key is pressed that digs a crater
 //   game PACK --times VIEWS    prints what a frame costs (content/hosts/times)
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -35,6 +36,7 @@ int fail(const char* what, fjell::Status s) {
 
 constexpr fjell::CutBudget capacities{.vertices = 200'000, .triangles = 400'000, .views = 2};
 constexpr fjell::StreamBudget streaming{.map_bytes = 64 << 20};
+constexpr fjell::EditBudget digging{.blocks = 512};
 
 // In this order they are made; in the other order they end.
 struct World {
@@ -42,6 +44,7 @@ struct World {
     PackOnDisk file;
     Memory memory;
     fjell::Terrain terrain;
+    fjell::Edits edits;
     fjell::LiveCut cut;
     fjell::Stream stream;
     std::unique_ptr<Loader> loader;
@@ -57,6 +60,8 @@ fjell::Status World::create() {
     const fjell::Pack& pack = file.pack();
     const std::span<std::byte> ground = memory.allocate(fjell::terrain_bytes(pack.header, pages));
     if (fjell::Status s = fjell::create_terrain(pack, file.corners(), pages, ground, terrain); !s.ok()) return s;
+    const std::span<std::byte> changed = memory.allocate(fjell::edits_bytes(pack.header, digging));
+    if (fjell::Status s = fjell::create_edits(terrain, digging, changed, edits); !s.ok()) return s;
     const std::span<std::byte> mesh = memory.allocate(fjell::cut_bytes(terrain, capacities));
     if (fjell::Status s = fjell::create_cut(terrain, capacities, mesh, cut); !s.ok()) return s;
     const std::span<std::byte> requests = memory.allocate(fjell::stream_bytes(pack, terrain, streaming));
@@ -69,6 +74,7 @@ World::~World() {
     loader.reset();                      // 1. the thread that uses the stream
     (void)fjell::destroy_stream(stream); // 2. what uses the cut and the terrain
     (void)fjell::destroy_cut(cut);
+    (void)fjell::destroy_edits(edits);
     (void)fjell::destroy_terrain(terrain);
 } // 3. the memory they lay in; 4. the file, whose directory the pack points into
 
@@ -76,6 +82,7 @@ struct Frame {
     fjell::View view[2];
     std::size_t view_count = 2;
     fjell::CutSettings settings{.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error};
+    fjell::EditReport edited;
     fjell::StreamReport streamed;
     fjell::CutReport report;
 
@@ -85,8 +92,8 @@ struct Frame {
 // On the frame's thread: never waits for the loader.
 fjell::Status update(World& world, Frame& frame, double now_s) {
     frame.settings.now_s = now_s;
-    fjell::Status s =
-        fjell::update_stream(world.stream, frame.views(), frame.settings, {.now_s = now_s}, frame.streamed);
+    fjell::Status s = fjell::update_edits(world.edits, frame.views(), {.max_time_us = 500}, frame.edited);
+    if (s.ok()) s = fjell::update_stream(world.stream, frame.views(), frame.settings, {.now_s = now_s}, frame.streamed);
     world.loader->wake();
     for (const fjell::StreamFailure& failure : fjell::stream_failures(world.stream)) // coarser there from now on
         std::fprintf(stderr, "game: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
@@ -138,7 +145,36 @@ void look_around(const World& world, Frame& frame, double x_m, double z_m) {
     frame.view[1] = drone(frame.view[0]);
 }
 
-int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int frames) {
+// What became of the key.
+struct Dig {
+    int key_frame = -1; // when it goes down; -1: never
+    std::optional<fjell::Stamp> crater{};
+    fjell::StampId id = 0;
+    double ahead_m = 0, height_m = 0; // of the ground that is hit, before
+    std::uint32_t samples = 0;        // that it changes
+};
+
+// The key goes down. What does not fit, or lies on ground that is not loaded, stays as it is, or waits: stamp_state().
+fjell::Status press(World& world, const fjell::View& view, Dig& dig) {
+    dig.crater = crater_ahead(world.terrain, view, 1e5);
+    if (!dig.crater) return {}; // the sky
+    dig.ahead_m = sight_m(world.terrain, view, 1e5);
+    dig.height_m = double(fjell::ground_height(world.terrain, dig.crater->x_m, dig.crater->z_m).height_m);
+    return fjell::push_stamp(world.edits, *dig.crater, dig.id);
+}
+
+int say_what_was_dug(const World& world, const Dig& dig) {
+    if (!dig.crater) return fail("dig", std::string("there is only sky ahead"));
+    const fjell::StampResult result = fjell::stamp_state(world.edits, dig.id);
+    if (!result.status.ok()) return fail("dig", result.status);
+    if (result.state != fjell::StampState::applied) return fail("dig", std::string("its pages have not come"));
+    const fjell::GroundHeight now = fjell::ground_height(world.terrain, dig.crater->x_m, dig.crater->z_m);
+    std::printf("dug %.1f m ahead: %u samples, %.1f m deep of %.1f m\n", dig.ahead_m, dig.samples,
+                dig.height_m - double(now.height_m), double(dig.crater->amount_m));
+    return 0;
+}
+
+int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int frames, Dig dig) {
     Frame frame;
     const double z_m = world.terrain.extent_z_m() / 2, start_x_m = world.terrain.extent_x_m() / 3;
     look_around(world, frame, start_x_m, z_m);
@@ -146,9 +182,13 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
     bool complete = false;
     for (int i = 0; i < frames + 2000; ++i) { // after the walk as many frames as the picture takes to be complete
         look_around(world, frame, start_x_m + 1.4 * std::min(i, frames) / 60.0, z_m);
+        if (i == dig.key_frame) // your engine's window says when
+            if (fjell::Status s = press(world, frame.view[0], dig); !s.ok()) return fail("dig", s);
         if (fjell::Status s = update(world, frame, i / 60.0); !s.ok()) return fail("frame", s);
         drawer.upload(fjell::stream_map_commands(world.stream)); // after every update: they do not accumulate
-        complete = frame.report.converged && frame.streamed.converged && frame.streamed.maps_converged;
+        dig.samples += frame.edited.samples;
+        complete = frame.edited.waiting == 0 && frame.edited.loose == 0 && frame.report.converged &&
+                   frame.streamed.converged && frame.streamed.maps_converged;
         const bool never = frame.streamed.failed != 0 || (frame.streamed.exhausted & fjell::stream_page_slots) != 0;
         const bool last = i >= frames && (complete || never);
         if (i % 60 == 0 || last) draw(world, drawer, frame, target);
@@ -163,6 +203,8 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
                 world.terrain.pages_loaded(), frame.streamed.failed);
     std::printf("sees %.1f m far from %.1f m; %zu heights, %.3g m off at most\n",
                 sight_m(world.terrain, frame.view[0], 1e5), frame.view[0].eye_m.y, heights_m.size(), error_m);
+    if (dig.key_frame >= 0)
+        if (const int code = say_what_was_dug(world, dig); code != 0) return code;
     return complete ? 0 : 1;
 }
 
@@ -193,7 +235,9 @@ int measure(World& world, Drawer& drawer, const fjell::gl::Target& target, Measu
 }
 
 int run(int argc, char** argv) {
-    if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]]");
+    Dig dig;
+    if (argc > 4 && argv[argc - 2] == std::string_view("--dig")) dig.key_frame = std::atoi(argv[argc - 1]), argc -= 2;
+    if (argc < 3) return fail("usage", "game PACK PICTURE.png [FRAMES [PAGES]] [--dig FRAME]");
     Measured times;
     const bool measured = argc == 4 && argv[2] == std::string_view("--times");
     if (const char* wrong = measured ? times_read(&times, argv[3]) : nullptr) return fail(argv[3], wrong);
@@ -210,7 +254,7 @@ int run(int argc, char** argv) {
                       fjell::stream_map_layers(world.stream, fjell::MapKind::normal));
     if (!error.empty()) return fail("shaders", error);
     if (measured) return measure(world, drawer, *target, times);
-    const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600);
+    const int code = play(world, drawer, *target, argc > 3 ? std::atoi(argv[3]) : 600, dig);
     fjell::gl::Image picture;
     target->read_colour(picture);
     fjell::gl::write_png(picture, argv[2]);

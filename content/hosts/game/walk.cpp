@@ -1,5 +1,6 @@
 #include "walk.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace game {
@@ -28,6 +29,17 @@ fjell::View strip(const fjell::View& whole, std::uint32_t part, std::uint32_t pa
 double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double most_m) {
     const fjell::GroundHit hit = fjell::cast_ray(terrain, walker.eye_m, walker.forward, most_m);
     return hit.hit ? hit.distance_m : most_m;
+}
+
+std::optional<fjell::Stamp> crater_ahead(const fjell::Terrain& terrain, const fjell::View& view, double most_m) {
+    const fjell::GroundHit hit = fjell::cast_ray(terrain, view.eye_m, view.forward, most_m);
+    if (!hit.hit) return {};
+    fjell::Stamp crater;
+    crater.shape = fjell::StampShape::crater;
+    crater.x_m = hit.position_m.x, crater.z_m = hit.position_m.z;
+    crater.radius_m = float(std::max({3.0, 4 * terrain.header().spacing_m[0], 4 * terrain.header().spacing_m[1]}));
+    crater.falloff_m = crater.radius_m / 2, crater.amount_m = crater.radius_m / 3;
+    return crater;
 }
 
 fjell::SampleIndex sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m) {

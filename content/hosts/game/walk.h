@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <fjell/fjell.h>
@@ -16,6 +17,9 @@ namespace game {
 [[nodiscard]] fjell::View strip(const fjell::View& whole, std::uint32_t part, std::uint32_t parts);
 // How far the walker sees, in metres; most_m: nothing in the way.
 [[nodiscard]] double sight_m(const fjell::Terrain& terrain, const fjell::View& walker, double most_m);
+// What digs a crater where a camera looks: its radius is 4 samples, and 3 m at least. None: nothing is in the way.
+[[nodiscard]] std::optional<fjell::Stamp> crater_ahead(const fjell::Terrain& terrain, const fjell::View& view,
+                                                       double most_m);
 // The sample to the north-west of a place.
 [[nodiscard]] fjell::SampleIndex sample_at(const fjell::Terrain& terrain, fjell::Vec3 place_m);
 // Heights around a sample, 33 a side, for a collider of the physics engine. error_m: how wrong they may still be.
