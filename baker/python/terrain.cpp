@@ -417,7 +417,10 @@ public:
     [[nodiscard]] py::object map(std::uint32_t longest_px) const {
         const auto g = ground();
         if (!g->whole) return py::none();
-        baker::Picture picture = watched([&] { return baker::make_picture(g->whole->terrain, {longest_px, 0}); });
+        baker::Picture picture = watched([&] {
+            const std::lock_guard hold(g->lock); // from edits
+            return baker::make_picture(g->whole->terrain, {longest_px, 0});
+        });
         return array_of<std::uint8_t>(std::move(picture.rgb), {picture.height, picture.width, 3});
     }
 

@@ -153,13 +153,15 @@ class Bakes(unittest.TestCase):
         new = content(self.bake_apart(heights))
         for after in (0.01, 0.1, 0.3, 0.7):
             done = subprocess.run(
-                [sys.executable, "-c", script, self.path("h.npy"), out, str(after)], capture_output=True, text=True
+                ["env", "LD_PRELOAD=" + os.environ["PYTHON_PRELOAD"], sys.executable, "-c", script, self.path("h.npy"), out, str(after)],
+                capture_output=True,
+                text=True,
             )
             with self.subTest(after=after):
-                self.assertEqual(content(out), new if "baked" in done.stdout else old, done.stderr)
+                # Ctrl-C may come between the new pack's completion and the call's end.
+                self.assertIn(content(out), [new] if "baked" in done.stdout else [old, new], done.stderr)
                 self.assertTrue(fjell.verify(out)["ok"])
-            if "baked" in done.stdout:
-                old = new
+            old = content(out)
         fjell.bake(heights, out)  # goes on, or begins again
         self.assertEqual(content(out), new)
         self.assertFalse(os.path.exists(out + ".work"))
