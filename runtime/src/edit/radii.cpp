@@ -201,6 +201,11 @@ private:
     template <std::uint32_t two_ways, std::uint32_t radii, typename Cells, typename Way = typename Cells::Way>
     [[nodiscard]] bool see_all(const Plane& plane, const Rect& block, const Cells& cells, Way a, Way b, Way c, Way d) {
         bool known = true;
+        struct Run { // of children that have one radius, as most that lie beside each other do
+            std::uint32_t radius = 0;
+            std::int32_t climb = -1;
+        } ab, cd;
+        const auto end = [&](std::uint32_t number, const Run& run) { contents_.see(number, run.radius, run.climb); };
         for (std::int32_t j = block.y0; j <= block.y1; ++j)
             for (std::int32_t i = block.x0; i <= block.x1; ++i) {
                 const auto v = cells.place(plane.at(i, j));
@@ -209,17 +214,26 @@ private:
                     known = false;
                     continue;
                 }
-                const auto see_child = [&](std::uint32_t number, Way way) {
+                const auto see_child = [&](std::uint32_t number, Run& run, Way way) {
                     if (!cells.has(v, way)) return;
                     const Cell child = cells.at(v, way);
-                    if (Cells::is_loaded(child))
-                        contents_.see(number, child.radius * radii, std::abs(child.steps - own.steps));
-                    else
+                    if (!Cells::is_loaded(child)) {
                         known = false;
+                        return;
+                    }
+                    const std::uint32_t radius = child.radius * radii;
+                    const std::int32_t climb = std::abs(child.steps - own.steps);
+                    if (radius != run.radius) {
+                        end(number, run);
+                        run = {radius, climb};
+                    } else {
+                        run.climb = std::max(run.climb, climb);
+                    }
                 };
-                see_child(0, a), see_child(0, b);
-                see_child(two_ways, c), see_child(two_ways, d);
+                see_child(0, ab, a), see_child(0, ab, b);
+                see_child(two_ways, cd, c), see_child(two_ways, cd, d);
             }
+        end(0, ab), end(two_ways, cd);
         return known;
     }
 
