@@ -98,6 +98,7 @@ void add_packs_option(CLI::App& command, Arguments& a, const std::string& about)
 }
 
 constexpr const char* about_pack = "a pack, or the folder of a pack set";
+constexpr const char* about_ground = "a pack, or the height field: one file, or several that make a mosaic";
 constexpr const char* about_set =
     "write a pack set instead, with so many packs across and down: OUT is its folder; packs without any ground are "
     "left out";
@@ -174,10 +175,21 @@ void add_common_options(CLI::App& app, Arguments& a) {
 
 void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles = app.add_subcommand(
-        "tiles", "write a pack as a pyramid of terrain tiles for globes (quantized-mesh 1.0, as CesiumJS reads it)");
+        "tiles",
+        "write a pack as a pyramid of tiles for globes: quantized-mesh 1.0, as CesiumJS reads it, or 3D Tiles 1.1");
     c.tiles->add_option("PACK", a.pack, about_pack)->required();
-    c.tiles->add_option("-o,--output", a.tiles_folder, "the new folder to write: layer.json and z/x/y.terrain")
+    c.tiles
+        ->add_option("-o,--output", a.tiles_folder,
+                     "the new folder to write: layer.json and z/x/y.terrain, or tileset.json and z/x/y.glb")
         ->required();
+    c.tiles
+        ->add_option_function<std::string>(
+            "--format",
+            [&a](const std::string& word) {
+                a.tiles.format = word == "3dtiles" ? TilesFormat::tiles_3d : TilesFormat::quantized_mesh;
+            },
+            "quantized-mesh (default): terrain of CesiumJS; 3dtiles: glTF tiles, never compressed")
+        ->check(io::one_of({"quantized-mesh", "3dtiles"}));
     c.tiles
         ->add_option_function<std::string>(
             "--tiling",
@@ -204,6 +216,51 @@ void declare_split(CLI::App& app, Arguments& a, Commands& c) {
     add_packs_option(*c.split, a, "packs across and down (default 2x2); packs without any ground are left out");
     c.join = app.add_subcommand("join", "make a pack set of the packs in a folder, if they agree where they meet");
     c.join->add_option("FOLDER", a.set_folder, "the packs' folder; its set.json is written")->required();
+}
+
+void declare_heights(CLI::App& app, Arguments& a, Commands& c) {
+    c.heights = app.add_subcommand("heights", "write heights as a GeoTIFF, or as files of numbers for engines");
+    c.heights->add_option("IN", a.ground.inputs, about_ground)->required();
+    c.heights
+        ->add_option("-o,--output", a.dem_path,
+                     "the file to write: .tif (holes as no-data); .raw or .r16 (16 bits, little-endian) and .png (16 "
+                     "bits), with scale and offset in a .json beside it; .exr (floats)")
+        ->required();
+    c.heights
+        ->add_option("--at", a.heights.level,
+                     "write every 2^LEVEL-th sample only (default 0: all); the summary says the error")
+        ->type_name("LEVEL")
+        ->check(io::whole_within(0, 20));
+    c.heights
+        ->add_option("--tiles", a.heights.tile_side,
+                     "write tiles of SIDE x SIDE numbers, which share a row or column with their neighbours, as "
+                     "OUT_x<i>_y<j>")
+        ->type_name("SIDE")
+        ->check(io::whole_within(2, 32769));
+    c.heights->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
+    add_recipe_options(*c.heights, a.ground, true);
+}
+
+void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
+    c.mesh = app.add_subcommand("mesh", "write a height field or a pack as one mesh, within a vertical error");
+    c.mesh->add_option("IN", a.ground.inputs, about_ground)->required();
+    c.mesh
+        ->add_option("-o,--output", a.mesh_path,
+                     "the file to write: .glb and .obj (y up), .ply (z up), or .stl (z up, closed, for printing)")
+        ->required();
+    c.mesh->add_option("--max-error-m", a.mesh_error_m, "metres that a sample may lie above or below the mesh, at most")
+        ->check(io::within(0, 1e6));
+    c.mesh
+        ->add_option("--max-triangles", a.mesh.max_triangles,
+                     "instead: as small an error as so many triangles reach, walls and base of .stl not counted")
+        ->check(io::whole_within(2, 2'000'000'000));
+    c.mesh
+        ->add_option("--base-m", a.mesh.base_m,
+                     ".stl: metres from the lowest ground down to the base (default: 1/20 of the longer side)")
+        ->check(io::within(0, 1e6));
+    c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
+    c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    add_recipe_options(*c.mesh, a.ground, true);
 }
 
 void declare_simulate(CLI::App& app, Arguments& a, Commands& c) {
@@ -263,9 +320,8 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
     add_recipe_options(*c.verify, a.against, true);
-    c.heights = app.add_subcommand("heights", "write a pack's heights as a GeoTIFF, holes as no-data");
-    c.heights->add_option("PACK", a.pack, about_pack)->required();
-    c.heights->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
+    declare_heights(app, a, c);
+    declare_mesh(app, a, c);
     declare_tiles(app, a, c);
     declare_simulate(app, a, c);
     declare_split(app, a, c);

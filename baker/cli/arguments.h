@@ -9,6 +9,8 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/outlets/height_files.h"
+#include "baker/outlets/mesh_file.h"
 #include "baker/outlets/simulate.h"
 #include "baker/outlets/tiles.h"
 #include "baker/pack/write_set.h"
@@ -46,6 +48,13 @@ struct Arguments {
     std::string tiles_folder; // tiles
     TilesOptions tiles;
 
+    Recipe ground;              // mesh, heights: its inputs and read options
+    HeightFilesOptions heights; // heights
+
+    std::string mesh_path; // mesh
+    std::optional<double> mesh_error_m;
+    MeshFileOptions mesh;
+
     std::string simulate_folder, simulator; // simulate
     SimulateOptions simulate;
 
@@ -57,6 +66,7 @@ struct Commands {
     CLI::App* info;
     CLI::App* verify;
     CLI::App* heights;
+    CLI::App* mesh;
     CLI::App* tiles;
     CLI::App* simulate;
     CLI::App* split;

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, tiles, split, join, synth, materials. Exit codes: 0 done, 1 the
-// input is at fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials. Exit codes:
+// 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -158,13 +158,6 @@ void require_tif(const std::string& path) {
         throw Failure(2, fmt::format("{}: height fields are written as GeoTIFF; give a name that ends in .tif", path));
 }
 
-int run_heights(const Arguments& a) {
-    refuse_overwriting(places_written(a.dem_path), files_of_pack(a.pack));
-    require_tif(a.dem_path);
-    write_dem(PackSource(a.pack), a.dem_path, DemForm::plain);
-    return 0;
-}
-
 json tiles_json(const TilesSummary& s) {
     json levels = json::array();
     for (const LevelSummary& l : s.levels)
@@ -204,6 +197,75 @@ int run_tiles(Arguments a) {
     const TilesSummary s = write_tiles(PackSource(a.pack), a.pack, a.tiles, a.tiles_folder);
     summary.write(tiles_json(s));
     if (!a.quiet && a.json_path != "-") print_tiles(s, a.tiles_folder);
+    return 0;
+}
+
+// A pack's heights, or those of files.
+bool is_pack(const Recipe& given) {
+    std::error_code none;
+    return given.inputs.size() == 1 && (given.inputs[0].ends_with(".fjell") ||
+                                        std::filesystem::is_regular_file(given.inputs[0] + "/set.json", none));
+}
+std::unique_ptr<HeightSource> open_ground(const Recipe& given) {
+    if (!is_pack(given)) return open_inputs(given);
+    Recipe options = given;
+    options.inputs.clear();
+    if (options != Recipe{})
+        throw Failure(2, fmt::format("{}: is a pack, whose heights are in metres on a grid already; leave out --bbox, "
+                                     "--nodata and what else says how files are read, or give the files",
+                                     given.inputs[0]));
+    return std::make_unique<PackSource>(given.inputs[0]);
+}
+std::vector<std::string> files_of_ground(const Recipe& given) {
+    return is_pack(given) ? files_of_pack(given.inputs[0]) : files_read(given);
+}
+
+int run_heights(Arguments a) {
+    refuse_overwriting(places_written(a.dem_path), files_of_ground(a.ground));
+    const bool tif = a.dem_path.ends_with(".tif") || a.dem_path.ends_with(".tiff");
+    if (tif && a.heights.level == 0 && a.heights.tile_side == 0) { // of any size
+        write_dem(*open_ground(a.ground), a.dem_path, DemForm::plain, a.threads);
+        return 0;
+    }
+    ProgressBar bar(a.quiet);
+    a.heights.threads = a.threads;
+    a.heights.progress = std::ref(bar);
+    const HeightFilesSummary s = write_height_files(*open_ground(a.ground), a.heights, a.dem_path);
+    if (a.quiet) return 0;
+    fmt::print("{}: {} x {} heights{}, {} x {} m apart\n", a.dem_path, s.columns, s.rows,
+               a.heights.tile_side > 0 ? fmt::format(" in each of {} x {} tiles", s.tiles_x, s.tiles_y) : "",
+               s.spacing_m[0], s.spacing_m[1]);
+    if (s.sixteen_bits)
+        fmt::print("a height is {} m + {} m * number; {} says so too\n", s.offset_m, s.scale_m, s.files.back());
+    if (s.holes_filled > 0) fmt::print("{} samples without a height were filled\n", s.holes_filled);
+    fmt::print("no sample is farther than {:.6g} m from the surface through them\n", s.error_m);
+    return 0;
+}
+
+int run_mesh(Arguments a) {
+    if (a.mesh.max_triangles.has_value() == a.mesh_error_m.has_value())
+        throw Failure(2, "mesh needs --max-error-m or --max-triangles, one of them");
+    a.mesh.max_error_m = a.mesh_error_m.value_or(0);
+    refuse_overwriting({a.mesh_path, a.json_path}, files_of_ground(a.ground));
+    JsonOutput summary(a.json_path);
+    ProgressBar bar(a.quiet);
+    a.mesh.threads = a.threads;
+    a.mesh.progress = std::ref(bar);
+    const MeshFileSummary s = write_mesh_file(*open_ground(a.ground), a.mesh, a.mesh_path);
+    summary.write({{"columns", s.columns},
+                   {"rows", s.rows},
+                   {"vertices", s.vertices},
+                   {"triangles", s.triangles},
+                   {"ground_triangles", s.ground_triangles},
+                   {"bytes", s.bytes},
+                   {"holes", s.holes},
+                   {"max_error_m", s.max_error_m},
+                   {"true_error_m", s.true_error_m},
+                   {"mesh_s", s.mesh_s}});
+    if (a.quiet || a.json_path == "-") return 0;
+    fmt::print("{}: {} triangles, no sample farther than {:.6g} m from them ({:.6g} m allowed), {:.2f} MB\n",
+               a.mesh_path, s.triangles, s.true_error_m, s.max_error_m, static_cast<double>(s.bytes) / 1e6);
+    if (s.holes > 0) fmt::print("{} of {} samples had no height\n", s.holes, std::int64_t{s.columns} * s.rows);
     return 0;
 }
 
@@ -268,18 +330,19 @@ int run(int argc, char** argv) {
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.tiles->parsed() || commands.split->parsed() || commands.join->parsed() ||
-                       commands.synth->parsed() || commands.materials->parsed();
+                       commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() ||
+                       commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
         throw Failure(
             2,
-            "info, verify, heights, tiles, split, join, synth and materials bake nothing; leave out the height field "
-            "and -o, or the command");
+            "info, verify, heights, mesh, tiles, split, join, synth and materials bake nothing; leave out the height "
+            "field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
     if (commands.tiles->parsed()) return run_tiles(a);
+    if (commands.mesh->parsed()) return run_mesh(a);
     if (commands.simulate->parsed()) return run_simulate(a);
     if (commands.split->parsed()) return run_split(a);
     if (commands.join->parsed()) return run_join(a);

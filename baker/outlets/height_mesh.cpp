@@ -12,6 +12,7 @@
 #include "baker/bake/bake.h"
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
+#include "baker/outlets/bisect.h"
 #include "baker/store/parallel.h"
 
 namespace fjell::baker {
@@ -117,15 +118,18 @@ public:
           tree_(Tree::covering(static_cast<std::int32_t>(heights.columns), static_cast<std::int32_t>(heights.rows),
                                tile_log2_of(heights, options))),
           scale_(height_scale_of(extent, tree_)), active_(tree_.grid_columns(), tree_.grid_rows()),
-          used_(heights.columns, heights.rows) {}
+          used_(heights.columns, heights.rows), moved_{moved_by_float(heights.columns, options.spacing_m[0]),
+                                                       moved_by_float(heights.rows, options.spacing_m[1])} {}
 
     [[nodiscard]] HeightMesh run() {
-        const std::int64_t tiles = std::int64_t{tree_.tiles_x} * tree_.tiles_y;
-        parallel_for(tiles, threads_, [&](std::int64_t i) { measure(region_of(i)); });
+        parallel_for(tiles(), threads_, [&](std::int64_t i) { measure(region_of(i), allowed_m(region_of(i))); });
         close_upwards();
-        std::vector<Part> parts(static_cast<std::size_t>(tiles));
-        parallel_for(tiles, threads_, [&](std::int64_t i) { emit(region_of(i), parts[static_cast<std::size_t>(i)]); });
-        return assemble(parts);
+        std::vector<Part> parts = emit_all(), base;
+        if (options_.base) {
+            coarsen_to_base();
+            base = emit_all();
+        }
+        return assemble(parts, base);
     }
 
 private:
@@ -136,6 +140,17 @@ private:
         double true_error_m = 0;
     };
 
+    [[nodiscard]] std::int64_t tiles() const { return std::int64_t{tree_.tiles_x} * tree_.tiles_y; }
+    // Coordinates are floats: how far one lies from its place, in samples.
+    [[nodiscard]] static double moved_by_float(std::int64_t samples, double spacing_m) {
+        double most = 0;
+        for (std::int64_t i = 0; i < samples; ++i) {
+            const double at = static_cast<double>(i) * spacing_m;
+            most = std::max(most, std::abs(static_cast<double>(static_cast<float>(at)) - at));
+        }
+        constexpr double tilted = 1.001; // the gradient is that of the moved corners
+        return most / spacing_m * tilted;
+    }
     [[nodiscard]] Region region_of(std::int64_t i) const {
         const std::int32_t side = tree_.side();
         const SampleIndex first{static_cast<std::int32_t>(i % tree_.tiles_x) * side,
@@ -166,13 +181,13 @@ private:
     }
 
     // Activates what has an error of its own.
-    void measure(const Region& r) {
+    void measure(const Region& r, double allowed) {
         Patch<double> numbers;
         read(r, numbers);
         QuantisedHeights ground;
         ground.tree = tree_;
         const double slack_m = quantise_tile(numbers, ground);
-        const double limit_m = allowed_m(r) - slack_m;
+        const double limit_m = allowed - slack_m;
         if (limit_m < 0) { // closer than this scale tells: everything
             for (std::int32_t y = r.first.row; y <= r.last.row; ++y)
                 for (std::int32_t x = r.first.column; x <= r.last.column; ++x)
@@ -222,7 +237,24 @@ private:
                 if (!std::isnan(from[x])) rounded_m = std::max(rounded_m, std::abs(from[x] - h));
             }
         }
-        return 2 * moved_m + rounded_m;
+        return 2 * moved_m + rounded_m + tilted_m(numbers);
+    }
+
+    // What triangles over these numbers may be off because float coordinates of their corners are. Along a row or a
+    // column no edge is steeper than the steepest step between samples; across its hypotenuse a triangle is no steeper
+    // than both together.
+    [[nodiscard]] double tilted_m(const Patch<double>& numbers) const {
+        if (moved_[0] == 0 && moved_[1] == 0) return 0;
+        double east = 0, south = 0; // of a NaN and a number std::fmax takes the number
+        for (std::int32_t y = numbers.y; y < numbers.y + numbers.rows; ++y) {
+            const double* const row = numbers.at(numbers.x, y);
+            for (std::int32_t x = 0; x + 1 < numbers.columns; ++x)
+                east = std::fmax(east, std::abs(row[x + 1] - row[x]));
+            if (y + 1 == numbers.y + numbers.rows) break;
+            for (std::int32_t x = 0; x < numbers.columns; ++x)
+                south = std::fmax(south, std::abs(row[x + numbers.columns] - row[x]));
+        }
+        return (east + south) * (moved_[0] + moved_[1]);
     }
 
     // A hole's height counts for nothing; any that is finite will do.
@@ -320,18 +352,37 @@ private:
             for (std::int32_t x = 0; x < tree_.grid_columns(); x += tree_.side()) active_.set(x, y);
     }
 
+    // ---- the plate under a mesh: its rim and its holes, and else as few vertices as there can be
+
+    // An edge is there when its ends are vertices and its middle is not. All of the mesh's vertices at the rim and
+    // beyond it stay, and no tolerance changes what lies beside holes: so both have the same edges around them.
+    void coarsen_to_base() {
+        Bits mesh(tree_.grid_columns(), tree_.grid_rows());
+        std::swap(mesh, active_);
+        constexpr double anything_m = 1e20;
+        parallel_for(tiles(), threads_, [&](std::int64_t i) { measure(region_of(i), anything_m); });
+        for (std::int32_t y = 0; y < tree_.grid_rows(); ++y) {
+            const bool whole_row = y == 0 || y >= tree_.rows() - 1;
+            for (std::int32_t x = 0; x < tree_.grid_columns(); ++x) {
+                if (!whole_row && x == 1) x = tree_.columns() - 1;
+                if (mesh.at(x, y)) active_.set(x, y);
+            }
+        }
+        close_upwards();
+    }
+
     // ---- triangles
 
-    // Appends what is drawn of a triangle: apex, then the ends of its hypotenuse, counter-clockwise.
-    void bisect(SampleIndex apex, SampleIndex a, SampleIndex b, const Patch<double>& numbers, Part& part) {
-        const std::int32_t dx = a.column + b.column, dy = a.row + b.row;
-        const SampleIndex middle{dx / 2, dy / 2};
-        if ((dx & 1) == 0 && (dy & 1) == 0 && active_.at(middle.column, middle.row)) {
-            bisect(middle, apex, a, numbers, part);
-            bisect(middle, b, apex, numbers, part);
-            return;
-        }
-        const SampleIndex corners[3] = {tree_.sample(apex), tree_.sample(a), tree_.sample(b)};
+    [[nodiscard]] std::vector<Part> emit_all() {
+        std::vector<Part> parts(static_cast<std::size_t>(tiles()));
+        parallel_for(tiles(), threads_,
+                     [&](std::int64_t i) { emit(region_of(i), parts[static_cast<std::size_t>(i)]); });
+        return parts;
+    }
+
+    // Appends a triangle: apex, then the ends of its hypotenuse, counter-clockwise.
+    void draw(const std::array<SampleIndex, 3>& places, const Patch<double>& numbers, Part& part) {
+        const SampleIndex corners[3] = {tree_.sample(places[0]), tree_.sample(places[1]), tree_.sample(places[2])};
         const SampleIndex p = corners[0], q = corners[1], r = corners[2];
         const std::int64_t area =
             std::int64_t{q.column - p.column} * (r.row - p.row) - std::int64_t{q.row - p.row} * (r.column - p.column);
@@ -349,8 +400,8 @@ private:
     }
 
     // The largest vertical distance of the numbers under a triangle from it, in double. False: a corner is a hole.
-    [[nodiscard]] static bool measure_triangle(const SampleIndex (&c)[3], const Patch<double>& numbers,
-                                               double& error_m) {
+    [[nodiscard]] bool measure_triangle(const SampleIndex (&c)[3], const Patch<double>& numbers,
+                                        double& error_m) const {
         double h[3];
         for (int k = 0; k < 3; ++k) {
             const double number = *numbers.at(c[k].column, c[k].row);
@@ -385,6 +436,7 @@ private:
             for (std::int32_t x = first; x <= last; ++x)
                 if (const double off = std::abs(number[x - first] - (row + gx * x)); off > error_m) error_m = off;
         }
+        error_m += std::abs(gx) * moved_[0] + std::abs(gy) * moved_[1];
         return true;
     }
 
@@ -392,23 +444,23 @@ private:
         Patch<double> numbers;
         read(r, numbers);
         const SampleIndex nw = r.first, se = r.last, ne{se.column, nw.row}, sw{nw.column, se.row};
-        bisect(ne, nw, se, numbers, part);
-        bisect(sw, se, nw, numbers, part);
+        const auto is_vertex = [&](SampleIndex at) { return active_.at(at.column, at.row); };
+        const auto take = [&](SampleIndex apex, SampleIndex a, SampleIndex b) { draw({apex, a, b}, numbers, part); };
+        bisect_triangle(ne, nw, se, is_vertex, take);
+        bisect_triangle(sw, se, nw, is_vertex, take);
     }
 
     // ---- the mesh
 
-    [[nodiscard]] HeightMesh assemble(std::vector<Part>& parts) {
+    [[nodiscard]] HeightMesh assemble(std::vector<Part>& parts, std::vector<Part>& base) {
         HeightMesh mesh;
-        std::uint64_t triangles = 0, vertices = 0;
         for (std::size_t i = 0; i < parts.size(); ++i) {
-            Part& part = parts[i];
-            part.first = triangles;
-            triangles += part.triangles.size();
-            mesh.true_error_m = std::max(mesh.true_error_m, part.true_error_m);
+            const double error_m = parts[i].true_error_m;
+            mesh.true_error_m = std::max(mesh.true_error_m, error_m);
             if (allowed_m(region_of(static_cast<std::int64_t>(i))) <= options_.max_error_m)
-                mesh.area_error_m = std::max(mesh.area_error_m, part.true_error_m);
+                mesh.area_error_m = std::max(mesh.area_error_m, error_m);
         }
+        std::uint64_t vertices = 0;
         std::vector<std::uint64_t> before(used_.words() * static_cast<std::size_t>(array_.rows));
         for (std::size_t w = 0; w < before.size(); ++w) {
             before[w] = vertices;
@@ -419,8 +471,21 @@ private:
                                          "one, or a part of the heights",
                                          options_.max_error_m, vertices));
         mesh.vertices.resize(vertices);
-        mesh.triangles.resize(triangles);
         parallel_for(array_.rows, threads_, [&](std::int64_t y) { write_vertices(y, before, mesh); });
+        number(parts, before, mesh.triangles);
+        number(base, before, mesh.base);
+        return mesh;
+    }
+
+    // Places become the vertices' numbers.
+    void number(std::vector<Part>& parts, const std::vector<std::uint64_t>& before,
+                std::vector<std::array<std::uint32_t, 3>>& to) const {
+        std::uint64_t triangles = 0;
+        for (Part& part : parts) {
+            part.first = triangles;
+            triangles += part.triangles.size();
+        }
+        to.resize(triangles);
         parallel_for(static_cast<std::int64_t>(parts.size()), threads_, [&](std::int64_t i) {
             Part& part = parts[static_cast<std::size_t>(i)];
             const SampleIndex first = region_of(i).first;
@@ -431,12 +496,11 @@ private:
                     const std::size_t x = static_cast<std::size_t>(first.column) + place % row;
                     const std::size_t w = (static_cast<std::size_t>(first.row) + place / row) * used_.words() + x / 64;
                     const std::uint64_t west = used_.row(0)[w] & ((std::uint64_t{1} << (x % 64)) - 1);
-                    mesh.triangles[part.first + t][k] =
+                    to[part.first + t][k] =
                         static_cast<std::uint32_t>(before[w] + static_cast<std::uint64_t>(std::popcount(west)));
                 }
             part = {};
         });
-        return mesh;
     }
 
     void write_vertices(std::int64_t y, const std::vector<std::uint64_t>& before, HeightMesh& mesh) const {
@@ -463,6 +527,7 @@ private:
     const HeightScale scale_;
     Bits active_; // of the grid's places
     Bits used_;   // samples that are vertices of the mesh
+    const double moved_[2];
 };
 
 void check(const HeightArray& heights, const HeightMeshOptions& options) {

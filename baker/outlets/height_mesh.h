@@ -33,6 +33,7 @@ struct HeightMeshOptions {
     NoData nodata = NoData::hole; // NaN and masked numbers: hole, fill or refuse
     std::optional<MeshArea> area{};
     bool z_up = false; // x east, y north, z up; otherwise x east, y up, z south
+    bool base = false; // HeightMesh::base
     int threads = 0;   // 0: all cores
 };
 
@@ -41,8 +42,12 @@ struct HeightMesh {
     // Row by row; only vertices that triangles use.
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from above, tile by tile
-    // The largest vertical distance of the array's numbers from the triangles over them, measured at every sample: at
-    // most max_error_m (of an area: in its tiles), or what the float of a vertex is off, if that is more.
+    // Over the same vertices as few triangles as cover the same ground with the same edges around it: moved to one
+    // height they are the plate that closes a solid.
+    std::vector<std::array<std::uint32_t, 3>> base;
+    // The largest vertical distance of the array's numbers from the triangles over them, measured at every sample, and
+    // what rounding coordinates to float adds: at most max_error_m (of an area: in its tiles), or what the float of a
+    // vertex is off, if that is more.
     double true_error_m = 0;
     double area_error_m = 0; // the same of the tiles that the area touches; all of them without one
 };

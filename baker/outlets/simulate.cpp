@@ -10,62 +10,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "baker/heights/fill.h"
-#include "baker/read/gdal_file.h"
-#include "baker/store/parallel.h"
+#include "baker/outlets/height_files.h"
+#include "baker/outlets/read_ground.h"
 #include "io/file.h"
 
 namespace fjell::baker {
 
 namespace {
-
-struct Ground {
-    std::int32_t columns, rows;
-    double spacing_m[2];
-    std::vector<float> heights_m; // row by row, from the north-west; all finite
-    float min_m, max_m;
-
-    [[nodiscard]] const float* row(std::int32_t y) const {
-        return heights_m.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(columns);
-    }
-};
-
-Ground read_ground(const HeightSource& source, const SimulateOptions& options) {
-    Ground ground{source.columns, source.rows, {source.spacing_m[0], source.spacing_m[1]}, {}, 0, 0};
-    Store<float> raw({}, source.columns, source.rows);
-    ReadStatistics all;
-    const auto reader = source.reader();
-    std::vector<float> window_m;
-    std::uint64_t done = 0;
-    const auto total = static_cast<std::uint64_t>(source.columns) * static_cast<std::uint64_t>(source.rows);
-    for (const Window& w : source.windows(std::size_t{1} << 22)) {
-        io::check_interrupt();
-        window_m.resize(w.area());
-        reader->read(w, window_m.data(), all);
-        raw.write(w, window_m.data(), w.columns);
-        if (options.progress) options.progress("read", done += w.area(), total);
-    }
-    const SourceProperties properties = source.properties(all);
-    const std::uint64_t voids = all.voids.count + all.implausible.count;
-    if (voids != 0 && properties.holes)
-        throw Failure(1, fmt::format("{} of {} samples are holes, which no engine's height field has; give --nodata "
-                                     "fill to make ground of them",
-                                     voids, total));
-    Store<float> filled;
-    if (voids != 0) {
-        filled = Store<float>({}, source.columns, source.rows);
-        const auto level = [](const std::string&, std::int64_t columns, std::int64_t rows) {
-            return Store<float>({}, columns, rows);
-        };
-        fill_voids({raw, {properties.native_quantum_m, properties.anchor_m}, resolve_threads(options.threads), level},
-                   filled);
-    }
-    ground.heights_m.resize(total);
-    (voids != 0 ? filled : raw).read({0, 0, source.columns, source.rows}, ground.heights_m.data(), source.columns);
-    const auto [least, most] = std::minmax_element(ground.heights_m.begin(), ground.heights_m.end());
-    ground.min_m = *least, ground.max_m = *most;
-    return ground;
-}
 
 class Folder {
 public:
@@ -88,15 +39,9 @@ private:
 // ---- terrain.obj
 
 void write_mesh(const Ground& ground, const SimulateOptions& options, Folder& to, SimulateSummary& summary) {
-    const HeightArray array{reinterpret_cast<const std::byte*>(ground.heights_m.data()),
-                            NumberType::float32,
-                            ground.columns,
-                            ground.rows,
-                            sizeof(float),
-                            static_cast<std::ptrdiff_t>(sizeof(float)) * ground.columns};
     HeightMeshOptions wanted{{ground.spacing_m[0], ground.spacing_m[1]}, options.max_error_m};
     wanted.area = options.area, wanted.z_up = true, wanted.threads = options.threads;
-    const HeightMesh mesh = mesh_heights(array, wanted);
+    const HeightMesh mesh = mesh_heights(ground.array(), wanted);
     std::string text = "# Fjell: x east, y north, z up, metres\no terrain\n";
     for (const auto& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
     for (const auto& t : mesh.triangles)
@@ -126,7 +71,8 @@ void write_mujoco(const Ground& g, Folder& to, SimulateSummary& summary) {
     // It maps the numbers of a file to 0..1 in float, and back by the elevation in the XML.
     const double range = static_cast<double>(g.max_m) - static_cast<double>(g.min_m);
     const double elevation_m = range > 0 ? range : 1;
-    std::vector<std::byte> bytes(8 + g.heights_m.size() * sizeof(float));
+    std::vector<std::byte> bytes(8 + static_cast<std::size_t>(g.columns) * static_cast<std::size_t>(g.rows) *
+                                         sizeof(float));
     const std::int32_t size[2] = {g.rows, g.columns};
     std::memcpy(bytes.data(), size, sizeof size);
     std::byte* at = bytes.data() + sizeof size;
@@ -161,30 +107,16 @@ void write_heightmap(const Ground& g, const std::string& folder, Folder& to, Sim
     const auto longest = static_cast<std::uint32_t>(std::max(g.columns, g.rows));
     const auto side = static_cast<std::int32_t>(std::bit_ceil(longest - 1)) + 1;
     const double range = std::max(static_cast<double>(g.max_m) - static_cast<double>(g.min_m), 1e-6);
-    const GdalMessages messages;
-    register_drivers();
-    GDALDriver* const memory = GetGDALDriverManager()->GetDriverByName("MEM");
-    GDALDriver* const png = GetGDALDriverManager()->GetDriverByName("PNG");
-    if (!memory || !png) throw Failure(3, "GDAL has no driver for PNG; install one, or take another simulator");
-    GdalFile image(memory->Create("", side, side, 1, GDT_UInt16, nullptr));
-    std::vector<std::uint16_t> row(static_cast<std::size_t>(side));
-    for (std::int32_t y = 0; image && y < side; ++y) {
+    std::vector<std::uint16_t> numbers;
+    numbers.reserve(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    for (std::int32_t y = 0; y < side; ++y) {
         const float* const from = g.row(std::min(y, g.rows - 1));
         for (std::int32_t x = 0; x < side; ++x) {
             const double over = static_cast<double>(from[std::min(x, g.columns - 1)]) - static_cast<double>(g.min_m);
-            row[static_cast<std::size_t>(x)] = static_cast<std::uint16_t>(std::lround(over / range * 65535));
+            numbers.push_back(static_cast<std::uint16_t>(std::lround(over / range * 65535)));
         }
-        if (image->GetRasterBand(1)->RasterIO(GF_Write, 0, y, side, 1, row.data(), side, 1, GDT_UInt16, 0, 0,
-                                              nullptr) != CE_None)
-            image.reset();
     }
-    const std::string temporary = folder + "/heightmap.png.fjell-tmp";
-    if (image) image.reset(png->CreateCopy(temporary.c_str(), image.get(), 0, nullptr, nullptr, nullptr));
-    if (!image || messages.failed())
-        throw Failure(3, fmt::format("{}/heightmap.png: cannot be written{}", folder, messages.said()));
-    image.reset();
-    std::filesystem::rename(temporary, folder + "/heightmap.png");
-    std::filesystem::remove(temporary + ".aux.xml");
+    write_image(folder + "/heightmap.png", "PNG", side, side, numbers);
     summary.files.emplace_back("heightmap.png");
     summary.heightmap_quantum_m = range / 65535;
     const double size_x = (side - 1) * g.spacing_m[0], size_y = (side - 1) * g.spacing_m[1];
@@ -270,7 +202,7 @@ std::string json_of(const SimulateSummary& s, const SimulateOptions& options) {
 
 SimulateSummary simulate(const HeightSource& source, const SimulateOptions& options, const std::string& folder) {
     SimulateSummary summary;
-    const Ground ground = read_ground(source, options);
+    const Ground ground = read_ground(source, GroundHoles::refuse, options.threads, options.progress);
     summary.columns = ground.columns, summary.rows = ground.rows;
     std::copy_n(ground.spacing_m, 2, summary.spacing_m);
     std::copy_n(source.crs_origin, 2, summary.crs_origin);

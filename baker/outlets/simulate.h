@@ -10,7 +10,7 @@
 // terrain.obj is the mesh of mesh_heights(): triangles as Fjell draws them, within max_error_m. MuJoCo cuts every cell
 // of its height fields the same way, from south-west to north-east, where Fjell's diagonals alternate:
 // SimulateSummary::diagonal_error_m says how far apart that leaves them. ground.json beside them holds the summary.
-// O(samples); memory: 13 bytes a sample, and the mesh's. Throws Failure: 1 for holes that are not filled, 3 the disk.
+// O(samples); memory: 9 bytes a sample, and the mesh's. Throws Failure: 1 for holes that are not filled, 3 the disk.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/outlets/bisect.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -210,19 +212,17 @@ private:
         for (const Triangle& t : triangles_)
             if (!t.split) worst = std::max(worst, t.error_m);
         mesh_.error_m = worst + rules_.tolerance_m * float_share;
-        emit(triangles_[0].a, triangles_[0].b, triangles_[0].c);
-        emit(triangles_[1].a, triangles_[1].b, triangles_[1].c);
-    }
-    void emit(SampleIndex a, SampleIndex b, SampleIndex c) {
-        const SampleIndex m{(a.column + b.column) / 2, (a.row + b.row) / 2};
-        const bool can_split = ((a.column + b.column) & 1) == 0 && ((a.row + b.row) & 1) == 0;
-        if (can_split && active_.contains(key_of(m))) {
-            emit(c, a, m);
-            emit(b, c, m);
-            return;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const Triangle& root = triangles_[i];
+            bisect_triangle(
+                root.c, root.a, root.b, [&](SampleIndex at) { return active_.contains(key_of(at)); },
+                [&](SampleIndex apex, SampleIndex from, SampleIndex to) {
+                    draw({from, to, apex});
+                });
         }
+    }
+    void draw(const std::array<SampleIndex, 3>& at) {
         std::array<std::uint32_t, 3> t{};
-        const std::array<SampleIndex, 3> at{a, b, c};
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [found, fresh] =
                 numbers_.try_emplace(key_of(at[i]), static_cast<std::uint32_t>(mesh_.vertices.size()));

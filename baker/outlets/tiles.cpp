@@ -19,6 +19,7 @@
 #include "baker/outlets/quantized_mesh.h"
 #include "baker/outlets/surface.h"
 #include "baker/outlets/tile_mesh.h"
+#include "baker/outlets/tileset.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"
 
@@ -31,7 +32,7 @@ namespace fs = std::filesystem;
 
 // What is remembered of a tile that is written.
 struct Made {
-    double error_m = 0;
+    double error_m = 0, low_m = 0, high_m = 0;
     std::uint64_t vertices = 0, triangles = 0, bytes = 0; // 0 vertices: it is not made yet
 };
 struct Tile {
@@ -153,17 +154,30 @@ public:
         TilesSummary summary;
         std::vector<TileId> ids;
         for (std::int32_t x = 0; x < tiles_across(options_.tiling, 0); ++x) ids.push_back({0, x, 0});
+        std::vector<std::vector<TileId>> levels;
         for (int level = 0; level <= last; ++level) {
             if (level > 0) ids = children_with_ground(ids);
-            summary.levels.push_back(write_level(level, ids));
-            available_.push_back(runs(ids));
-            if (level == last) bounds_ = bounds(ids);
+            // Of a tileset the coarsest level is no larger than the ground makes it.
+            constexpr std::size_t few = 4;
+            if (is_tileset() && ids.size() <= few) levels.clear();
+            levels.push_back(ids);
         }
-        write_layer(summary);
+        std::vector<std::vector<TilesetTile>> made;
+        for (const std::vector<TileId>& level : levels) {
+            std::vector<Tile> tiles;
+            summary.levels.push_back(write_level(level.front().level, level, tiles));
+            available_.push_back(runs(level));
+            made.emplace_back();
+            if (is_tileset())
+                for (const Tile& t : tiles) made.back().push_back({t.id, t.made.error_m, t.made.low_m, t.made.high_m});
+        }
+        bounds_ = bounds(levels.back());
+        write_index(summary, made);
         return summary;
     }
 
 private:
+    [[nodiscard]] bool is_tileset() const { return options_.format == TilesFormat::tiles_3d; }
     [[nodiscard]] std::vector<TileId> children_with_ground(const std::vector<TileId>& parents) const {
         std::vector<std::uint8_t> there(parents.size() * 4);
         const auto child = [&](std::size_t i) {
@@ -218,8 +232,7 @@ private:
         return false;
     }
 
-    LevelSummary write_level(int level, const std::vector<TileId>& ids) {
-        std::vector<Tile> tiles;
+    LevelSummary write_level(int level, const std::vector<TileId>& ids, std::vector<Tile>& tiles) {
         Places places;
         for (const TileId& id : ids) {
             places[{id.x, id.y}] = tiles.size();
@@ -269,15 +282,10 @@ private:
         TileMesh mesh = make_tile_mesh(surface_, finder, box_of(options_.tiling, tile.id), rules, wanted);
         std::vector<GlobePlace> normals;
         if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
-        std::vector<std::byte> bytes;
-        try {
-            bytes = encode_quantized_mesh(mesh, rules.height_step_m, normals).bytes;
-        } catch (const Failure& failure) {
-            throw Failure(failure.exit_code, fmt::format("{}: {}", name_, failure.what()));
-        }
-        if (options_.gzip) bytes = gzip(bytes);
+        tile.made = {mesh.error_m, 0, 0, mesh.vertices.size(), mesh.triangles.size(), 0};
+        const std::vector<std::byte> bytes = encode(rules, mesh, normals, tile.made);
         const std::string folder = fmt::format("{}/{}/{}", folder_, tile.id.level, tile.id.x),
-                          path = fmt::format("{}/{}.terrain", folder, tile.id.y);
+                          path = fmt::format("{}/{}{}", folder, tile.id.y, is_tileset() ? ".glb" : ".terrain");
         std::error_code error;
         fs::create_directories(folder, error);
         if (error) errno = error.value(), io::disk_failure(folder, "make the folder");
@@ -285,8 +293,25 @@ private:
         file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         file.close();
         if (!file) io::disk_failure(path, "write");
-        tile.made = {mesh.error_m, mesh.vertices.size(), mesh.triangles.size(), bytes.size()};
+        tile.made.bytes = bytes.size();
         tile.borders = std::move(mesh.borders);
+    }
+
+    [[nodiscard]] std::vector<std::byte> encode(const TileRules& rules, const TileMesh& mesh,
+                                                std::span<const GlobePlace> normals, Made& made) const {
+        if (is_tileset()) {
+            // Beside a tile of the next coarser level: its own error, and that one's, which is twice as large.
+            GltfTile tile = encode_gltf_tile(mesh, 3 * std::max(rules.tolerance_m, mesh.error_m), normals);
+            made.low_m = tile.low_m, made.high_m = tile.high_m;
+            return std::move(tile.bytes);
+        }
+        try {
+            EncodedTile tile = encode_quantized_mesh(mesh, rules.height_step_m, normals);
+            made.low_m = tile.low_m, made.high_m = tile.high_m;
+            return options_.gzip ? gzip(tile.bytes) : std::move(tile.bytes);
+        } catch (const Failure& failure) {
+            throw Failure(failure.exit_code, fmt::format("{}: {}", name_, failure.what()));
+        }
     }
 
     // Of the ground itself, over about as much as a triangle covers.
@@ -371,7 +396,7 @@ private:
         return all;
     }
 
-    void write_layer(const TilesSummary& summary) const {
+    void write_index(const TilesSummary& summary, const std::vector<std::vector<TilesetTile>>& made) const {
         const CrsLabel crs = crs_label(surface_.source().crs_wkt);
         json levels = json::array();
         for (const LevelSummary& l : summary.levels)
@@ -380,6 +405,14 @@ private:
                               {"triangles", l.triangles},
                               {"error_m", l.error_m},
                               {"assumed_error_m", l.assumed_error_m}});
+        const json about{{"source", surface_.source().identity()},
+                         {"crs", crs_text(crs)},
+                         {"heights", "metres as the source counts them, taken as heights over WGS 84"},
+                         {"levels", levels}};
+        if (is_tileset()) {
+            write_text("tileset.json", tileset_json(options_.tiling, made, about.dump()));
+            return;
+        }
         json layer{{"tilejson", "2.1.0"},
                    {"name", fs::path(name_).stem().string()},
                    {"version", "1.0.0"},
@@ -393,12 +426,11 @@ private:
                    {"available", available_},
                    {"extensions", json::array()}};
         if (options_.normals) layer["extensions"].push_back("octvertexnormals");
-        layer["fjell"] = {{"source", surface_.source().identity()},
-                          {"crs", crs_text(crs)},
-                          {"heights", "metres as the source counts them, taken as heights over WGS 84"},
-                          {"levels", levels}};
-        const std::string text = layer.dump(1) + "\n";
-        io::AtomicFile file(folder_ + "/layer.json");
+        layer["fjell"] = about;
+        write_text("layer.json", layer.dump(1) + "\n");
+    }
+    void write_text(const std::string& name, const std::string& text) const {
+        io::AtomicFile file(folder_ + "/" + name);
         file.write(std::as_bytes(std::span(text)));
         file.commit();
     }
@@ -415,8 +447,9 @@ private:
 
 // What the bytes depend on.
 std::string job_of(const HeightSource& source, const TilesOptions& options) {
-    return fmt::format("fjell tiles 1\n{}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n", source.identity(),
-                       static_cast<int>(options.tiling), options.max_level, options.normals, options.gzip);
+    return fmt::format("fjell tiles 2\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n",
+                       source.identity(), static_cast<int>(options.format), static_cast<int>(options.tiling),
+                       options.max_level, options.normals, options.gzip);
 }
 
 bool is_empty(const std::string& folder) {

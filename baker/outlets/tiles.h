@@ -14,11 +14,14 @@
 
 namespace fjell::baker {
 
+enum class TilesFormat : std::uint8_t { quantized_mesh, tiles_3d };
+
 struct TilesOptions {
+    TilesFormat format = TilesFormat::quantized_mesh;
     Tiling tiling = Tiling::geographic;
-    int max_level = -1; // -1: the first whose error is below a fifth of the spacing of samples
-    bool normals = true, gzip = true;
-    int threads = 0;                                       // 0: all cores
+    int max_level = -1;               // -1: the first whose error is below a fifth of the spacing of samples
+    bool normals = true, gzip = true; // gzip: of quantized-mesh alone
+    int threads = 0;                  // 0: all cores
     std::uint64_t memory_bytes = std::uint64_t{512} << 20; // for heights: what is larger lies in the work folder
     Progress progress;
 };
@@ -38,9 +41,10 @@ struct TilesSummary {
 inline constexpr int most_tile_level = 24;
 
 // Writes FOLDER/{z}/{x}/{y}.terrain (quantized-mesh 1.0, y from the south) and, when all are there, layer.json. Bytes
-// do not depend on the number of threads. Interrupted or failed, the same call goes on with the tiles that are missing:
-// FOLDER.work says which. name: of the source, for messages. Throws Failure: 1 the source, or a folder that holds
-// something else; 3 the disk.
+// do not depend on the number of threads. As 3D Tiles 1.1: {z}/{x}/{y}.glb and tileset.json, from the finest level on
+// that needs no more than four tiles; tiles have walls as deep as their own error and the coarser level's together.
+// Interrupted or failed, the same call goes on with the tiles that are missing: FOLDER.work says which. name: of the
+// source, for messages. Throws Failure: 1 the source, or a folder that holds something else; 3 the disk.
 TilesSummary write_tiles(const HeightSource& source, const std::string& name, const TilesOptions& options,
                          const std::string& folder);
 

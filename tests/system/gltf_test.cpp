@@ -17,6 +17,7 @@
 #include "fjell/texture.h"
 #include "gltf/baked.h"
 #include "support/dem.h"
+#include "support/program.h"
 #include "support/rounds.h"
 #include "support/set_scene.h"
 
@@ -63,6 +64,27 @@ baker::BakeOptions options_with(int tile_log2, std::uint32_t max_texture_log2) {
 }
 
 } // namespace
+
+TEST_CASE("the glTF that fjell-bake writes of a mesh and of tiles is valid", "[gltf]") {
+    const Folder folder;
+    const auto done = [&](const std::string& command) {
+        const Run r = run_in(folder.path, FJELL_BIN_DIR "/fjell-bake " + command);
+        CAPTURE(command, r.err);
+        REQUIRE(r.code == 0);
+    };
+    std::string grid = "ncols 60\nnrows 50\nxllcorner 430000\nyllcorner 6790000\ncellsize 30\n";
+    for (int i = 0; i < 60 * 50; ++i) grid += std::to_string(500 + 90 * std::sin(i * 0.1) * std::cos(i * 0.003)) + " ";
+    spit(folder / "dem.asc", grid);
+    done("mesh dem.asc -o mesh.glb --max-error-m 3 --quiet");
+    require_valid(folder / "mesh.glb");
+    REQUIRE(run_in(folder.path, "gdal_translate -q -a_srs EPSG:32632 dem.asc dem.tif").code == 0);
+    done("dem.tif -o pack.fjell --crs none --quiet");
+    done("tiles pack.fjell -o tiles --format 3dtiles --quiet");
+    int tiles = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "tiles"))
+        if (entry.path().extension() == ".glb" && ++tiles < 4) require_valid(entry.path().string());
+    CHECK(tiles > 2);
+}
 
 TEST_CASE("a snapshot of several textured tiles is valid, sound and within the requested error", "[gltf]") {
     const Folder folder;

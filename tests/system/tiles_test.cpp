@@ -66,9 +66,9 @@ std::map<std::string, std::string> files_under(const std::filesystem::path& fold
     return files;
 }
 
-json checked(const TemporaryFolder& folder, const std::string& tiles) {
+json checked(const TemporaryFolder& folder, const std::string& tiles, const std::string& checker = "check.py") {
     return json::parse(
-        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check.py " + tiles + " points.txt"));
+        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/" + checker + " " + tiles + " points.txt"));
 }
 
 } // namespace
@@ -84,12 +84,14 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
         const TemporaryFolder folder;
         CAPTURE(place.name);
         bake_at(folder, place);
-        for (const std::string tiling : {"geographic", "mercator"}) {
-            if (tiling == "mercator" && place.name != "a fjord") continue; // whose map does not reach the pole
-            CAPTURE(tiling);
+        for (const std::string way :
+             {"geographic", "mercator", "geographic --format 3dtiles", "mercator --format 3dtiles"}) {
+            const bool mercator = way.starts_with("mercator"), tileset = way.ends_with("3dtiles");
+            if (mercator && place.name != "a fjord") continue; // whose map does not reach the pole
+            CAPTURE(way);
             const json said = json::parse(
-                output_of(folder, bake + "tiles pack.fjell -o " + tiling + " --tiling " + tiling + " --json -"));
-            const json found = checked(folder, tiling);
+                output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --tiling " + way));
+            const json found = checked(folder, "out", tileset ? "check3d.py" : "check.py");
             CHECK(found["levels"] == said["levels"].size());
             CHECK(found["samples"] >= (place.columns * place.rows - 35) * found["levels"].get<int>());
             CHECK(found["normals"] == found["tiles"]);
@@ -114,6 +116,10 @@ TEST_CASE("tiles are the same bytes for any number of threads, and when they wer
     REQUIRE(one.size() > 30);
     CHECK(files_under(folder.path / "three") == one);
     CHECK_FALSE(std::filesystem::exists(folder / "one.work"));
+    output_of(folder, bake + "tiles pack.fjell -o one3d --format 3dtiles --threads 1 --quiet");
+    output_of(folder, bake + "tiles pack.fjell -o three3d --format 3dtiles --threads 3 --quiet");
+    CHECK(files_under(folder.path / "three3d") == files_under(folder.path / "one3d"));
+    CHECK(slurp(folder / "one3d/tileset.json").find("\"version\":\"1.1\"") != std::string::npos);
 
     // A disk that is full wherever it is: each run gets some files further.
     int runs = 0;

@@ -119,13 +119,19 @@ class Tile:
         return values
 
     def check_shape(self):
-        """Sides, the sphere, the horizon point; that triangles cover the square once, without a gap."""
+        """Sides, the sphere; that triangles cover the square."""
         for side, (axis, at) in enumerate(((self.u, 0), (self.v, 0), (self.u, 32767), (self.v, 32767))):
             if sorted(self.sides[side]) != [i for i, q in enumerate(axis) if q == at]:
                 fail(f"{self.name}: side {side} does not list its vertices")
         for p in self.places:
             if math.dist(p, self.sphere) > self.radius * (1 + 1e-9):
                 fail(f"{self.name}: a vertex lies outside of the bounding sphere")
+        self.check_cover()
+        if 1 in self.extensions and len(self.extensions[1]) != 2 * len(self.u):
+            fail(f"{self.name}: as many normals as vertices are missing")
+
+    def check_cover(self):
+        """That triangles cover the square once, without a gap."""
         edges, area = {}, 0
         for t in self.triangles:
             a, b, c = ((self.u[i], self.v[i]) for i in t)
@@ -145,8 +151,6 @@ class Tile:
                          for axis, at in ((self.u, 0), (self.v, 0), (self.u, 32767), (self.v, 32767)))
             if (b, a) not in edges and not on_rim:
                 fail(f"{self.name}: a side inside of the tile has one triangle: a crack")
-        if 1 in self.extensions and len(self.extensions[1]) != 2 * len(self.u):
-            fail(f"{self.name}: as many normals as vertices are missing")
 
     def check_horizon(self):
         """Where the point is hidden behind the ellipsoid, so is every vertex: tried from places around."""
@@ -284,4 +288,5 @@ def main():
     print(json.dumps(total))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,331 @@
+#include "baker/outlets/mesh_file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <span>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "baker/georeference/crs_label.h"
+#include "baker/outlets/height_mesh.h"
+#include "baker/outlets/read_ground.h"
+#include "io/file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+using nlohmann::ordered_json;
+using Corner3 = std::array<float, 3>;
+
+enum class MeshFormat : std::uint8_t { glb, ply, obj, stl };
+constexpr const char* mesh_endings[] = {".glb", ".ply", ".obj", ".stl"};
+
+MeshFormat format_of(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (std::size_t i = 0; i < std::size(mesh_endings); ++i)
+        if (ending == mesh_endings[i]) return static_cast<MeshFormat>(i);
+    throw Failure(
+        2, fmt::format("{}: meshes are written as {}; give a name that ends so", path, fmt::join(mesh_endings, ", ")));
+}
+
+bool is_z_up(MeshFormat format) {
+    return format == MeshFormat::ply || format == MeshFormat::stl;
+}
+
+// Bytes on their way into a file.
+class Sink {
+public:
+    explicit Sink(io::AtomicFile& file) : file_(file) { bytes_.reserve(room); }
+    template <typename T>
+    void put(const T& value) {
+        put(std::as_bytes(std::span(&value, 1)));
+    }
+    void put(const std::string& text) { put(std::as_bytes(std::span(text))); }
+    void put(std::span<const std::byte> bytes) {
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+        if (bytes_.size() >= room) flush();
+    }
+    void flush() {
+        io::check_interrupt();
+        file_.write(bytes_);
+        bytes_.clear();
+    }
+
+private:
+    static constexpr std::size_t room = std::size_t{1} << 20;
+    io::AtomicFile& file_;
+    std::vector<std::byte> bytes_;
+};
+
+struct Claim {
+    const HeightSource& source;
+    const MeshFileSummary& summary;
+
+    [[nodiscard]] ordered_json json() const {
+        const MeshFileSummary& s = summary;
+        return {{"max_error_m", s.max_error_m},
+                {"true_error_m", s.true_error_m},
+                {"error_holds", "at every sample: its vertical distance from the mesh"},
+                {"columns", s.columns},
+                {"rows", s.rows},
+                {"spacing_m", {source.spacing_m[0], source.spacing_m[1]}},
+                {"crs", crs_text(crs_label(source.crs_wkt))},
+                {"crs_origin", {source.crs_origin[0], source.crs_origin[1]}},
+                {"holes", s.holes},
+                {"triangles", s.ground_triangles}};
+    }
+    // One line each.
+    [[nodiscard]] std::vector<std::string> lines(const char* axes) const {
+        const MeshFileSummary& s = summary;
+        return {fmt::format("Fjell: no sample is farther than {} m above or below this mesh; {} m were allowed",
+                            s.true_error_m, s.max_error_m),
+                fmt::format("{}, metres from sample (0, 0) of {} x {}, {} x {} m apart", axes, s.columns, s.rows,
+                            source.spacing_m[0], source.spacing_m[1]),
+                fmt::format("sample (0, 0) is at {} {} of {}", source.crs_origin[0], source.crs_origin[1],
+                            crs_text(crs_label(source.crs_wkt)))};
+    }
+};
+
+// ---- .glb
+
+// Of the ground's own slope at a sample, from what neighbours it has.
+Corner3 normal_at(const Ground& ground, std::int64_t x, std::int64_t y) {
+    const auto slope = [&](std::int64_t dx, std::int64_t dy, double spacing_m) {
+        const auto height = [&](std::int64_t i, std::int64_t j) {
+            const bool inside = i >= 0 && j >= 0 && i < ground.columns && j < ground.rows;
+            return inside ? static_cast<double>(ground.row(j)[i]) : std::nan("");
+        };
+        const double before = height(x - dx, y - dy), here = height(x, y), after = height(x + dx, y + dy);
+        if (std::isnan(before) && std::isnan(after)) return 0.0;
+        if (std::isnan(before)) return (after - here) / spacing_m;
+        if (std::isnan(after)) return (here - before) / spacing_m;
+        return (after - before) / (2 * spacing_m);
+    };
+    const double east = slope(1, 0, ground.spacing_m[0]), south = slope(0, 1, ground.spacing_m[1]);
+    const double length = std::sqrt(east * east + south * south + 1);
+    return {static_cast<float>(-east / length), static_cast<float>(1 / length), static_cast<float>(-south / length)};
+}
+
+void write_glb(const HeightMesh& mesh, const Ground& ground, const Claim& claim, Sink& out) {
+    const std::uint64_t index_bytes = mesh.triangles.size() * sizeof(mesh.triangles[0]),
+                        corner_bytes = mesh.vertices.size() * sizeof(Corner3);
+    const std::uint64_t binary_bytes = index_bytes + 2 * corner_bytes;
+    Corner3 low = mesh.vertices.front(), high = low;
+    for (const Corner3& v : mesh.vertices)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            low[axis] = std::min(low[axis], v[axis]), high[axis] = std::max(high[axis], v[axis]);
+    constexpr int array_buffer = 34962, element_buffer = 34963, float_type = 5126, uint_type = 5125;
+    const auto view = [](std::uint64_t at, std::uint64_t bytes, int target) {
+        return ordered_json{{"buffer", 0}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}};
+    };
+    const ordered_json gltf{
+        {"asset", {{"version", "2.0"}, {"generator", "fjell-bake"}, {"extras", {{"fjell", claim.json()}}}}},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0}}}}},
+        {"nodes", {{{"name", "terrain"}, {"mesh", 0}}}},
+        {"meshes",
+         {{{"primitives",
+            {{{"attributes", {{"POSITION", 1}, {"NORMAL", 2}}}, {"indices", 0}, {"material", 0}, {"mode", 4}}}}}}},
+        {"materials",
+         {{{"name", "ground"},
+           {"pbrMetallicRoughness",
+            {{"baseColorFactor", {0.5, 0.5, 0.5, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}}}},
+        {"accessors",
+         {{{"bufferView", 0}, {"componentType", uint_type}, {"count", 3 * mesh.triangles.size()}, {"type", "SCALAR"}},
+          {{"bufferView", 1},
+           {"componentType", float_type},
+           {"count", mesh.vertices.size()},
+           {"type", "VEC3"},
+           {"min", low},
+           {"max", high}},
+          {{"bufferView", 2}, {"componentType", float_type}, {"count", mesh.vertices.size()}, {"type", "VEC3"}}}},
+        {"bufferViews",
+         {view(0, index_bytes, element_buffer), view(index_bytes, corner_bytes, array_buffer),
+          view(index_bytes + corner_bytes, corner_bytes, array_buffer)}},
+        {"buffers", {{{"byteLength", binary_bytes}}}}};
+    std::string text = gltf.dump();
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    constexpr std::uint64_t headers = 12 + 8 + 8;
+    const std::uint64_t all = headers + text.size() + binary_bytes;
+    if (all > 0xffff'ffff)
+        throw Failure(1, fmt::format("{} triangles need {} bytes, more than glTF counts; give a larger --max-error-m, "
+                                     "a part with --bbox, or a name that ends in .ply",
+                                     mesh.triangles.size(), all));
+    const auto put32 = [&](std::uint64_t value) { out.put(static_cast<std::uint32_t>(value)); };
+    put32(0x46546c67), put32(2), put32(all);
+    put32(text.size()), put32(0x4e4f534a);
+    out.put(text);
+    put32(binary_bytes), put32(0x004e4942);
+    for (const auto& t : mesh.triangles) out.put(t);
+    for (const Corner3& v : mesh.vertices) out.put(v);
+    for (const Corner3& v : mesh.vertices)
+        out.put(normal_at(ground, std::lround(static_cast<double>(v[0]) / ground.spacing_m[0]),
+                          std::lround(static_cast<double>(v[2]) / ground.spacing_m[1])));
+}
+
+// ---- .ply, .obj
+
+void write_ply(const HeightMesh& mesh, const Claim& claim, Sink& out) {
+    std::string header = "ply\nformat binary_little_endian 1.0\n";
+    for (const std::string& line : claim.lines("x east, y north, z up")) header += "comment " + line + "\n";
+    header += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+                          "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+                          mesh.vertices.size(), mesh.triangles.size());
+    out.put(header);
+    for (const Corner3& v : mesh.vertices) out.put(v);
+    for (const auto& t : mesh.triangles) out.put(std::uint8_t{3}), out.put(t);
+}
+
+void write_obj(const HeightMesh& mesh, const Claim& claim, Sink& out) {
+    for (const std::string& line : claim.lines("x east, y up, z south")) out.put("# " + line + "\n");
+    out.put(std::string("o terrain\n"));
+    for (const Corner3& v : mesh.vertices) out.put(fmt::format("v {} {} {}\n", v[0], v[1], v[2]));
+    for (const auto& t : mesh.triangles)
+        out.put(fmt::format("f {} {} {}\n", std::uint64_t{t[0]} + 1, std::uint64_t{t[1]} + 1, std::uint64_t{t[2]} + 1));
+}
+
+// ---- .stl
+
+// Edges that only one triangle has, as it runs along them: of the rim, and of holes.
+std::vector<std::array<std::uint32_t, 2>> open_edges(const HeightMesh& mesh) {
+    std::vector<std::uint64_t> there, back; // from << 32 | to
+    there.reserve(mesh.triangles.size() * 3), back.reserve(mesh.triangles.size() * 3);
+    for (const auto& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint64_t a = t[k], b = t[(k + 1) % 3];
+            there.push_back(a << 32 | b), back.push_back(b << 32 | a);
+        }
+    std::sort(there.begin(), there.end());
+    std::sort(back.begin(), back.end());
+    std::vector<std::uint64_t> open;
+    std::set_difference(there.begin(), there.end(), back.begin(), back.end(), std::back_inserter(open));
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    edges.reserve(open.size());
+    for (const std::uint64_t edge : open)
+        edges.push_back({static_cast<std::uint32_t>(edge >> 32), static_cast<std::uint32_t>(edge)});
+    return edges;
+}
+
+void put_facet(Sink& out, const Corner3& a, const Corner3& b, const Corner3& c) {
+    const auto from = [&](const Corner3& p, std::size_t axis) {
+        return static_cast<double>(p[axis]) - static_cast<double>(a[axis]);
+    };
+    double n[3];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        n[axis] = from(b, u) * from(c, v) - from(b, v) * from(c, u);
+    }
+    const double length = std::max(std::hypot(n[0], n[1], n[2]), 1e-300);
+    out.put(Corner3{static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
+                    static_cast<float>(n[2] / length)});
+    out.put(a), out.put(b), out.put(c);
+    out.put(std::uint16_t{0});
+}
+
+std::uint64_t write_stl(const HeightMesh& mesh, const Ground& ground, const MeshFileOptions& options,
+                        const Claim& claim, Sink& out) {
+    const std::vector<std::array<std::uint32_t, 2>> edges = open_edges(mesh);
+    const std::uint64_t facets = mesh.triangles.size() + mesh.base.size() + 2 * edges.size();
+    if (facets > 0xffff'ffff)
+        throw Failure(1, fmt::format("{} triangles are more than STL counts; give a larger --max-error-m", facets));
+    const double longer_m =
+        std::max((ground.columns - 1) * ground.spacing_m[0], (ground.rows - 1) * ground.spacing_m[1]);
+    constexpr double share = 1.0 / 20;
+    const double thickness_m = options.base_m >= 0 ? options.base_m : longer_m * share;
+    const float floor_m = static_cast<float>(static_cast<double>(ground.min_m) - thickness_m);
+    if (!(floor_m < ground.min_m))
+        throw Failure(2, fmt::format("--base-m {}: the base touches the ground at {} m; give more, or the solid is "
+                                     "open there",
+                                     options.base_m, ground.min_m));
+    std::string header =
+        fmt::format("Fjell: no sample is farther than {:.6g} m from the top; metres", claim.summary.true_error_m);
+    header.resize(80, ' ');
+    out.put(header);
+    out.put(static_cast<std::uint32_t>(facets));
+    const auto under = [&](std::uint32_t i) { return Corner3{mesh.vertices[i][0], mesh.vertices[i][1], floor_m}; };
+    for (const auto& t : mesh.triangles) put_facet(out, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+    for (const auto& t : mesh.base) put_facet(out, under(t[0]), under(t[2]), under(t[1]));
+    for (const auto& [a, b] : edges) {
+        put_facet(out, mesh.vertices[b], mesh.vertices[a], under(a));
+        put_facet(out, mesh.vertices[b], under(a), under(b));
+    }
+    return facets;
+}
+
+// ---- the mesh
+
+HeightMesh mesh_within(const Ground& ground, const MeshFileOptions& options, MeshFormat format, double max_error_m) {
+    HeightMeshOptions wanted{{ground.spacing_m[0], ground.spacing_m[1]}, max_error_m};
+    wanted.z_up = is_z_up(format), wanted.base = format == MeshFormat::stl, wanted.threads = options.threads;
+    return mesh_heights(ground.array(), wanted);
+}
+
+// Halves the interval of errors: a larger one never keeps more triangles.
+HeightMesh mesh_of_at_most(std::uint64_t most, const Ground& ground, const MeshFileOptions& options, MeshFormat format,
+                           double& max_error_m) {
+    double over_m = 0, under_m = std::max(1e-3, static_cast<double>(ground.max_m) - static_cast<double>(ground.min_m));
+    HeightMesh best = mesh_within(ground, options, format, under_m);
+    if (best.triangles.size() > most)
+        throw Failure(
+            2, fmt::format("--max-triangles {}: the coarsest mesh has {}; give as many", most, best.triangles.size()));
+    max_error_m = under_m;
+    constexpr int rounds = 14;
+    constexpr double near = 0.98; // of the target
+    for (int i = 0; i < rounds && static_cast<double>(best.triangles.size()) < near * static_cast<double>(most); ++i) {
+        const double lowest_m = std::max(over_m, under_m * 1e-4); // errors matter by their ratios
+        const double middle_m = std::sqrt(lowest_m * under_m);
+        HeightMesh mesh = mesh_within(ground, options, format, middle_m);
+        if (mesh.triangles.size() > most) {
+            over_m = middle_m;
+        } else {
+            under_m = max_error_m = middle_m;
+            best = std::move(mesh);
+        }
+    }
+    return best;
+}
+
+} // namespace
+
+MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOptions& options, const std::string& path) {
+    const MeshFormat format = format_of(path);
+    io::AtomicFile file(path); // a file that cannot be written should not cost the work
+    const Ground ground = read_ground(source, GroundHoles::as_source, options.threads, options.progress);
+    MeshFileSummary s{ground.columns, ground.rows};
+    const auto start = std::chrono::steady_clock::now();
+    s.max_error_m = options.max_error_m;
+    const HeightMesh mesh = options.max_triangles
+                                ? mesh_of_at_most(*options.max_triangles, ground, options, format, s.max_error_m)
+                                : mesh_within(ground, options, format, options.max_error_m);
+    s.mesh_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (mesh.triangles.empty())
+        throw Failure(
+            1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh", path));
+    if (mesh.true_error_m > s.max_error_m)
+        throw Failure(1, fmt::format("--max-error-m {}: coordinates in float are {} m off so far from sample (0, 0); "
+                                     "give that much, or a part with --bbox",
+                                     s.max_error_m, mesh.true_error_m));
+    s.true_error_m = mesh.true_error_m, s.holes = ground.holes;
+    s.vertices = mesh.vertices.size(), s.triangles = s.ground_triangles = mesh.triangles.size();
+    const Claim claim{source, s};
+    Sink out(file);
+    switch (format) {
+    case MeshFormat::glb: write_glb(mesh, ground, claim, out); break;
+    case MeshFormat::ply: write_ply(mesh, claim, out); break;
+    case MeshFormat::obj: write_obj(mesh, claim, out); break;
+    case MeshFormat::stl: s.triangles = write_stl(mesh, ground, options, claim, out); break;
+    }
+    out.flush();
+    file.commit();
+    s.bytes = file.size();
+    return s;
+}
+
+} // namespace fjell::baker

@@ -1,0 +1,234 @@
+// fjell-bake mesh and heights: files read by programs that share nothing with ours (mesh/check.py,
+// mesh/heights.py), which measure every sample.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "bake_cli.h"
+#include "support/program.h"
+#include "support/rounds.h"
+#include "support/temporary_folder.h"
+
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+std::string done(const TemporaryFolder& folder, const std::string& command) {
+    const Run r = run_in(folder.path, command);
+    CAPTURE(command, r.out, r.err);
+    REQUIRE(r.code == 0);
+    return r.out;
+}
+
+// Mountains with a cliff and, if asked for, holes: one inside, one at the rim.
+void write_mountains(const TemporaryFolder& folder, int columns, int rows, const std::string& spacing, bool holes) {
+    std::string text = "ncols " + std::to_string(columns) + "\nnrows " + std::to_string(rows) +
+                       "\nxllcorner 430000\nyllcorner 6790000\ncellsize " + spacing + "\nNODATA_value -9999\n";
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            const double waves = 900 + 300 * std::sin(x * 0.13) * std::cos(y * 0.11) + 40 * std::sin(x * 0.7 + y);
+            const bool hole = holes && ((std::abs(x - 33) < 4 && std::abs(y - 21) < 3) || (x < 5 && y > 10 && y < 14));
+            text += hole ? "-9999 " : std::to_string(waves + (x > 40 && y > 25 ? 200 : 0)) + " ";
+        }
+        text += "\n";
+    }
+    spit(folder / "dem.asc", text);
+}
+
+json checked(const TemporaryFolder& folder, const std::string& file) {
+    return json::parse(done(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/mesh/check.py " + file + " dem.asc"));
+}
+
+} // namespace
+
+TEST_CASE("no sample is farther from a mesh file than the file says, and there is no crack") {
+    struct Field {
+        int columns, rows;
+        std::string spacing; // 0.3 m: coordinates are no floats
+        bool holes;
+    };
+    for (const Field& f : std::vector<Field>{{65, 65, "30", false},
+                                             {97, 60, "30", true},
+                                             {130, 41, "0.3", true},
+                                             {2, 2, "10", false},
+                                             {2, 40, "5", false}}) {
+        const TemporaryFolder folder;
+        CAPTURE(f.columns, f.rows, f.spacing);
+        write_mountains(folder, f.columns, f.rows, f.spacing, f.holes);
+        for (const std::string error : {"0.01", "5", "80"})
+            for (const std::string ending : {"glb", "ply", "obj", "stl"}) {
+                CAPTURE(error, ending);
+                const json said = json::parse(
+                    done(folder, bake + "mesh dem.asc -o mesh." + ending + " --max-error-m " + error + " --json -"));
+                const json found = checked(folder, "mesh." + ending);
+                const double slack_m = 1e-5 * 400; // check.py's EDGE, on cliffs of 400 m a cell
+                CHECK(said["true_error_m"].get<double>() <= std::stod(error));
+                CHECK(found["worst"].get<double>() <= said["true_error_m"].get<double>() + slack_m);
+                CHECK(found["worst"].get<double>() >= said["true_error_m"].get<double>() - slack_m);
+                CHECK(found["claimed"].get<double>() == Approx(said["true_error_m"].get<double>()).epsilon(1e-5));
+                CHECK(found["triangles"] == said["ground_triangles"]);
+                CHECK(found["facets"] == said["triangles"]);
+                CHECK(found["downward"] == 0);
+                CHECK(found["bare"] == 0);
+                CHECK(found["over_holes"] == 0);
+                CHECK(found["inner"] == 0);
+                CHECK(said["bytes"] == std::filesystem::file_size(folder / ("mesh." + ending)));
+                if (ending != "stl") continue;
+                CHECK(found["unpaired"] == 0);
+                CHECK(found["volume"].get<double>() > 0);
+                const double fewest = f.holes ? 1.0 : 0.5; // a base that is flat needs few
+                if (error == "0.01" && f.rows > 50)
+                    CHECK(found["facets"].get<double>() < (1 + fewest) * found["triangles"].get<double>());
+            }
+    }
+}
+
+TEST_CASE("a mesh takes as many triangles as it may, or the options that a bake takes") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 129, 129, "30", true);
+    const auto mesh = [&](const std::string& options) {
+        return json::parse(done(folder, bake + "mesh " + options + " --json -"));
+    };
+    const json few = mesh("dem.asc -o few.ply --max-triangles 2000");
+    CHECK(few["triangles"] <= 2000);
+    CHECK(few["triangles"] >= 1800);
+    CHECK(checked(folder, "few.ply")["worst"] <= few["max_error_m"]);
+    CHECK(mesh("dem.asc -o part.ply --max-error-m 0 --bbox 430000,6790000,430600,6790900")["columns"] == 20);
+    CHECK(mesh("dem.asc -o full.ply --max-error-m 0 --nodata fill")["triangles"] == 2 * 128 * 128);
+    // A pack, and the field that it was baked from.
+    done(folder, bake + "dem.asc -o pack.fjell --quiet");
+    done(folder, bake + "heights pack.fjell -o back.tif --quiet");
+    (void)mesh("pack.fjell -o pack.glb --max-error-m 3");
+    (void)mesh("back.tif -o back.glb --max-error-m 3");
+    const auto binary = [&](const std::string& name) {
+        const std::string glb = slurp(folder / name);
+        return glb.substr(glb.find("BIN"));
+    };
+    CHECK(binary("pack.glb") == binary("back.glb"));
+    // Whatever the number of threads.
+    done(folder, bake + "mesh dem.asc -o one.stl --max-error-m 3 --threads 1 --quiet");
+    done(folder, bake + "mesh dem.asc -o three.stl --max-error-m 3 --threads 3 --quiet");
+    CHECK(slurp(folder / "one.stl") == slurp(folder / "three.stl"));
+}
+
+TEST_CASE("what is no mesh is refused in one line, and leaves no file") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 40, 40, "30", false);
+    std::string grid = ascii_grid(9, 9, "5", "NODATA_value -9999\n");
+    grid.replace(grid.find("5 5 5 5", 200), 1, "-9999");
+    spit(folder / "hole.asc", grid);
+    const auto refuses = [&](const std::string& options, int code, const std::string& says) {
+        refused(folder, bake + "mesh " + options, code, says);
+    };
+    refuses("dem.asc -o mesh.glb", 2, "--max-error-m or --max-triangles");
+    refuses("dem.asc -o mesh.glb --max-error-m 1 --max-triangles 9", 2, "one of them");
+    refuses("dem.asc -o mesh.glb --max-error-m -1", 2, "--max-error-m");
+    refuses("dem.asc -o mesh.glb --max-error-m nan", 2, "--max-error-m");
+    refuses("dem.asc -o mesh.glb --max-error-m much", 2, "--max-error-m");
+    refuses("dem.asc -o mesh.fbx --max-error-m 1", 2, ".glb, .ply, .obj, .stl");
+    refuses("dem.asc -o mesh --max-error-m 1", 2, ".glb, .ply, .obj, .stl");
+    refuses("dem.asc -o mesh.stl --max-error-m 1 --base-m 0", 2, "the base touches");
+    refuses("hole.asc -o mesh.ply --max-triangles 2", 2, "the coarsest mesh has");
+    refuses("dem.asc -o mesh.ply --max-error-m 1 --bbox 0,0,9,9", 1, "bbox");
+    refuses("dem.asc -o no/mesh.ply --max-error-m 1", 1, "no");
+    refuses("dem.asc -o dem.asc --max-error-m 1", 2, "dem.asc");
+    refuses("missing.tif -o mesh.ply --max-error-m 1", 1, "missing.tif");
+    spit(folder / "void.asc", ascii_grid(9, 9, "-9999", "NODATA_value -9999\n"));
+    refuses("void.asc -o mesh.ply --max-error-m 1", 1, "");
+    done(folder, bake + "dem.asc -o pack.fjell --quiet");
+    refuses("pack.fjell -o mesh.ply --max-error-m 1 --bbox 0,0,9,9", 2, "is a pack");
+    // A full disk, and a file that was there before.
+    for (const std::string ending : {"glb", "ply", "obj", "stl"}) {
+        const std::string file = "mesh." + ending;
+        spit(folder / file, "before");
+        refused(folder, "trap '' XFSZ; ulimit -f 8; " + bake + "mesh dem.asc --max-error-m 0 -o " + file, 3, file);
+        CHECK(slurp(folder / file) == "before");
+    }
+}
+
+TEST_CASE("heights for engines are the field's, as the summary beside them says") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 97, 60, "30", false);
+    struct Way {
+        std::string options;
+        int columns, rows, files, level;
+    };
+    for (const Way& w : std::vector<Way>{{"", 97, 60, 1, 0},
+                                         {"--at 1", 49, 31, 1, 1},
+                                         {"--at 3", 13, 9, 1, 3},
+                                         {"--tiles 33", 33, 33, 6, 0},
+                                         {"--tiles 17 --at 2", 17, 17, 2, 2}})
+        for (const std::string ending : {"r16", "raw", "png"}) {
+            CAPTURE(w.options, ending);
+            done(folder, "rm -f h*; " + bake + "heights dem.asc -o h." + ending + " --quiet " + w.options);
+            const json said = json::parse(slurp(folder / "h.json"));
+            const json found =
+                json::parse(done(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/mesh/heights.py h.json dem.asc"));
+            CHECK(said["columns"] == w.columns);
+            CHECK(said["rows"] == w.rows);
+            CHECK(said["files"].size() == static_cast<std::size_t>(w.files));
+            CHECK(said["spacing_m"][0] == 30 << w.level);
+            CHECK(found["surface"].get<double>() == Approx(said["error_m"].get<double>()).margin(1e-4)); // floats
+            CHECK(found["rounded"].get<double>() <= said["scale_m"].get<double>() / 2 + 1e-4);
+            CHECK(found["shared"].get<int>() >= (w.files - 1) * (w.columns / 2));
+            CHECK(folder.names().size() == static_cast<std::size_t>(w.files) + 2);
+        }
+}
+
+TEST_CASE("raw heights come back as they were, and a step of a GeoTIFF lies where it was") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 97, 60, "30", false);
+    done(folder, bake + "heights dem.asc -o raw.r16 --quiet");
+    const json said = json::parse(slurp(folder / "raw.json"));
+    const std::string back = "--size 97x60 --spacing 30 --zscale " + std::to_string(said["scale_m"].get<double>()) +
+                             " --zoffset " + std::to_string(said["offset_m"].get<double>());
+    done(folder, bake + "heights raw.r16 -o again.r16 --quiet " + back);
+    const std::string first = slurp(folder / "raw.r16"), second = slurp(folder / "again.r16");
+    REQUIRE(first.size() == second.size());
+    int most = 0; // the options have six digits
+    for (std::size_t i = 0; i < first.size(); i += 2) {
+        const auto number = [i](const std::string& from) {
+            return static_cast<unsigned char>(from[i]) + 256 * static_cast<unsigned char>(from[i + 1]);
+        };
+        most = std::max(most, std::abs(number(first) - number(second)));
+    }
+    CHECK(most <= 3);
+    done(folder, "gdal_translate -q -a_srs EPSG:32632 dem.asc placed.tif");
+    done(folder, bake + "heights placed.tif -o part.tif --tiles 33 --at 1 --quiet");
+    const std::string info = done(folder, "gdalinfo part_x1_y0.tif");
+    const double west = 430000 + 15 + 32 * 60 - 30, north = 6790000 + 60 * 30 - 15 + 30;
+    CHECK(info.find("Origin = (" + std::to_string(static_cast<long>(west))) != std::string::npos);
+    CHECK(info.find("," + std::to_string(static_cast<long>(north))) != std::string::npos);
+    CHECK(info.find("Pixel Size = (60.0") != std::string::npos);
+    CHECK(info.find("UTM zone 32N") != std::string::npos);
+}
+
+TEST_CASE("heights that no file can hold are refused in one line") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 40, 40, "30", false);
+    refused(folder, bake + "heights dem.asc -o h.bmp", 2, ".tif, .raw, .r16, .png or .exr");
+    refused(folder, bake + "heights dem.asc -o h.r16 --at 9", 2, "--at 9");
+    refused(folder, bake + "heights dem.asc -o h.r16 --at -1", 2, "--at");
+    refused(folder, bake + "heights dem.asc -o h.r16 --tiles 1", 2, "--tiles");
+    refused(folder, bake + "heights dem.asc -o dem.asc", 2, "dem.asc");
+    refused(folder, bake + "heights dem.asc -o no/h.r16", 1, "no");
+    for (const std::string ending : {"r16", "png"}) {
+        spit(folder / ("h." + ending), "before");
+        refused(folder, "trap '' XFSZ; ulimit -f 1; " + bake + "heights dem.asc -o h." + ending, 3, "h." + ending);
+        CHECK(slurp(folder / ("h." + ending)) == "before");
+    }
+    if (run_in(folder.path, "gdalinfo --formats | grep -q ' EXR '").code != 0) {
+        refused(folder, bake + "heights dem.asc -o h.exr", 3, "no driver for EXR");
+        WARN("this GDAL has no EXR driver: files of that kind are not tested");
+    } else {
+        done(folder, bake + "heights dem.asc -o h.exr --quiet");
+        CHECK(done(folder, "gdalinfo -stats h.exr").find("Type=Float32") != std::string::npos);
+    }
+}
