@@ -56,15 +56,15 @@ TEST_CASE("no sample is farther from a mesh file than the file says, and there i
         std::string spacing; // 0.3 m: coordinates are no floats
         bool holes;
     };
-    for (const Field& f : std::vector<Field>{{65, 65, "30", false},
-                                             {97, 60, "30", true},
-                                             {130, 41, "0.3", true},
-                                             {2, 2, "10", false},
-                                             {2, 40, "5", false}}) {
+    for (const Field& f : first_of<Field>(2, {{97, 60, "30", true},
+                                              {65, 65, "30", false},
+                                              {130, 41, "0.3", true},
+                                              {2, 2, "10", false},
+                                              {2, 40, "5", false}})) {
         const TemporaryFolder folder;
         CAPTURE(f.columns, f.rows, f.spacing);
         write_mountains(folder, f.columns, f.rows, f.spacing, f.holes);
-        for (const std::string error : {"0.01", "5", "80"})
+        for (const std::string error : first_of(2, {"0.01", "5", "80"}))
             for (const std::string ending : {"glb", "ply", "obj", "stl"}) {
                 CAPTURE(error, ending);
                 const json said = json::parse(
