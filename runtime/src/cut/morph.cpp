@@ -61,7 +61,8 @@ void end_morphing_in(Work& work, Morphing& morphing) {
     const auto ticks = static_cast<std::int64_t>(std::ceil(morphing.now.morph_s * ticks_a_second));
     const std::int64_t slot_ticks = std::max<std::int64_t>((ticks + slots_a_morph - 1) / slots_a_morph, 1);
     const auto waiting = std::span(q.sizes).subspan(rising_queues, rising_slots);
-    if (std::ranges::count(waiting, 0u) == rising_slots && morphing.late_count == 0 && morphing.out_count == 0) {
+    const bool none_waits = std::all_of(waiting.begin(), waiting.end(), [](std::uint32_t size) { return size == 0; });
+    if (none_waits && morphing.late_count == 0 && morphing.out_count == 0) {
         q.slots_from_ticks = morphing.clock.ticks;
         q.opened = 0;
     }
