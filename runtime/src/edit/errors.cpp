@@ -199,7 +199,7 @@ private:
         const bool centre = plane_.kind == VertexKind::centre;
         if (!centre && plane_.z == 0) return 0;
         const Cell* const own = &vertex;
-        const std::ptrdiff_t h = centre ? 1 << plane_.z : 1 << (plane_.z - 1), across = centre ? 0 : h;
+        const std::ptrdiff_t h = std::ptrdiff_t{1} << (centre ? plane_.z : plane_.z - 1), across = centre ? 0 : h;
         const std::ptrdiff_t a = h + across * window_side, b = h * window_side - across;
         const std::uint32_t most = std::max({own[a].error, own[-a].error, own[b].error, own[-b].error});
         return std::min(t_.errors.above(most), 255u);
