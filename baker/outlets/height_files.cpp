@@ -241,7 +241,8 @@ HeightFilesSummary write_height_files(const HeightSource& source, const HeightFi
             }
             s.files.push_back(fs::path(file).filename().string());
             if (options.progress)
-                options.progress("write", s.files.size(), static_cast<std::uint64_t>(s.tiles_x) * s.tiles_y);
+                options.progress("write", s.files.size(),
+                                 static_cast<std::uint64_t>(s.tiles_x) * static_cast<std::uint64_t>(s.tiles_y));
         }
     const std::string text = sidecar_of(source, options, s);
     io::AtomicFile sidecar(stem + ".json");
