@@ -152,7 +152,8 @@ HeightSteps steps_of(double low_m, double high_m, double largest_m) {
 
 } // namespace
 
-EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, std::span<const GlobePlace> normals) {
+EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, std::span<const GlobePlace> normals,
+                                  const std::string& available) {
     std::vector<GlobePlace> places;
     EncodedTile tile{{}, mesh.vertices.front().height_m, mesh.vertices.front().height_m};
     for (const TileMesh::Vertex& v : mesh.vertices) {
@@ -190,8 +191,8 @@ EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, st
         put_extension(out, 1, encoded);
     }
     constexpr double digits = 1e4; // rounded up
-    const std::string metadata =
-        fmt::format(R"({{"geometricerror":{:.4f}}})", std::ceil(mesh.error_m * digits) / digits);
+    std::string metadata = fmt::format(R"({{"geometricerror":{:.4f})", std::ceil(mesh.error_m * digits) / digits);
+    metadata += available.empty() ? "}" : R"(,"available":)" + available + "}";
     ByteStream text;
     text.put(static_cast<std::uint32_t>(metadata.size()));
     for (const char c : metadata) text.put(c);

@@ -162,11 +162,11 @@ public:
             if (is_tileset() && ids.size() <= few) levels.clear();
             levels.push_back(ids);
         }
+        for (const std::vector<TileId>& level : levels) available_.push_back(runs(level));
         std::vector<std::vector<TilesetTile>> made;
         for (const std::vector<TileId>& level : levels) {
             std::vector<Tile> tiles;
             summary.levels.push_back(write_level(level.front().level, level, tiles));
-            available_.push_back(runs(level));
             made.emplace_back();
             if (is_tileset())
                 for (const Tile& t : tiles) made.back().push_back({t.id, t.made.error_m, t.made.low_m, t.made.high_m});
@@ -283,7 +283,7 @@ private:
         std::vector<GlobePlace> normals;
         if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
         tile.made = {mesh.error_m, 0, 0, mesh.vertices.size(), mesh.triangles.size(), 0};
-        const std::vector<std::byte> bytes = encode(rules, mesh, normals, tile.made);
+        const std::vector<std::byte> bytes = encode(tile.id, rules, mesh, normals, tile.made);
         const std::string folder = fmt::format("{}/{}/{}", folder_, tile.id.level, tile.id.x),
                           path = fmt::format("{}/{}{}", folder, tile.id.y, is_tileset() ? ".glb" : ".terrain");
         std::error_code error;
@@ -297,7 +297,7 @@ private:
         tile.borders = std::move(mesh.borders);
     }
 
-    [[nodiscard]] std::vector<std::byte> encode(const TileRules& rules, const TileMesh& mesh,
+    [[nodiscard]] std::vector<std::byte> encode(TileId id, const TileRules& rules, const TileMesh& mesh,
                                                 std::span<const GlobePlace> normals, Made& made) const {
         if (is_tileset()) {
             // Beside a tile of the next coarser level: its own error, and that one's, which is twice as large.
@@ -306,7 +306,8 @@ private:
             return std::move(tile.bytes);
         }
         try {
-            EncodedTile tile = encode_quantized_mesh(mesh, rules.height_step_m, normals);
+            const std::string available = id.level == 0 ? json(available_.begin() + 1, available_.end()).dump() : "";
+            EncodedTile tile = encode_quantized_mesh(mesh, rules.height_step_m, normals, available);
             made.low_m = tile.low_m, made.high_m = tile.high_m;
             return options_.gzip ? gzip(tile.bytes) : std::move(tile.bytes);
         } catch (const Failure& failure) {
@@ -424,7 +425,10 @@ private:
                    {"maxzoom", summary.levels.back().level},
                    {"bounds", {bounds_.west, bounds_.south, bounds_.east, bounds_.north}},
                    {"available", available_},
-                   {"extensions", json::array()}};
+                   // CesiumJS reads a tile's metadata only where this says that some have availability: the roots, of
+                   // all levels below them.
+                   {"metadataAvailability", std::max<std::size_t>(2, available_.size())},
+                   {"extensions", {"metadata"}}};
         if (options_.normals) layer["extensions"].push_back("octvertexnormals");
         layer["fjell"] = about;
         write_text("layer.json", layer.dump(1) + "\n");
@@ -447,7 +451,7 @@ private:
 
 // What the bytes depend on.
 std::string job_of(const HeightSource& source, const TilesOptions& options) {
-    return fmt::format("fjell tiles 2\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n",
+    return fmt::format("fjell tiles 3\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n",
                        source.identity(), static_cast<int>(options.format), static_cast<int>(options.tiling),
                        options.max_level, options.normals, options.gzip);
 }

@@ -10,6 +10,7 @@ cd "$scratch"
 ln -s "$repository"/{content,profiles} .
 
 fjell-bake synth content/terrain/mountains-small.json -o dem.tif
+gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 460780 6769220 dem.tif terrain.tif # in Norway
 gdal_translate -q -of PNG -ot Byte -scale -outsize 600 600 dem.tif image.png
 gdal_translate -q -ot Int16 -outsize 372 330 -a_nodata -32767 dem.tif craterlake_elev_i16_30m.tif # made up, too
 # Hills, and -9999 in a corner without a word about it.
@@ -40,7 +41,7 @@ run() { # PAGE LINE
     exit 1
   fi
 }
-for page in README.md docs/guides/{first-picture,baking,tuning,exporting}.md; do
+for page in README.md docs/guides/{first-picture,baking,tuning,exporting,tiles}.md; do
   while IFS= read -r -u 3 line; do
     echo "$page: $line"
     run "$page" "$line"

@@ -25,6 +25,24 @@ inline void refused(const TemporaryFolder& folder, const std::string& command, i
     CHECK(folder.names() == before);
 }
 
+inline std::string output_of(const TemporaryFolder& folder, const std::string& command) {
+    const Run r = run_in(folder.path, command);
+    CAPTURE(command, r.out, r.err);
+    REQUIRE(r.code == 0);
+    return r.out;
+}
+
+// Writes the samples of pack.fjell as GDAL places them to points.txt: "longitude latitude height".
+inline void write_points(const TemporaryFolder& folder, const std::string& crs) {
+    output_of(folder, bake +
+                          "heights pack.fjell -o back.tif && gdal_translate -q -of XYZ back.tif back.xyz && "
+                          "grep -vi nan back.xyz >ground.xyz && cut -d' ' -f1,2 ground.xyz | gdaltransform -output_xy "
+                          "-s_srs " +
+                          crs +
+                          " -t_srs EPSG:4326 >places && cut -d' ' -f3 ground.xyz >heights && "
+                          "paste -d' ' places heights >points.txt");
+}
+
 [[nodiscard]] inline std::string ascii_grid(int columns, int rows, const std::string& value,
                                             const std::string& header = "") {
     std::string text = "ncols " + std::to_string(columns) + "\nnrows " + std::to_string(rows) +

@@ -20,13 +20,6 @@ using nlohmann::json;
 
 namespace {
 
-std::string output_of(const TemporaryFolder& folder, const std::string& command) {
-    const Run r = run_in(folder.path, command);
-    CAPTURE(command, r.out, r.err);
-    REQUIRE(r.code == 0);
-    return r.out;
-}
-
 // Mountains at a place of a CRS, with a cliff and a hole, as pack.fjell; and its samples as GDAL places them, in
 // points.txt: "longitude latitude height".
 struct Place {
@@ -49,13 +42,8 @@ void bake_at(const TemporaryFolder& folder, const Place& p) {
     }
     spit(folder / "dem.asc", text);
     output_of(folder, "gdal_translate -q -a_srs " + p.crs + " dem.asc placed.tif && " + bake +
-                          "placed.tif -o pack.fjell --quiet --crs none && " + bake +
-                          "heights pack.fjell -o back.tif && gdal_translate -q -of XYZ back.tif back.xyz && "
-                          "grep -vi nan back.xyz >ground.xyz && cut -d' ' -f1,2 ground.xyz | gdaltransform -output_xy "
-                          "-s_srs " +
-                          p.crs +
-                          " -t_srs EPSG:4326 >places && cut -d' ' -f3 ground.xyz >heights && "
-                          "paste -d' ' places heights >points.txt");
+                          "placed.tif -o pack.fjell --quiet --crs none");
+    write_points(folder, p.crs);
 }
 
 std::map<std::string, std::string> files_under(const std::filesystem::path& folder) {
@@ -162,7 +150,7 @@ TEST_CASE("tiles need a place on the globe and a folder of their own") {
     output_of(folder, bake + "tiles pack.fjell -o out --max-level 9 --no-gzip --no-normals --quiet");
     const json layer = json::parse(slurp(folder / "out/layer.json"));
     CHECK(layer["maxzoom"] == 9);
-    CHECK(layer["extensions"].empty());
+    CHECK(layer["extensions"] == json{"metadata"});
     CHECK(layer["fjell"]["crs"] == "WGS 84 / UTM zone 32N (EPSG:32632)");
     refused(folder, bake + "tiles pack.fjell -o out", 1, "holds something else");
 }

@@ -1,0 +1,87 @@
+// Tiles in the programs that they are for: CesiumJS and three.js fly over them in headless Chromium (viewers/show.mjs),
+// and decoders of others read every one (viewers/read.mjs). In full rounds only: a browser and packages of npm, 100 MB.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "bake_cli.h"
+#include "support/rounds.h"
+
+using namespace fjell::test;
+using nlohmann::json;
+
+namespace {
+
+const std::string viewers = FJELL_VIEWERS;
+
+// False: it has said why.
+bool can_view(const std::string& browser) {
+    if (!full_rounds()) return false; // the checkers of tiles_test measure the same without a viewer
+    if (browser.empty()) {
+        std::cout << "skipped: viewers of tiles; there is no chromium, which ./dev test --long installs\n";
+        return false;
+    }
+    const TemporaryFolder folder;
+    output_of(folder, "cmake -DFOLDER=" + viewers + " -P " FJELL_SOURCE_DIR "/tests/system/gltf/npm_install.cmake");
+    return true;
+}
+
+json node(const TemporaryFolder& folder, const std::string& script) {
+    return json::parse(output_of(folder, "node " + viewers + "/" + script));
+}
+
+// Mountains in Norway, made up.
+void bake_mountains(const TemporaryFolder& folder) {
+    output_of(folder, bake + "synth " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o dem.tif --quiet && "
+                             "gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 460780 6769220 dem.tif "
+                             "placed.tif && " +
+                          bake + "placed.tif -o pack.fjell --quiet");
+    write_points(folder, "EPSG:32632");
+}
+
+} // namespace
+
+TEST_CASE("CesiumJS and three.js show tiles without a gap and no farther from the ground than they say") {
+    const TemporaryFolder folder;
+    const Run which = run_in(folder.path, "command -v chromium");
+    const std::string browser = which.out.substr(0, which.out.find('\n'));
+    if (!can_view(browser)) return;
+    bake_mountains(folder);
+    struct Viewer {
+        std::string program, way;
+    };
+    for (const Viewer& viewer : {Viewer{"cesium", ""}, Viewer{"three", " --format 3dtiles"}}) {
+        CAPTURE(viewer.program, viewer.way);
+        const json said = json::parse(output_of(
+            folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --quiet --json -" + viewer.way));
+        const json finest = said["levels"].back();
+        const std::string picture = viewers + "/" + viewer.program + ".png";
+        const json seen = node(folder, "show.mjs " + viewer.program + " out points.txt " +
+                                           finest["error_m"].dump() + " " + picture + " " + browser);
+        CAPTURE(seen.dump());
+        CHECK(seen["failures"].empty());
+        CHECK(seen["requests"] > finest["tiles"]);
+        CHECK(seen["places"] == 1000);
+        CHECK(seen["worst_m"] <= finest["error_m"]);
+        CHECK(seen["worst_m"].get<double>() > 0.5 * finest["error_m"].get<double>());
+        CHECK(seen["frames"] >= 7);
+        CHECK(seen["under_horizon"] == 0);
+        CHECK(seen["sky_seen"] > 10000);
+        if (seen.contains("without_skirts")) CHECK(seen["without_skirts"] > 100); // gaps are seen where they are
+
+        const json read = node(folder, "read.mjs out");
+        CAPTURE(read.dump());
+        CHECK(read["faults"].empty());
+        std::uint64_t tiles = 0, triangles = 0;
+        for (const json& level : said["levels"])
+            tiles += level["tiles"].get<std::uint64_t>(), triangles += level["triangles"].get<std::uint64_t>();
+        CHECK(read["files"] == tiles);
+        CHECK(read["triangles"] >= triangles); // glTF's has walls as well
+    }
+}
