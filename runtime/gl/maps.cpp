@@ -266,6 +266,19 @@ void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, 
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 
+void run_patches(std::span<const MapPatch> patches, const Maps& maps, std::uint64_t& bytes) {
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (const MapPatch& patch : patches) {
+        const auto kind = static_cast<std::uint32_t>(patch.map);
+        glCompressedTextureSubImage3D(maps.kind[kind].texture(patch.side_log2), patch.mip, static_cast<GLint>(patch.x),
+                                      static_cast<GLint>(patch.y), static_cast<GLint>(patch.layer),
+                                      static_cast<GLsizei>(patch.columns), static_cast<GLsizei>(patch.rows), 1,
+                                      formats[kind].format, static_cast<GLsizei>(patch.blocks.size()),
+                                      patch.blocks.data());
+        bytes += patch.blocks.size();
+    }
+}
+
 void show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps) {
     MapArrays& arrays = maps.kind[static_cast<std::uint32_t>(kind)];
     if (from.empty()) return;

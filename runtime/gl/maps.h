@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "fjell/ground_maps.h"
 #include "fjell/pack.h"
 #include "fjell/stream.h"
 #include "gl/objects.h"
@@ -61,6 +62,9 @@ void make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapO
 // Carries out commands, in order; adds the bytes of their blocks to `bytes`. Nothing is done when one is not of these
 // maps.
 void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, std::uint64_t& bytes);
+
+// The same for patches of moving ground (fjell/ground_maps.h).
+void run_patches(std::span<const MapPatch> patches, const Maps& maps, std::uint64_t& bytes);
 
 // Refuses what has no layer. `from`: one a tile.
 void show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps);

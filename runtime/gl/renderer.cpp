@@ -161,6 +161,14 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     make_maps(pack, {options.colour, options.normal, options.horizon, options.splat},
               {anisotropy, options.horizons, options.splat_maps}, s.maps);
+    if (s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)].present()) {
+        const std::size_t bytes = ground_maps_bytes(s.header, options.ground);
+        s.ground_memory = io::allocate(bytes);
+        if (const Status made =
+                create_ground_maps(terrain, options.ground, {s.ground_memory.get(), bytes}, s.ground_maps);
+            !made.ok())
+            fail(std::string("RendererOptions::ground: ") + made.field + ": " + message(made.code));
+    }
     s.prepare({.light = options.light});
     if (options.morph) s.scatter.create();
     s.stats.texture_bytes = s.maps.bytes;
@@ -202,7 +210,7 @@ void Renderer::upload(io::LiveTerrain& terrain) {
     upload(terrain.take_map_commands());
     show_maps(terrain.tile_maps(MapKind::colour), terrain.tile_maps(MapKind::normal),
               terrain.tile_maps(MapKind::horizon), terrain.tile_maps(MapKind::splat));
-    show_ground(terrain.edits());
+    show_ground();
     upload(terrain.frame().mesh, terrain.take_changes());
 }
 
@@ -497,8 +505,7 @@ void Renderer::upload(std::span<const MapCommand> commands) {
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
     run_commands(commands, s.maps, s.ring, s.stats.map_bytes_uploaded);
-    for (const MapCommand& command : commands)
-        if (command.map == MapKind::normal) s.ground_normals.written(command.tile);
+    (void)note_map_commands(s.ground_maps, commands);
     s.stats.ring_waits = s.ring.waits();
 }
 
@@ -508,13 +515,17 @@ void Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMa
     for (const auto& [tiles, kind] : {std::pair(colour, MapKind::colour), std::pair(normal, MapKind::normal),
                                       std::pair(horizon, MapKind::horizon), std::pair(splat, MapKind::splat)})
         gl::show_maps(tiles, kind, maps);
-    state_->ground_normals.repaint(state_->terrain, maps.kind[static_cast<std::uint32_t>(MapKind::normal)]);
 }
 
-void Renderer::show_ground(const Edits& edits) {
+void Renderer::show_ground() {
     State& s = *state_;
+    const MapArrays& normals = s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)];
+    if (!normals.present()) return;
     const Stopwatch watch(s.stats.upload_us);
-    s.ground_normals.follow(edits, s.terrain, s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)]);
+    GroundMapsReport made;
+    if (!update_ground_maps(s.ground_maps, normals.tiles, made).ok()) return; // its terrain has been destroyed
+    run_patches(ground_map_patches(s.ground_maps), s.maps, s.stats.map_bytes_uploaded);
+    s.stats.ground_waiting = made.waiting;
 }
 
 } // namespace fjell::gl

@@ -8,7 +8,8 @@
 #include <string>
 
 #include "fjell/gl/renderer.h"
-#include "gl/ground_normals.h"
+#include "fjell/ground_maps.h"
+#include "fjell/io/load.h"
 #include "gl/layers.h"
 #include "gl/lighting.h"
 #include "gl/maps.h"
@@ -43,7 +44,8 @@ struct Renderer::State {
     double spacing_x_m = 1, spacing_z_m = 1, diagonal_m = 1;
     RendererOptions options;
     Maps maps;
-    GroundNormals ground_normals;
+    io::AlignedMemory ground_memory;
+    GroundMaps ground_maps; // if there are normals
     Residency residency;
     Heights heights;
     Ring ring;

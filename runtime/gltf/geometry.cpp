@@ -55,6 +55,14 @@ bool is_degenerate(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c
 
 } // namespace
 
+void put_over(const MovedNormals& moved, std::uint32_t side_px, std::span<std::byte> blocks) {
+    const std::size_t row_bytes = moved.columns / 4 * normal_block_bytes;
+    for (std::uint32_t row = 0; row < moved.rows / 4; ++row)
+        std::copy_n(moved.blocks.begin() + static_cast<std::ptrdiff_t>(row * row_bytes), row_bytes,
+                    blocks.begin() + static_cast<std::ptrdiff_t>(((moved.y / 4 + row) * (side_px / 4) + moved.x / 4) *
+                                                                 normal_block_bytes));
+}
+
 void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t texture_px) {
     const double texels = std::max(texture_px, 1u), first = 0.5 / texels, step = (texels - 1) / texels / side;
     for (SnapshotVertex& v : geometry.vertices)

@@ -23,8 +23,18 @@ static_assert(sizeof(SnapshotVertex) == 48 && offsetof(SnapshotVertex, uv) == 24
                   offsetof(SnapshotVertex, tangent) == 32,
               "SnapshotVertex is stored: change the accessors in scene.cpp with it");
 
+// Blocks of a tile's normal map that moving ground has changed (fjell/ground_maps.h), of one mip.
+struct MovedNormals {
+    std::uint32_t mip = 0;
+    std::uint32_t x = 0, y = 0, columns = 0, rows = 0; // texels, whole blocks
+    std::vector<std::byte> blocks;
+};
+// Writes them over the mip's blocks as the pack has them. side_px: of the mip.
+void put_over(const MovedNormals& moved, std::uint32_t side_px, std::span<std::byte> blocks);
+
 struct TileGeometry {
     std::uint32_t tile = 0;
+    std::vector<MovedNormals> moved;
     std::vector<SnapshotVertex> vertices;
     std::vector<std::uint32_t> indices; // a triangle list, counter-clockwise from above, none degenerate
     float low_m[3], high_m[3];          // exact bounds of position_m

@@ -152,7 +152,8 @@ public:
             return scene.add_texture(name + kind, side_px_, std::as_bytes(std::span(rgb)));
         };
         std::vector<std::uint8_t> normals;
-        if (normal_.side_px) normals = read<2>(ChunkKind::normal, normal_, geometry.tile, decode_normal);
+        if (normal_.side_px)
+            normals = read<2>(ChunkKind::normal, normal_, geometry.tile, decode_normal, geometry.moved);
         if (colour_px()) added.colour = add_texture(" colour", colours(geometry, normals));
         if (normal_px())
             added.normal = add_texture(" normal", normal_texture(geometry, side_px_, normals, normal_.side_px));
@@ -179,8 +180,10 @@ private:
 
     template <std::size_t Channels, typename Decode>
     [[nodiscard]] std::vector<std::uint8_t> read(ChunkKind kind, const MapMip& mip, std::uint32_t tile,
-                                                 const Decode& decode) {
+                                                 const Decode& decode, std::span<const MovedNormals> moved = {}) {
         pack_.read({kind, tile, mip.level}, blocks_);
+        for (const MovedNormals& m : moved)
+            if (m.mip == mip.level) put_over(m, mip.side_px, blocks_);
         std::vector<std::uint8_t> texels(std::size_t{mip.side_px} * mip.side_px * Channels);
         (void)decode(blocks_, mip.side_px, texels);
         return texels;

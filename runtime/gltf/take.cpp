@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "fjell/gltf/snapshot.h"
+#include "fjell/ground_maps.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/io/load.h"
@@ -46,6 +47,29 @@ std::vector<TileGeometry> tiles_of(const Terrain& terrain, const MeshView& mesh,
     return tiles;
 }
 
+// The normals of ground that has moved, in all mips: the file's size of textures is chosen later.
+void take_moved_normals(const Terrain& terrain, std::vector<TileGeometry>& tiles) {
+    const PackHeader& h = terrain.header();
+    if (h.normal_log2 == 0) return;
+    const std::size_t bytes = ground_maps_bytes(h);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    GroundMaps maps;
+    if (!create_ground_maps(terrain, {}, {memory.get(), bytes}, maps).ok()) return;
+    std::vector<TileMap> shown(terrain.tile_count());
+    std::vector<TileGeometry*> by_tile(terrain.tile_count());
+    for (TileGeometry& tile : tiles) {
+        shown[tile.tile].side_log2 = static_cast<std::uint8_t>(h.normal_log2);
+        by_tile[tile.tile] = &tile;
+    }
+    GroundMapsReport report;
+    do {
+        if (!update_ground_maps(maps, shown, report).ok()) return;
+        for (const MapPatch& patch : ground_map_patches(maps))
+            by_tile[patch.tile]->moved.push_back(
+                {patch.mip, patch.x, patch.y, patch.columns, patch.rows, {patch.blocks.begin(), patch.blocks.end()}});
+    } while (report.waiting != 0);
+}
+
 // take() returns a Snapshot; too little memory for it is a Failure.
 template <typename Take>
 Snapshot with_memory(const Take& take) {
@@ -60,7 +84,9 @@ Snapshot copied(const Terrain& terrain, const MeshView& mesh, std::span<const fl
                 const SnapshotInfo& info) {
     return with_memory([&] {
         check(terrain, info);
-        return SnapshotAccess::of({info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)});
+        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)};
+        take_moved_normals(terrain, content.tiles);
+        return SnapshotAccess::of(std::move(content));
     });
 }
 

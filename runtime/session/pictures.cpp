@@ -84,7 +84,7 @@ void upload_mesh(gl::Renderer& renderer, const Session& session, const FrameEntr
         renderer.show_maps(stream_tile_maps(stream, MapKind::colour), stream_tile_maps(stream, MapKind::normal),
                            stream_tile_maps(stream, MapKind::horizon), stream_tile_maps(stream, MapKind::splat));
     }
-    if (session.edits) renderer.show_ground(session.edits->edits());
+    if (session.edits) renderer.show_ground();
     session.method->upload(renderer);
 }
 

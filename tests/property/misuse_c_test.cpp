@@ -22,6 +22,7 @@ struct Objects {
     FjellStream stream;
     FjellRecursiveMethod method;
     FjellEdits edits;
+    FjellGroundMaps maps;
 };
 
 class MisuseOfC {
@@ -70,7 +71,7 @@ public:
 
 private:
     struct Blocks {
-        fjell::io::AlignedMemory terrain, cut, method, stream, edits;
+        fjell::io::AlignedMemory terrain, cut, method, stream, edits, maps;
     };
     // Memory that is taken once, and used again by whoever comes next.
     static void* in(fjell::io::AlignedMemory& block, std::size_t bytes) {
@@ -92,6 +93,8 @@ private:
         if (!streamed) return o;
         bytes = fjell_edits_bytes(&pack_.header, nullptr);
         ok(fjell_create_edits(o.terrain, nullptr, in(blocks.edits, bytes), bytes, &o.edits));
+        bytes = fjell_ground_maps_bytes(&pack_.header, nullptr);
+        ok(fjell_create_ground_maps(o.terrain, nullptr, in(blocks.maps, bytes), bytes, &o.maps));
         bytes = fjell_stream_bytes(&pack_, o.terrain, &stream_budget_);
         ok(fjell_create_stream(&pack_, o.terrain, o.cut, &stream_budget_, in(blocks.stream, bytes), bytes, &o.stream));
         return o;
@@ -150,9 +153,10 @@ private:
         if (objects_.size() > 40) objects_.resize(1);
         if (one_in(3)) return objects_.push_back(begin(of_others_, true));
         const Objects o = any();
-        switch (pick(random_, 0, 4)) {
+        switch (pick(random_, 0, 5)) {
         case 0: return count(fjell_destroy_terrain(o.terrain));
         case 4: return count(fjell_destroy_edits(o.edits));
+        case 5: return count(fjell_destroy_ground_maps(o.maps));
         case 1: return count(fjell_destroy_cut(o.cut));
         case 2: return count(fjell_destroy_stream(o.stream));
         default: return count(fjell_destroy_recursive(o.method));
@@ -324,6 +328,22 @@ private:
         sum_ += double(fjell_edits_bytes(maybe(&pack_.header), odd(&budget)) % 7);
         alignas(64) std::array<std::byte, 64> little;
         count(fjell_create_edits(any().terrain, odd(&budget), maybe(little.data()), sizeof little, nullptr));
+        FjellGroundMapsBudget map_budget = fjell_ground_maps_budget_default();
+        map_budget.texels = odd_index();
+        sum_ += double(fjell_ground_maps_bytes(maybe(&pack_.header), odd(&map_budget)) % 7);
+        FjellGroundMaps none{};
+        count(fjell_create_ground_maps(any().terrain, odd(&map_budget), maybe(little.data()), sizeof little,
+                                       maybe(&none)));
+        FjellMapCommand command{};
+        command.tile = odd_index(), command.map = static_cast<FjellMapKind>(odd_byte());
+        const FjellGroundMaps maps = any().maps;
+        count(fjell_note_map_commands(maps, maybe(&command), 1));
+        std::size_t shown = 0;
+        const FjellTileMap* const normals = fjell_stream_tile_maps(any().stream, FJELL_MAP_NORMAL, &shown);
+        FjellGroundMapsReport made;
+        made.struct_size = sizeof made;
+        count(fjell_update_ground_maps(maps, maybe(normals), shown, odd(&made)));
+        REQUIRE((fjell_ground_map_patches(maps, maybe(&shown)) == nullptr || shown < 10'000));
     }
     void refine() {
         const FjellRecursiveMethod method = any().method;

@@ -114,6 +114,12 @@ int c_abi_is_compiled(void) {
         AT(samples, 24) AT(loose, 28) AT(unmeasured, 32) AT(work, 36) AT(blocks, 40) AT(exhausted, 44)
         AT(apply_us, 48) AT(measure_us, 56))
     TYPE(FjellGroundRect, 16, AT(first, 0) AT(last, 8))
+    TYPE(FjellGroundMaps, 16, AT(object, 0) AT(identity, 8))
+    TYPE(FjellGroundMapsBudget, 16, AT(struct_size, 0) AT(changes, 8) AT(texels, 12))
+    TYPE(FjellMapPatch, 48, AT(map, 0) AT(side_log2, 1) AT(mip, 2) AT(tile, 4) AT(layer, 8) AT(x, 12) AT(y, 16)
+        AT(columns, 20) AT(rows, 24) AT(blocks, 32) AT(block_bytes, 40))
+    TYPE(FjellGroundMapsReport, 32, AT(struct_size, 0) AT(patches, 8) AT(texels, 12) AT(waiting, 16) AT(coarse, 20)
+        AT(update_us, 24))
     /* clang-format on */
     return 1;
 }

@@ -366,6 +366,57 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     CHECK(std::memcmp(rects, c_rects, changes * sizeof *rects) == 0);
     CHECK(fjell_take_ground_changes(c_edits, &c_cursor, c_rects, 64, nullptr) == 0);
     CHECK(fjell_take_ground_changes(c_edits, nullptr, c_rects, 1, nullptr) == 1);
+
+    // Normal maps, as if each tile showed all of its own.
+    const GroundMapsBudget map_budget{.changes = 8, .texels = 8192};
+    FjellGroundMapsBudget c_map_budget = fjell_ground_maps_budget_default();
+    CHECK((c_map_budget.changes == GroundMapsBudget{}.changes && c_map_budget.texels == GroundMapsBudget{}.texels));
+    c_map_budget.changes = map_budget.changes, c_map_budget.texels = map_budget.texels;
+    const std::size_t map_bytes = fjell_ground_maps_bytes(fjell_terrain_header(terrain), &c_map_budget);
+    CHECK(map_bytes == ground_maps_bytes(ours.pack.header, map_budget));
+    GroundMaps maps;
+    FjellGroundMaps c_maps{};
+    REQUIRE(create_ground_maps(ours.terrain, map_budget, memory.span(map_bytes), maps).ok());
+    REQUIRE(
+        fjell_create_ground_maps(terrain, &c_map_budget, Memory::give(&memory, map_bytes), map_bytes, &c_maps).code ==
+        FJELL_OK);
+    REQUIRE(ours.pack.header.normal_log2 != 0);
+    std::vector<TileMap> shown;
+    std::vector<FjellTileMap> c_shown;
+    std::vector<MapCommand> commands;
+    std::vector<FjellMapCommand> c_commands;
+    for (std::uint32_t tile = 0; tile < ours.terrain.tile_count(); ++tile) {
+        const auto log2 = static_cast<std::uint8_t>(ours.pack.header.normal_log2);
+        shown.push_back({tile, log2, 0});
+        c_shown.push_back({tile, log2, 0});
+        commands.push_back({MapKind::normal, log2, 0, 0, tile, tile, 0, {}});
+        c_commands.push_back({FJELL_MAP_NORMAL, log2, 0, 0, tile, tile, 0, nullptr, 0});
+    }
+    REQUIRE(note_map_commands(maps, commands).ok());
+    REQUIRE(fjell_note_map_commands(c_maps, c_commands.data(), c_commands.size()).code == FJELL_OK);
+    GroundMapsReport made;
+    FjellGroundMapsReport c_made;
+    c_made.struct_size = sizeof c_made;
+    std::uint32_t patches = 0;
+    do {
+        REQUIRE(update_ground_maps(maps, shown, made).ok());
+        REQUIRE(fjell_update_ground_maps(c_maps, c_shown.data(), c_shown.size(), &c_made).code == FJELL_OK);
+        REQUIRE((made.patches == c_made.patches && made.texels == c_made.texels && made.waiting == c_made.waiting));
+        const std::span<const MapPatch> of_cpp = ground_map_patches(maps);
+        std::size_t count = 0;
+        const FjellMapPatch* const of_c = fjell_ground_map_patches(c_maps, &count);
+        REQUIRE(count == of_cpp.size());
+        for (std::size_t i = 0; i < count; ++i, ++patches) {
+            REQUIRE((of_c[i].tile == of_cpp[i].tile && of_c[i].x == of_cpp[i].x && of_c[i].rows == of_cpp[i].rows));
+            REQUIRE(of_c[i].block_bytes == of_cpp[i].blocks.size());
+            REQUIRE(std::memcmp(of_c[i].blocks, of_cpp[i].blocks.data(), of_c[i].block_bytes) == 0);
+        }
+    } while (made.waiting != 0);
+    CHECK(patches > 2);
+    CHECK(fjell_update_ground_maps(c_maps, c_shown.data(), 0, &c_made).code == FJELL_OUT_OF_RANGE);
+    CHECK(fjell_destroy_ground_maps(c_maps).code == FJELL_OK);
+    CHECK(fjell_destroy_ground_maps(c_maps).code == FJELL_INVALID_HANDLE);
+
     CHECK(fjell_destroy_edits(c_edits).code == FJELL_OK);
     CHECK(fjell_destroy_edits(c_edits).code == FJELL_INVALID_HANDLE);
 }

@@ -84,6 +84,10 @@ void Drawer::upload(std::span<const fjell::MapCommand> commands) {
     for (const fjell::MapCommand& command : commands) maps_[std::size_t(command.map)].carry_out(command);
 }
 
+void Drawer::upload(std::span<const fjell::MapPatch> patches) {
+    for (const fjell::MapPatch& patch : patches) maps_[std::size_t(patch.map)].put(patch);
+}
+
 void Drawer::set_view(const fjell::Terrain& terrain, const fjell::View& view) const {
     const double dx = terrain.header().spacing_m[0], dz = terrain.header().spacing_m[1];
     const double column = std::floor(view.eye_m.x / dx), row = std::floor(view.eye_m.z / dz);
@@ -191,6 +195,12 @@ void Maps::carry_out(const fjell::MapCommand& command) {
                                       format_, GLsizei(bytes), blocks);
         blocks += bytes;
     }
+}
+
+void Maps::put(const fjell::MapPatch& patch) {
+    glCompressedTextureSubImage3D(array_[patch.side_log2], patch.mip, GLint(patch.x), GLint(patch.y),
+                                  GLint(patch.layer), GLsizei(patch.columns), GLsizei(patch.rows), 1, format_,
+                                  GLsizei(patch.blocks.size()), patch.blocks.data());
 }
 
 } // namespace game

@@ -16,6 +16,7 @@ class Maps {
 public:
     void create(fjell::MapKind kind, const fjell::MapLayers& sizes);
     void carry_out(const fjell::MapCommand& command);
+    void put(const fjell::MapPatch& patch);
     [[nodiscard]] GLuint array(std::uint32_t side_log2) const { return array_[side_log2]; }
     [[nodiscard]] std::uint32_t top_log2() const { return sizes_.top_log2; } // 0: the pack has no such map
 
@@ -34,6 +35,7 @@ public:
                                      const fjell::MapLayers& colour, const fjell::MapLayers& normal);
     void upload(const fjell::CutMesh& cut, const fjell::CutChanges& changes);
     void upload(std::span<const fjell::MapCommand> commands);
+    void upload(std::span<const fjell::MapPatch> patches);
     // Into the current framebuffer and viewport; the depth buffer is float, and cleared to 0.
     void draw(const fjell::Terrain& terrain, const fjell::CutMesh& cut, const fjell::View& view,
               std::span<const fjell::TileMap> colour, std::span<const fjell::TileMap> normal) const;

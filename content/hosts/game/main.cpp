@@ -47,6 +47,7 @@ struct World {
     fjell::Edits edits;
     fjell::LiveCut cut;
     fjell::Stream stream;
+    fjell::GroundMaps maps;
     std::unique_ptr<Loader> loader;
 
     World() = default;
@@ -66,12 +67,15 @@ fjell::Status World::create() {
     if (fjell::Status s = fjell::create_cut(terrain, capacities, mesh, cut); !s.ok()) return s;
     const std::span<std::byte> requests = memory.allocate(fjell::stream_bytes(pack, terrain, streaming));
     if (fjell::Status s = fjell::create_stream(pack, terrain, cut, streaming, requests, stream); !s.ok()) return s;
+    const std::span<std::byte> normals = memory.allocate(fjell::ground_maps_bytes(pack.header));
+    if (fjell::Status s = fjell::create_ground_maps(terrain, {}, normals, maps); !s.ok()) return s;
     loader = std::make_unique<Loader>(stream, file);
     return {};
 }
 
 World::~World() {
-    loader.reset();                      // 1. the thread that uses the stream
+    loader.reset(); // 1. the thread that uses the stream
+    (void)fjell::destroy_ground_maps(maps);
     (void)fjell::destroy_stream(stream); // 2. what uses the cut and the terrain
     (void)fjell::destroy_cut(cut);
     (void)fjell::destroy_edits(edits);
@@ -84,6 +88,7 @@ struct Frame {
     fjell::CutSettings settings{.max_error_px = 1, .max_work = 20'000, .morph = fjell::Morph::error};
     fjell::EditReport edited;
     fjell::StreamReport streamed;
+    fjell::GroundMapsReport normals;
     fjell::CutReport report;
 
     [[nodiscard]] std::span<const fjell::View> views() const { return {view, view_count}; }
@@ -97,8 +102,19 @@ fjell::Status update(World& world, Frame& frame, double now_s) {
     world.loader->wake();
     for (const fjell::StreamFailure& failure : fjell::stream_failures(world.stream)) // coarser there from now on
         std::fprintf(stderr, "game: tile %u: %s\n", failure.id.tile, fjell::message(failure.code));
+    if (s.ok()) s = fjell::note_map_commands(world.maps, fjell::stream_map_commands(world.stream));
+    if (s.ok()) {
+        const auto normals = fjell::stream_tile_maps(world.stream, fjell::MapKind::normal);
+        s = fjell::update_ground_maps(world.maps, normals, frame.normals);
+    }
     if (s.ok()) s = fjell::update_cut(world.cut, frame.views(), frame.settings, frame.report);
     return s;
+}
+
+// After every update: neither of them accumulates.
+void upload_maps(const World& world, Drawer& drawer) {
+    drawer.upload(fjell::stream_map_commands(world.stream));
+    drawer.upload(fjell::ground_map_patches(world.maps)); // over what the commands have uploaded
 }
 
 void draw(World& world, Drawer& drawer, const Frame& frame, const fjell::gl::Target& target) {
@@ -133,7 +149,7 @@ void say_what_was_short(const Frame& frame) {
 fjell::Status load(World& world, Drawer& drawer, Frame& frame) {
     while (!frame.streamed.complete) {
         if (fjell::Status s = update(world, frame, 0); !s.ok()) return s;
-        drawer.upload(fjell::stream_map_commands(world.stream));
+        upload_maps(world, drawer);
         if (frame.streamed.failed != 0) return {fjell::StatusCode::unreadable, "pack"};
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -185,10 +201,10 @@ int play(World& world, Drawer& drawer, const fjell::gl::Target& target, int fram
         if (i == dig.key_frame) // your engine's window says when
             if (fjell::Status s = press(world, frame.view[0], dig); !s.ok()) return fail("dig", s);
         if (fjell::Status s = update(world, frame, i / 60.0); !s.ok()) return fail("frame", s);
-        drawer.upload(fjell::stream_map_commands(world.stream)); // after every update: they do not accumulate
+        upload_maps(world, drawer);
         dig.samples += frame.edited.samples;
         complete = frame.edited.waiting == 0 && frame.edited.loose == 0 && frame.report.converged &&
-                   frame.streamed.converged && frame.streamed.maps_converged;
+                   frame.streamed.converged && frame.streamed.maps_converged && frame.normals.waiting == 0;
         const bool never = frame.streamed.failed != 0 || (frame.streamed.exhausted & fjell::stream_page_slots) != 0;
         const bool last = i >= frames && (complete || never);
         if (i % 60 == 0 || last) draw(world, drawer, frame, target);
@@ -220,7 +236,7 @@ int measure(World& world, Drawer& drawer, const fjell::gl::Target& target, Measu
         if (s.ok()) s = update(world, frame, i / 60.0);
         if (!s.ok()) return fail("frame", s);
         times.done(times_update);
-        drawer.upload(fjell::stream_map_commands(world.stream));
+        upload_maps(world, drawer);
         drawer.upload(fjell::cut_mesh(world.cut), fjell::cut_take_changes(world.cut));
         times.done(times_upload);
         draw(world, drawer, frame, target);

@@ -9,6 +9,7 @@
 #include "fjell/cut.h"
 #include "fjell/edit.h"
 #include "fjell/export.h"
+#include "fjell/ground_maps.h"
 #include "fjell/handle.h"
 #include "fjell/jobs.h"
 #include "fjell/measure.h"

@@ -232,6 +232,17 @@ FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t 
 uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
                                    bool* lost);
 
+// --- fjell/ground_maps.h ---
+
+size_t fjell_ground_maps_bytes(const FjellPackHeader* header, const FjellGroundMapsBudget* budget);
+FjellStatus fjell_create_ground_maps(FjellTerrain terrain, const FjellGroundMapsBudget* budget, void* memory,
+                                     size_t memory_bytes, FjellGroundMaps* maps);
+FjellStatus fjell_destroy_ground_maps(FjellGroundMaps maps);
+FjellStatus fjell_note_map_commands(FjellGroundMaps maps, const FjellMapCommand* commands, size_t command_count);
+FjellStatus fjell_update_ground_maps(FjellGroundMaps maps, const FjellTileMap* normals, size_t normal_count,
+                                     FjellGroundMapsReport* report);
+const FjellMapPatch* fjell_ground_map_patches(FjellGroundMaps maps, size_t* count);
+
 // --- defaults of the descriptors ---
 
 // Sets as many fields as struct_size says. A host calls the _default() functions below instead. They are compiled into
@@ -247,6 +258,7 @@ void fjell_set_default_stream_settings(FjellStreamSettings* settings);
 void fjell_set_default_edit_budget(FjellEditBudget* budget);
 void fjell_set_default_stamp(FjellStamp* stamp);
 void fjell_set_default_edit_settings(FjellEditSettings* settings);
+void fjell_set_default_ground_maps_budget(FjellGroundMapsBudget* budget);
 
 #define FJELL_DEFAULT(Type, name)                                                                                      \
     static inline Type fjell_##name##_default(void) {                                                                  \
@@ -266,6 +278,7 @@ FJELL_DEFAULT(FjellStreamSettings, stream_settings)
 FJELL_DEFAULT(FjellEditBudget, edit_budget)
 FJELL_DEFAULT(FjellStamp, stamp)
 FJELL_DEFAULT(FjellEditSettings, edit_settings)
+FJELL_DEFAULT(FjellGroundMapsBudget, ground_maps_budget)
 #undef FJELL_DEFAULT
 
 #ifdef __cplusplus

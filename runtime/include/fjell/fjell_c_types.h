@@ -695,4 +695,36 @@ typedef struct FjellGroundRect {
     FjellSampleIndex first, last;
 } FjellGroundRect;
 
+// --- fjell/ground_maps.h ---
+
+typedef struct FjellGroundMaps {
+    void* object;
+    uint64_t identity;
+} FjellGroundMaps;
+
+typedef struct FjellGroundMapsBudget {
+    uint64_t struct_size;
+    uint32_t changes;
+    uint32_t texels;
+} FjellGroundMapsBudget;
+
+typedef struct FjellMapPatch {
+    FjellMapKind map;
+    uint8_t side_log2;
+    uint8_t mip;
+    uint32_t tile;
+    uint32_t layer;
+    uint32_t x, y, columns, rows;
+    const void* blocks;
+    size_t block_bytes;
+} FjellMapPatch;
+
+typedef struct FjellGroundMapsReport {
+    uint64_t struct_size;
+    uint32_t patches, texels;
+    uint32_t waiting;
+    uint32_t coarse;
+    double update_us;
+} FjellGroundMapsReport;
+
 #endif

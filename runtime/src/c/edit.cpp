@@ -1,4 +1,4 @@
-// fjell/fjell_c.h: moving ground.
+// fjell/fjell_c.h: moving ground, and its maps.
 #include "shared/c_convert.h"
 
 using namespace fjell;
@@ -59,4 +59,38 @@ uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGrou
     if (cursor != nullptr) *cursor = from;
     if (lost != nullptr) *lost = missed;
     return taken;
+}
+
+void fjell_set_default_ground_maps_budget(FjellGroundMapsBudget* budget) {
+    write(GroundMapsBudget{}, budget);
+}
+size_t fjell_ground_maps_bytes(const FjellPackHeader* header, const FjellGroundMapsBudget* budget) {
+    const In in(budget);
+    return in.ok ? ground_maps_bytes(at(header), in.value) : 0;
+}
+FjellStatus fjell_create_ground_maps(FjellTerrain terrain, const FjellGroundMapsBudget* budget, void* memory,
+                                     size_t memory_bytes, FjellGroundMaps* maps) {
+    const In in(budget);
+    if (!in.ok) return refused(struct_size);
+    if (maps == nullptr) return refused("maps");
+    GroundMaps made;
+    return give(create_ground_maps(to_cpp(terrain), in.value, span_of(memory, memory_bytes), made), made, maps);
+}
+FjellStatus fjell_destroy_ground_maps(FjellGroundMaps maps) {
+    return to_c(destroy_ground_maps(to_cpp(maps)));
+}
+FjellStatus fjell_note_map_commands(FjellGroundMaps maps, const FjellMapCommand* commands, size_t command_count) {
+    return to_c(note_map_commands(to_cpp(maps), span_of(reinterpret_cast<const MapCommand*>(commands), command_count)));
+}
+FjellStatus fjell_update_ground_maps(FjellGroundMaps maps, const FjellTileMap* normals, size_t normal_count,
+                                     FjellGroundMapsReport* report) {
+    if (!fits(report)) return refused(struct_size);
+    GroundMapsReport made;
+    const Status status =
+        update_ground_maps(to_cpp(maps), span_of(reinterpret_cast<const TileMap*>(normals), normal_count), made);
+    if (status.ok()) write(made, report);
+    return to_c(status);
+}
+const FjellMapPatch* fjell_ground_map_patches(FjellGroundMaps maps, size_t* count) {
+    return elements(ground_map_patches(to_cpp(maps)), count);
 }

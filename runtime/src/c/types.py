@@ -17,11 +17,12 @@ import textwrap
 SOURCE = pathlib.Path(__file__).resolve().parent
 INCLUDE = SOURCE.parent.parent / "include" / "fjell"
 HEADERS = ("status asserts handle sample_index pack pack_set texture terrain pages view mesh jobs cut compact recursive measure query"
-           " stream edit").split()
+           " stream edit ground_maps").split()
 
 # Descriptors and reports: they may grow, so they begin with struct_size.
 SIZED = {"TerrainBudget", "View", "CutBudget", "CutSettings", "CutReport", "RecursiveBudget", "RefineSettings",
-         "FrameReport", "StreamBudget", "StreamSettings", "StreamReport", "EditBudget", "Stamp", "EditSettings", "EditReport"}
+         "FrameReport", "StreamBudget", "StreamSettings", "StreamReport", "EditBudget", "Stamp", "EditSettings", "EditReport",
+         "GroundMapsBudget", "GroundMapsReport"}
 LAST = {"MeshView": "topology"}  # a field that C has behind the others
 COPIED_BY_HAND = {"MeshView", "CutMesh"}  # c/mesh.cpp
 LEFT_OUT = {"PageHead", "PageFlags"}

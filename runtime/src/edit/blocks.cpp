@@ -145,6 +145,10 @@ bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& step
     return true;
 }
 
+bool has_block_at(const EditsData& e, std::int32_t x, std::int32_t y) {
+    return find_block(e, x, y) != nullptr;
+}
+
 bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights, const StepRange& pack) {
     const TerrainData& t = *e.terrain;
     bool fit = fits(heights) && fits(pack);

@@ -11,6 +11,9 @@ void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* b
 // The pack's height of a sample that has been edited; otherwise false.
 [[nodiscard]] bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps);
 
+// Are samples of the block at a place, in blocks, edited?
+[[nodiscard]] bool has_block_at(const EditsData& e, std::int32_t x, std::int32_t y);
+
 // Would blocks and loaded pages still span fewer than 65,536 steps, if heights of samples at these places were in
 // `heights`, and the pack's in `pack`?
 [[nodiscard]] bool spans_fit(const EditsData& e, const Rect& places, const StepRange& heights, const StepRange& pack);

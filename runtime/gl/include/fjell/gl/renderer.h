@@ -27,11 +27,11 @@
 #include <string>
 
 #include "fjell/cut.h"
-#include "fjell/edit.h"
 #include "fjell/export.h"
 #include "fjell/gl/layers.h"
 #include "fjell/gl/light.h"
 #include "fjell/gl/target.h"
+#include "fjell/ground_maps.h"
 #include "fjell/mesh.h"
 #include "fjell/pack.h"
 #include "fjell/stream.h"
@@ -73,6 +73,8 @@ struct RendererOptions {
     // Textures of set_layers(), in bytes. The finest mips are left out until the rest fits. Ten materials of 512 texels
     // a side take 7 MB.
     std::uint64_t material_bytes = std::uint64_t{64} << 20;
+    // What show_ground() may use, if there are normal maps.
+    GroundMapsBudget ground{};
     // Texels a side that set_heights() uses at most; 0: as many as the driver allows.
     std::uint32_t texture_side = 0;
 };
@@ -145,6 +147,7 @@ struct DrawStats {
     double upload_us = 0;
     // How many uploads and draws have waited because the GPU was three regions behind, so far.
     std::uint64_t ring_waits = 0;
+    std::uint32_t ground_waiting = 0;       // changes and tiles whose texels show_ground() has not made anew yet
     std::uint64_t texture_bytes = 0;        // resident
     std::uint32_t tiles = 0, triangles = 0; // of the last draw
 };
@@ -187,11 +190,10 @@ public:
     // that kind as it is. Copied. No streamed map shows before the first call.
     void show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
                    std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
-    // Moving ground: makes the texels of the normal maps anew where heights have changed since the last call, and
-    // remembers them for maps that are streamed later. Colours, horizons, and mips whose texels are farther apart than
-    // 32 samples stay the pack's. Call it after each update, with the terrain's edits. O(samples changed); it
-    // allocates.
-    void show_ground(const Edits& edits);
+    // Moving ground: makes texels of the normal maps anew where heights have changed, as fjell/ground_maps.h says. Call
+    // it after each update of a terrain with edits. At most RendererOptions::ground.texels at a time;
+    // DrawStats::ground_waiting says what is left for the next call.
+    void show_ground();
     // Makes the next upload a whole one. That is faster after rebuild_cut(). It is necessary if changes were taken and
     // not uploaded.
     void invalidate();
