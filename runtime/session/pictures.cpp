@@ -118,6 +118,8 @@ void Pictures::follow(const Session& session, const FrameEntry& entry) {
 }
 
 void Pictures::write(const Session& session, const View& view, std::size_t frame, double time_s) {
+    while (session.edits && state_->renderer->stats().ground_waiting != 0) // a picture may take its time
+        state_->renderer->show_ground();
     state_->renderer->draw_uploaded(session.mesh(), view, draw_options(state_->mode, state_->profile, time_s),
                                     *state_->target);
     state_->target->read_colour(state_->image);
