@@ -250,7 +250,7 @@ void Renderer::State::set_noise(const View& view, FrameBlock& block, double shru
 
 void Renderer::State::set_layers(const View& view, const DrawOptions& now, FrameBlock& block) const {
     const auto place = [](double metres) { return metres - layer_period_m * std::floor(metres / layer_period_m); };
-    put(block.layers_at, place(view.eye_m.x), place(view.eye_m.y), place(view.eye_m.z), ground_layers.one_mip ? 1 : 0);
+    put(block.layers_at, place(view.eye_m.x), place(view.eye_m.y), place(view.eye_m.z), 0);
     // A texel of a few millimetres is finer than a pixel from there on.
     const double fine_m = std::min(160.0, 0.5 * now.layers.distance_m);
     put(block.layers, now.layers.distance_m, now.layers.tint, now.layers.relief, fine_m);

@@ -148,9 +148,7 @@ unsigned make_array(const ArrayFormat& format, const io::Materials& materials, s
     const std::uint32_t log2 = materials.side_log2 - first_mip, mips = materials.mips() - first_mip;
     glTextureStorage3D(name, static_cast<GLsizei>(mips), format.stored(), GLsizei{1} << log2, GLsizei{1} << log2,
                        static_cast<GLsizei>(materials.records.size()));
-    // Without a GPU the second mip costs a third of the frame, and at these scales is hardly missed.
-    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER,
-                        format.software ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTextureParameteri(name, GL_TEXTURE_MAX_LEVEL, static_cast<GLint>(mips) - 1);
     if (anisotropy > 1) glTextureParameterf(name, GL_TEXTURE_MAX_ANISOTROPY, anisotropy);
     for (std::uint32_t mip = 0; mip < mips; ++mip) store_mip(name, format, materials, first_mip + mip, mip);
@@ -262,7 +260,6 @@ void Layers::set(const LayersInput& in, std::uint64_t most_bytes, float anisotro
     glNamedBufferStorage(name, sizeof block, &block, 0);
     table = Buffer(name);
     bytes = bytes_from(first_mip);
-    one_mip = software;
     rules = in.rules.size();
     names = in.names.size();
     lakes = water != std::end(of_name);

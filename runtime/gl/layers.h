@@ -60,8 +60,7 @@ struct Layers {
     Buffer table;
     std::uint64_t bytes = 0; // of the textures
     std::size_t rules = 0, names = 0;
-    bool lakes = false;   // whether one of the names is water
-    bool one_mip = false; // is read at a time, which shaders make up for
+    bool lakes = false; // whether one of the names is water
 
     [[nodiscard]] bool present() const { return table.get() != 0; }
     // most_bytes: finest mips are left out until the textures fit.

@@ -48,7 +48,7 @@ struct FrameBlock {
     float noise_scale[4];  // tiles of noise a metre: the coarsest on ground, waves; a texel [m]
     float noise_at[4];     // of the eye, from where the noise repeats [m]
     float surround[4];     // of the ground around the terrain that is seen, 1/m by which it falls by e
-    float layers_at[4];    // of the eye, from where materials repeat [m]; 1: one mip a read
+    float layers_at[4];    // of the eye, from where materials repeat [m]
     float layers[4];       // LayerSettings: distance [m], tint, relief; where the fine textures end [m]
     float shadow_plane[4]; // column and row of the horizon map's planes on both sides of the sun's azimuth
     float splat[4];  // texels a side of mip 0; mips; shares of a tile that noise displaces a place by, east and south

@@ -286,24 +286,9 @@ float add_layers(inout vec3 base, inout vec3 normal, vec3 map, vec3 map_normal, 
     }
     float fade = 1.0 - smoothstep(0.4 * layers.x, layers.x, metres);
     float near = 1.0 - smoothstep(0.3 * layers.w, layers.w, metres);
-    // Where the driver does not filter anisotropically, level ground would be a blur from a few metres on: so the
-    // footprint's long axis is taken for shorter than it is.
-    if (maps.z < 1.5) {
-        float x = length(dx), y = length(dy), least = min(x, y);
-        float kept = mix(0.9, 0.7, near);
-        dx *= max(least, kept * x) / max(x, 1e-9);
-        dy *= max(least, kept * y) / max(y, 1e-9);
-    }
     vec2 patches = textureGrad(noise_map, at.xz / 512.0, dx.xz / 512.0, dy.xz / 512.0).zw;
     float spots = textureGrad(noise_map, at.xz / 64.0, dx.xz / 64.0, dy.xz / 64.0).z;
     vec2 noises = clamp(vec2(patches.x, spots) * 2.4 - 0.7, 0.0, 1.0);
-    // A software driver is given one mip a read: noise hides where the next one begins. The ground's own, not the
-    // picture's, or the ground would change from frame to frame.
-    if (layers_at.w > 0.0) {
-        float mip = exp2(noises.y - 0.5);
-        dx *= mip;
-        dy *= mip;
-    }
     ivec3 material;
     vec3 share;
 #ifdef SPLAT

@@ -278,7 +278,8 @@ vec3 shaded(vec3 base, vec3 normal) {
     vec3 colour = base * (sun_at(rise) * sunlit + mix(bounce.rgb, sky_light(normal), sky_seen));
 #ifdef LAKES
     // A shore is sharper than the map's texels are, and wet.
-    float lake_soft = max(0.02, fwidth(lake));
+    // At the edges of triangles a software driver's neighbours know no share: nothing but water stays water there.
+    float lake_soft = clamp(fwidth(lake), 0.02, 0.5);
     colour *= 1.0 - 0.4 * smoothstep(0.36, 0.48, lake);
     colour = mix(colour, on_lake(direction, rise), smoothstep(0.5 - lake_soft, 0.5 + lake_soft, lake) * mix(0.75, 1.0, smoothstep(0.5, 0.62, lake)));
 #endif
