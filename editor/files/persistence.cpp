@@ -24,7 +24,7 @@ void save_settings(State& state, Settings settings) {
 }
 
 Look look_of(const Interface& i) {
-    return {i.scale, i.width_px, i.height_px, i.arrangement, i.mode, i.overlay, i.half_resolution};
+    return {i.scale, i.width_px, i.height_px, i.arrangement, i.mode, i.overlay, i.half_resolution, i.contour_m};
 }
 
 void show(const Look& look, Interface& i) {
@@ -32,6 +32,7 @@ void show(const Look& look, Interface& i) {
     i.mode = look.mode;
     i.overlay = look.overlay;
     i.half_resolution = look.half_resolution;
+    i.contour_m = look.contour_m;
 }
 
 // What the command line has asked for, and nobody has changed since, is of this run alone.

@@ -161,6 +161,11 @@ void read_look(KeyReader& keys, Look& look) {
         look.overlay = shown;
     });
     keys.value("half_resolution", look.half_resolution);
+    keys.key("contour_m", [&](const json& j) {
+        const auto every_m = j.get<double>();
+        if (every_m != 0 && !(every_m >= least_contour_m && every_m <= most_contour_m)) throw Unusable();
+        look.contour_m = every_m;
+    });
     read_arrangement(keys, look.arrangement);
 }
 
@@ -181,6 +186,7 @@ json look_json(const Look& look) {
                 {"mode", session::picture_mode_names[static_cast<std::size_t>(look.mode)]},
                 {"overlays", shown},
                 {"half_resolution", look.half_resolution},
+                {"contour_m", look.contour_m},
                 {"panels", a.panels},
                 {"panels_latest", latest},
                 {"groups_open", open},

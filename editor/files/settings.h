@@ -82,6 +82,7 @@ struct Look {
     session::PictureMode mode = session::PictureMode::shaded;
     std::array<bool, overlays> overlay = first_overlays;
     bool half_resolution = true; // while the camera moves, where software draws
+    double contour_m = 0;        // as Interface has it
     friend bool operator==(const Look&, const Look&) = default;
 };
 

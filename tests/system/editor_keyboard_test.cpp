@@ -90,6 +90,11 @@ TEST_CASE("by keyboard alone a pack is opened, a threshold changed, the profile 
     editor.key("Return");
     editor.until("a dialog", dialog_is("open"));
     CHECK(editor.state()["interface"]["focus"] == "browse.name"); // its first field
+    const std::string begun = editor.state()["files"]["folder"];
+    editor.type(k.home / ".."); // a folder is gone to, and typing goes on
+    editor.key("Return");
+    editor.until("another folder", [&](const json& s) { return s["files"]["folder"] != begun; });
+    CHECK(editor.state()["interface"]["focus"] == "browse.name");
     editor.type(k.home / "hills.fjell");
     editor.key("Return");
     editor.until("a converged mesh", [](const json& s) { return s["measures"]["converged"] == true; });
@@ -221,6 +226,7 @@ TEST_CASE(
     editor.key("Return"); // up a folder
     editor.until("the folder above", [&](const json& s) { return s["files"]["folder"] != folder; });
     CHECK(editor.state()["interface"]["dialog"] == "open");
+    CHECK(editor.state()["interface"]["focus"] == "file..."); // where it was: the list goes on by keys
     editor.key("Escape");
     editor.until("no dialog", dialog_is("none"));
 }

@@ -460,6 +460,7 @@ TEST_CASE("how the window looks is kept once it has come to rest, but not what t
         CHECK(kept().scale == 0);
         CHECK(kept().width_px == 0);
         editor.run("mode wire");
+        editor.run("contours 25");
         editor.state.interface.width_px = 700;
         frame(editor, 8);
         finish_persistence(editor.state, true); // at once
@@ -470,6 +471,7 @@ TEST_CASE("how the window looks is kept once it has come to rest, but not what t
     start_persistence(next.state, true);
     CHECK(next.state.interface.arrangement.shown(left_sections | right_sections) == Panel::light);
     CHECK(next.state.interface.mode == session::PictureMode::wire);
+    CHECK(next.state.interface.contour_m == 25);
     Editor script;
     start_persistence(script.state, false); // a script's pictures are those of everybody
     CHECK(script.state.interface.arrangement == Arrangement{});
