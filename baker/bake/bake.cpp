@@ -361,17 +361,6 @@ BakeSummary Bake::run() {
 
 } // namespace
 
-int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
-    int log2 = 9;
-    while (log2 > min_tile_log2 && (1 << (log2 - 1)) >= std::max(columns, rows) - 1) --log2;
-    const auto tiles = [&] {
-        const Tree tree = Tree::covering(columns, rows, log2);
-        return static_cast<std::int64_t>(tree.tiles_x) * tree.tiles_y;
-    };
-    while (log2 < max_tile_log2 && tiles() > 1024) ++log2;
-    return log2;
-}
-
 std::vector<std::string> remarks(const BakeSummary& s) {
     std::vector<std::string> lines;
     for (const RepeatedHeight* r : {&s.lowest, &s.highest})

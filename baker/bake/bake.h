@@ -84,7 +84,4 @@ struct BakeSummary {
 // beside the pack (work_bytes()). One at a time for each OUT.
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path);
 
-// Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.
-[[nodiscard]] int auto_tile_log2(std::int32_t columns, std::int32_t rows);
-
 } // namespace fjell::baker

@@ -11,6 +11,18 @@
 
 namespace fjell::baker {
 
+// Tile size for `auto`: 512 cells, more when the terrain would have over 1,024 tiles, fewer when one tile covers it.
+[[nodiscard]] inline int auto_tile_log2(std::int32_t columns, std::int32_t rows) {
+    int log2 = 9;
+    while (log2 > min_tile_log2 && (1 << (log2 - 1)) >= std::max(columns, rows) - 1) --log2;
+    const auto tiles = [&] {
+        const Tree tree = Tree::covering(columns, rows, log2);
+        return static_cast<std::int64_t>(tree.tiles_x) * tree.tiles_y;
+    };
+    while (log2 < max_tile_log2 && tiles() > 1024) ++log2;
+    return log2;
+}
+
 // Whole tiles in height scale coordinates, borders included.
 struct Region {
     SampleIndex first, last; // multiples of the tile's side

@@ -1,21 +1,22 @@
 #include "baker/outlets/height_mesh.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <mutex>
 
-#include <fmt/format.h>
+#include <fmt/compile.h> // without the parser of formats the npm package is 45 KB smaller
 
-#include "baker/bake/bake.h"
 #include "baker/errors/unsaturated.h"
-#include "baker/heights/fill.h"
 #include "baker/outlets/bisect.h"
 #include "baker/store/parallel.h"
+#include "fjell/io/failure.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
+
+using io::Failure;
 
 namespace {
 
@@ -35,8 +36,8 @@ public:
     // From several threads.
     void set(std::int32_t x, std::int32_t y) {
         const std::uint64_t bit = std::uint64_t{1} << (x % 64);
-        const std::atomic_ref<std::uint64_t> word(row(y)[x / 64]);
-        if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
+        std::uint64_t& word = row(y)[x / 64];
+        if ((load_relaxed(word) & bit) == 0) set_bits_relaxed(word, bit);
     }
 
 private:
@@ -136,7 +137,7 @@ private:
     // Of a tile, before vertices have numbers: corners as place in the tile, row * (side + 1) + column.
     struct Part {
         std::vector<std::array<std::uint32_t, 3>> triangles;
-        std::uint64_t first = 0; // of all triangles
+        std::size_t first = 0; // of all triangles
         double true_error_m = 0;
     };
 
@@ -467,10 +468,11 @@ private:
             vertices += static_cast<std::uint64_t>(std::popcount(used_.row(0)[w]));
         }
         if (vertices > 0xffff'ffff)
-            throw Failure(3, fmt::format("max_error: {} m keeps {} vertices, more than 32 bits count; give a larger "
-                                         "one, or a part of the heights",
-                                         options_.max_error_m, vertices));
-        mesh.vertices.resize(vertices);
+            throw Failure(
+                3, fmt::format(FMT_COMPILE("max_error: {} m keeps {} vertices, more than 32 bits count; give a larger "
+                                           "one, or a part of the heights"),
+                               options_.max_error_m, vertices));
+        mesh.vertices.resize(static_cast<std::size_t>(vertices));
         parallel_for(array_.rows, threads_, [&](std::int64_t y) { write_vertices(y, before, mesh); });
         number(parts, before, mesh.triangles);
         number(base, before, mesh.base);
@@ -480,7 +482,7 @@ private:
     // Places become the vertices' numbers.
     void number(std::vector<Part>& parts, const std::vector<std::uint64_t>& before,
                 std::vector<std::array<std::uint32_t, 3>>& to) const {
-        std::uint64_t triangles = 0;
+        std::size_t triangles = 0;
         for (Part& part : parts) {
             part.first = triangles;
             triangles += part.triangles.size();
@@ -506,7 +508,7 @@ private:
     void write_vertices(std::int64_t y, const std::vector<std::uint64_t>& before, HeightMesh& mesh) const {
         const std::uint64_t* const row = used_.row(y);
         const auto z_m = static_cast<float>(static_cast<double>(y) * options_.spacing_m[1]);
-        std::uint64_t to = before[static_cast<std::size_t>(y) * used_.words()];
+        auto to = static_cast<std::size_t>(before[static_cast<std::size_t>(y) * used_.words()]);
         for (std::size_t w = 0; w < used_.words(); ++w)
             for (std::uint64_t left = row[w]; left != 0; left &= left - 1, ++to) {
                 const auto x = static_cast<std::int64_t>(w) * 64 + std::countr_zero(left);
@@ -532,61 +534,47 @@ private:
 
 void check(const HeightArray& heights, const HeightMeshOptions& options) {
     if (heights.columns < 2 || heights.rows < 2)
-        throw Failure(
-            1, fmt::format("heights: has {} x {} samples; a mesh needs at least 2 x 2", heights.columns, heights.rows));
+        throw Failure(1, fmt::format(FMT_COMPILE("heights: has {} x {} samples; a mesh needs at least 2 x 2"),
+                                     heights.columns, heights.rows));
     if (std::max(heights.columns, heights.rows) > max_columns)
-        throw Failure(1, fmt::format("heights: has {} x {} samples; give a part of at most {} a side", heights.columns,
-                                     heights.rows, max_columns));
+        throw Failure(1, fmt::format(FMT_COMPILE("heights: has {} x {} samples; give a part of at most {} a side"),
+                                     heights.columns, heights.rows, max_columns));
     if (!(options.max_error_m >= 0) || std::isinf(options.max_error_m))
-        throw Failure(2, fmt::format("max_error: {} m; give 0 or more", options.max_error_m));
+        throw Failure(2, fmt::format(FMT_COMPILE("max_error: {} m; give 0 or more"), options.max_error_m));
     if (const auto& a = options.area; a && !(a->radius_m >= 0 && a->growth >= 0 && std::isfinite(a->x_m + a->z_m)))
         throw Failure(2, "area: give a place, and a radius and a growth of 0 or more");
     for (const double spacing : options.spacing_m)
         if (!(spacing > 0) || std::isinf(spacing))
-            throw Failure(2, fmt::format("spacing: {}; give more than 0", spacing));
+            throw Failure(2, fmt::format(FMT_COMPILE("spacing: {}; give more than 0"), spacing));
 }
 
-HeightMesh mesh_filled(const HeightArray& heights, const HeightMeshOptions& options) {
-    const int threads = resolve_threads(options.threads);
-    const auto columns = static_cast<std::int32_t>(heights.columns);
-    Store<float> raw({}, columns, heights.rows), filled({}, columns, heights.rows);
-    std::vector<float> row(static_cast<std::size_t>(columns));
-    for (std::int32_t y = 0; y < heights.rows; ++y) {
-        heights.read(y, 0, columns, row.data());
-        raw.write({0, y, columns, 1}, row.data(), columns);
-    }
-    fill_voids(
-        {raw,
-         {},
-         threads,
-         [](const std::string&, std::int64_t across, std::int64_t down) { return Store<float>({}, across, down); }},
-        filled);
-    const HeightArray ground{reinterpret_cast<const std::byte*>(filled.in_memory()),
-                             NumberType::float32,
-                             heights.columns,
-                             heights.rows,
-                             sizeof(float),
-                             static_cast<std::ptrdiff_t>(sizeof(float)) * heights.columns};
-    return Mesher(ground, options, extent_of(ground, threads)).run();
+Extent checked_extent(const HeightArray& heights, const HeightMeshOptions& options) {
+    check(heights, options);
+    const Extent extent = extent_of(heights, resolve_threads(options.threads));
+    if (extent.infinite != 0)
+        throw Failure(
+            1,
+            fmt::format(FMT_COMPILE("heights: {} of {} are infinite, or too large for a float, the first at row {}, "
+                                    "column {}; make them NaN if they are no ground"),
+                        extent.infinite, heights.columns * heights.rows, extent.infinite_row, extent.infinite_column));
+    if (!(extent.least_m <= extent.most_m)) throw Failure(1, "heights: all are NaN or masked; there is no ground");
+    return extent;
 }
 
 } // namespace
 
-HeightMesh mesh_heights(const HeightArray& heights, const HeightMeshOptions& options) {
-    check(heights, options);
-    const Extent extent = extent_of(heights, resolve_threads(options.threads));
-    if (extent.infinite != 0)
-        throw Failure(1, fmt::format("heights: {} of {} are infinite, or too large for a float, the first at row {}, "
-                                     "column {}; make them NaN if they are no ground",
-                                     extent.infinite, heights.columns * heights.rows, extent.infinite_row,
-                                     extent.infinite_column));
-    if (!(extent.least_m <= extent.most_m)) throw Failure(1, "heights: all are NaN or masked; there is no ground");
+bool has_voids(const HeightArray& heights, const HeightMeshOptions& options) {
+    return checked_extent(heights, options).voids != 0;
+}
+
+HeightMesh mesh_unfilled(const HeightArray& heights, const HeightMeshOptions& options) {
+    const Extent extent = checked_extent(heights, options);
     if (extent.voids != 0 && options.nodata == NoData::refuse)
-        throw Failure(1,
-                      fmt::format("heights: {} of {} are NaN or masked, the first at row {}, column {}; let them be "
-                                  "holes, or fill them",
-                                  extent.voids, heights.columns * heights.rows, extent.void_row, extent.void_column));
-    if (extent.voids != 0 && options.nodata == NoData::fill) return mesh_filled(heights, options);
+        throw Failure(
+            1,
+            fmt::format(FMT_COMPILE("heights: {} of {} are NaN or masked, the first at row {}, column {}; let them be "
+                                    "holes, or fill them"),
+                        extent.voids, heights.columns * heights.rows, extent.void_row, extent.void_column));
     return Mesher(heights, options, extent).run();
 }
 

@@ -16,7 +16,8 @@
 #include <optional>
 #include <vector>
 
-#include "baker/read/array_source.h"
+#include "baker/read/height_array.h"
+#include "baker/read/options.h"
 
 namespace fjell::baker {
 
@@ -53,5 +54,9 @@ struct HeightMesh {
 };
 
 [[nodiscard]] HeightMesh mesh_heights(const HeightArray& heights, const HeightMeshOptions& options);
+// The same, and voids that are to be filled are holes: for WebAssembly, which fills nothing.
+[[nodiscard]] HeightMesh mesh_unfilled(const HeightArray& heights, const HeightMeshOptions& options);
+// Whether there are NaN or masked numbers. Fails as mesh_heights() does.
+[[nodiscard]] bool has_voids(const HeightArray& heights, const HeightMeshOptions& options);
 
 } // namespace fjell::baker

@@ -9,7 +9,7 @@ namespace fjell::baker {
 
 namespace {
 
-constexpr Tree grid{tile_grid_log2, 1, 1};
+constexpr Tree tile_tree{tile_grid_log2, 1, 1};
 // Of the tolerance: what float coordinates of ground, and decoding in float, may add to an error.
 constexpr double float_share = 2e-4;
 constexpr double least_facing = 0.01; // steeper triangles are as good as upright: only the linear reading counts
@@ -47,7 +47,7 @@ public:
         const std::int32_t step = tile_grid >> rules_.coarsest_log2;
         for (std::int32_t y = 0; y <= tile_grid; y += step)
             for (std::int32_t x = 0; x <= tile_grid; x += step)
-                if (!grid.is_corner({x, y})) activate({x, y});
+                if (!tile_tree.is_corner({x, y})) activate({x, y});
         for (std::size_t side = 0; side < 4; ++side)
             for (const std::int32_t along : wanted[side]) {
                 const std::int32_t across = side == TileSide::west || side == TileSide::south ? 0 : tile_grid;
@@ -104,8 +104,8 @@ private:
 
     void activate(SampleIndex v) {
         if (active_.contains(key_of(v))) return;
-        for (const SampleIndex apex : diamond(grid, v).apexes)
-            if (grid.contains(apex) && !grid.is_corner(apex)) activate(apex);
+        for (const SampleIndex apex : diamond(tile_tree, v).apexes)
+            if (tile_tree.contains(apex) && !tile_tree.is_corner(apex)) activate(apex);
         active_.insert(key_of(v));
         for (const std::int64_t i : over_.at(key_of(v)))
             if (i >= 0) split(static_cast<std::size_t>(i), v);

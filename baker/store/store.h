@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,6 +17,7 @@
 
 #include "baker/store/memory.h"
 #include "baker/store/window.h"
+#include "shared/compiler.h"
 
 namespace fjell::baker {
 
@@ -123,7 +123,7 @@ public:
     // What was never written is void, NaN, and takes no room: the file holds NaN as zeros. Before anything is read or
     // written, each time that the store is opened.
     void unwritten_is_void() requires std::is_same_v<T, float> {
-        flip_ = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
+        flip_ = bits_as<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
     }
     [[nodiscard]] bool is_unwritten_void() const { return flip_ != 0; }
 
@@ -200,7 +200,7 @@ private:
     void flip(T* values, std::size_t count) const {
         if constexpr (std::is_same_v<T, float>)
             for (std::size_t i = 0; i < count; ++i)
-                values[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(values[i]) ^ flip_);
+                values[i] = bits_as<float>(bits_as<std::uint32_t>(values[i]) ^ flip_);
     }
     template <typename Run>
     void each_run(const Window& w, std::ptrdiff_t stride, const Run& run) const {

@@ -6,6 +6,7 @@
 
 #include <xxhash.h>
 
+#include "baker/heights/region.h"
 #include "baker/heights/scales.h"
 #include "fjell/io/failure.h"
 #include "fjell/terrain.h"

@@ -109,6 +109,9 @@ template <typename T>
 void store_release(T& to, T value) {
     __atomic_store(&to, &value, __ATOMIC_RELEASE);
 }
+inline void set_bits_relaxed(std::uint64_t& to, std::uint64_t bits) {
+    __atomic_fetch_or(&to, bits, __ATOMIC_RELAXED);
+}
 // Words that hold objects of another type, which the compiler must expect.
 using AliasedWord [[gnu::may_alias]] = std::uint32_t;
 using AliasedPair [[gnu::may_alias]] = std::uint64_t;
@@ -139,6 +142,9 @@ template <typename T>
 template <typename T>
 void store_release(T& to, T value) {
     std::atomic_ref<T>(to).store(value, std::memory_order_release);
+}
+inline void set_bits_relaxed(std::uint64_t& to, std::uint64_t bits) {
+    std::atomic_ref<std::uint64_t>(to).fetch_or(bits, std::memory_order_relaxed);
 }
 [[nodiscard]] inline std::uint32_t load_word_relaxed(const void* from) {
     return load_relaxed(*static_cast<const std::uint32_t*>(from));
