@@ -1,0 +1,20 @@
+// Compiled by tsc against the package's declarations, and not run.
+import { makeView, mesh, ready, Terrain, version, type Frame, type Mesh, type View } from "fjell";
+
+export async function use(): Promise<void> {
+  const made: Mesh = await mesh(new Int16Array(6), { width: 3, height: 2, maxError: 0.5, spacing: [30, 30] });
+  const again = (await ready()).mesh([0, 1, 2, 3], { width: 2, height: 2 });
+  const view: View = makeView({ eye: [0, 1, 2], target: new Float32Array(3), width: 100, height: 100 });
+  const terrain = await Terrain.open("a.fjell", { pageSlots: 100, maps: true, source: { tries: 3, onProblem: (e) => console.log(e.message) } });
+  terrain.settings.morph = "time";
+  const frame: Frame = terrain.update([view], 1);
+  terrain.takeMaps((kind, tile, mip, side, rgba) => console.log(kind === "colour", tile + mip + side, rgba.length));
+  const hit = terrain.ray([0, 0, 0], [0, -1, 0]);
+  const numbers: number[] = [made.trueError, again.triangles.length, frame.errorBound, hit?.distance ?? 0, terrain.height(1, 2)];
+  terrain.edit({ shape: "crater", at: [1, 2], radius: 3 });
+  console.log(version, numbers, terrain.snapshot().length);
+  // @ts-expect-error: it is a number
+  terrain.settings.maxError = "1 px";
+  // @ts-expect-error: it is not to be written
+  frame.triangles = 1;
+}
