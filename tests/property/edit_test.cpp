@@ -278,73 +278,104 @@ TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the tar
     CHECK(changed > rounds(30, 300));
 }
 
-TEST_CASE("pages that leave come back with their edits", "[edit]") {
-    Random random(20261129);
-    int changed = 0, left = 0;
-    for (int round = 0; round < rounds(6, 60); ++round) {
-        CAPTURE(round);
-        const auto pack = paged_terrain(random, pick(random, 0, 1) != 0);
-        PagedTerrain paged(pack.pack, {}), still(pack.pack, {});
-        const TerrainData& t = data_of(paged.terrain);
-        Editor editor(paged.terrain), other(still.terrain); // the same stamps where nothing leaves
-        Cut cut(paged.terrain, ample_cut(paged.terrain)), cut_of_still(still.terrain, ample_cut(still.terrain));
-        Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
-        Host loader{random, pack.pack, still.terrain, cut_of_still, false, {}, {}};
-        host.load_all();
-        loader.load_all();
-        const auto keep_all = [&] {
-            while (host.keep()) {
-            }
-            host.just_unloaded.clear();
-            host.load_all();
-        };
-        CutSettings settings;
-        settings.max_error_px = random_threshold(random);
-        std::vector<View> views{random_view(random, pack.terrain)};
-        for (int frame = 0; frame < 30; ++frame) {
-            CAPTURE(frame);
-            if (pick(random, 0, 3) == 0) {
-                const Stamp stamp = random_stamp(random, pack.terrain);
-                const StampId id = editor.push(stamp);
-                changed += editor.update().samples != 0;
-                if (stamp_state(editor.edits, id).state == StampState::waiting) { // held until its pages come
-                    keep_all();
-                    (void)editor.update();
-                }
-                const StampState state = stamp_state(editor.edits, id).state;
-                REQUIRE(state != StampState::waiting);
-                const StampId same = other.push(stamp);
-                (void)other.update();
-                REQUIRE(stamp_state(other.edits, same).state == state);
-            }
-            host.act();
-            left += t.pages_missing != 0;
-            (void)editor.update(static_cast<std::uint32_t>(pick(random, 0, 50)));
-            views[0] = moved(random, views[0], random_step_m(random, pack.terrain));
-            (void)cut.update(views, settings);
-            REQUIRE(check_cut(cut) == "");
-            if (frame % 3 == 0) REQUIRE(check_bounds(t, data_of(still.terrain)) == "");
+namespace {
+
+struct Happened {
+    int frames = 0, changed = 0, left = 0; // frames, stamps that changed something, frames with pages missing
+    int steps = 0;                         // of edits, each in a frame with others
+};
+
+// Frames in which stamps, cameras, budgets and pages come and go, beside the same stamps where all pages stay. The mesh
+// is whole after each; every some frames the terrain is nested, and bounds the ground.
+void dig_while_pages_leave(Random& random, const io::LoadedPack& pack, int frames, int check_every, Happened& sum) {
+    PagedTerrain paged(pack.pack, {}), still(pack.pack, {});
+    const TerrainData& t = data_of(paged.terrain);
+    Editor editor(paged.terrain), other(still.terrain); // the same stamps where nothing leaves
+    CutBudget budget = ample_cut(paged.terrain);
+    budget.views = 2;
+    Cut cut(paged.terrain, budget), cut_of_still(still.terrain, ample_cut(still.terrain));
+    Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
+    Host loader{random, pack.pack, still.terrain, cut_of_still, false, {}, {}};
+    host.load_all();
+    loader.load_all();
+    const auto keep_all = [&] {
+        while (host.keep()) {
         }
-        keep_all();
-        REQUIRE(t.pages_missing == 0);
-        REQUIRE(check_bounds(t) == "");
-        (void)editor.update();
-        (void)other.update();
-        const EditReport last = editor.update();
-        CAPTURE(last.loose, last.unmeasured, last.blocks, t.tree.tile_log2, t.tree.columns(), t.tree.rows(),
-                t.has_voids());
-        CHECK(last.loose == 0);
-        // All is that of the ground that stood still.
-        for (const SampleIndex v : all_vertices(t)) {
-            const TerrainData::Vertex a = t.vertex(v), b = data_of(still.terrain).vertex(v);
-            if (a.steps != b.steps || a.error_code != b.error_code || a.radius_m != b.radius_m) {
-                FAIL_CHECK("vertex " << v.column << ", " << v.row << " is not what it is where nothing leaves");
-                break;
+        host.just_unloaded.clear();
+        host.load_all();
+    };
+    CutSettings settings;
+    settings.max_error_px = random_threshold(random);
+    std::vector<View> views{random_view(random, pack.terrain)};
+    for (int frame = 0; frame < frames; ++frame, ++sum.frames) {
+        CAPTURE(frame);
+        if (pick(random, 0, 3) == 0) {
+            Stamp stamp = random_stamp(random, pack.terrain);
+            if (pick(random, 0, 9) == 0) stamp.shape = StampShape::restore, stamp.radius_m = 1e6f;
+            const StampId id = editor.push(stamp);
+            sum.changed += editor.update().samples != 0;
+            if (stamp_state(editor.edits, id).state == StampState::waiting) { // held until its pages come
+                keep_all();
+                (void)editor.update();
             }
+            const StampState state = stamp_state(editor.edits, id).state;
+            REQUIRE(state != StampState::waiting);
+            const StampId same = other.push(stamp);
+            (void)other.update();
+            REQUIRE(stamp_state(other.edits, same).state == state);
+        }
+        host.act();
+        sum.left += t.pages_missing != 0;
+        sum.steps += static_cast<int>(editor.update(static_cast<std::uint32_t>(pick(random, 0, 50))).work);
+        if (pick(random, 0, 19) == 0) views.resize(1, views[0]);
+        if (pick(random, 0, 19) == 0) views.assign(2, random_view(random, pack.terrain));
+        for (View& view : views) view = moved(random, view, random_step_m(random, pack.terrain));
+        if (pick(random, 0, 19) == 0) settings.max_work = pick(random, 0, 1) != 0 ? unlimited_work : 100;
+        (void)cut.update(views, settings);
+        REQUIRE(check_cut(cut) == "");
+        if (frame % check_every == 0) REQUIRE(check_bounds(t, data_of(still.terrain)) == "");
+    }
+    keep_all();
+    REQUIRE(t.pages_missing == 0);
+    REQUIRE(check_bounds(t) == "");
+    (void)editor.update();
+    (void)other.update();
+    const EditReport last = editor.update();
+    CAPTURE(last.loose, last.unmeasured, last.blocks, t.tree.tile_log2, t.tree.columns(), t.tree.rows(), t.has_voids());
+    CHECK(last.loose == 0);
+    // All is that of the ground that stood still.
+    for (const SampleIndex v : all_vertices(t)) {
+        const TerrainData::Vertex a = t.vertex(v), b = data_of(still.terrain).vertex(v);
+        if (a.steps != b.steps || a.error_code != b.error_code || a.radius_m != b.radius_m) {
+            FAIL_CHECK("vertex " << v.column << ", " << v.row << " is not what it is where nothing leaves");
+            break;
         }
     }
-    CHECK(changed > rounds(10, 100));
-    CHECK(left > rounds(10, 100));
+}
+
+} // namespace
+
+TEST_CASE("pages that leave come back with their edits", "[edit]") {
+    Random random(20261129);
+    Happened sum;
+    for (int round = 0; round < rounds(6, 60); ++round) {
+        CAPTURE(round);
+        dig_while_pages_leave(random, paged_terrain(random, pick(random, 0, 1) != 0), 30, 3, sum);
+    }
+    CHECK(sum.changed > rounds(10, 100));
+    CHECK(sum.left > rounds(10, 100));
+}
+
+TEST_CASE("after hundred thousands of steps of digging the mesh is whole, and nothing is loose", "[edit]") {
+    Random random(20261204);
+    Happened sum;
+    for (int round = 0; sum.frames < rounds(600, 60'000); ++round) {
+        CAPTURE(round);
+        dig_while_pages_leave(random, paged_terrain(random, false), rounds(100, 1000), 100, sum);
+    }
+    CHECK(sum.steps > rounds(1000, 300'000));
+    CHECK(sum.changed > sum.frames / 20);
+    CHECK(sum.left > sum.frames / 3);
 }
 
 TEST_CASE("what other edits of a terrain have changed is followed, too", "[edit]") {

@@ -38,9 +38,10 @@ json node(const TemporaryFolder& folder, const std::string& script) {
 
 // Mountains in Norway, made up.
 void bake_mountains(const TemporaryFolder& folder) {
-    output_of(folder, bake + "synth " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o dem.tif --quiet && "
-                             "gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 460780 6769220 dem.tif "
-                             "placed.tif && " +
+    output_of(folder, bake +
+                          "synth " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o dem.tif --quiet && "
+                          "gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 460780 6769220 dem.tif "
+                          "placed.tif && " +
                           bake + "placed.tif -o pack.fjell --quiet");
     write_points(folder, "EPSG:32632");
 }
@@ -58,12 +59,12 @@ TEST_CASE("CesiumJS and three.js show tiles without a gap and no farther from th
     };
     for (const Viewer& viewer : {Viewer{"cesium", ""}, Viewer{"three", " --format 3dtiles"}}) {
         CAPTURE(viewer.program, viewer.way);
-        const json said = json::parse(output_of(
-            folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --quiet --json -" + viewer.way));
+        const json said = json::parse(
+            output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --quiet --json -" + viewer.way));
         const json finest = said["levels"].back();
         const std::string picture = viewers + "/" + viewer.program + ".png";
-        const json seen = node(folder, "show.mjs " + viewer.program + " out points.txt " +
-                                           finest["error_m"].dump() + " " + picture + " " + browser);
+        const json seen = node(folder, "show.mjs " + viewer.program + " out points.txt " + finest["error_m"].dump() +
+                                           " " + picture + " " + browser);
         CAPTURE(seen.dump());
         CHECK(seen["failures"].empty());
         CHECK(seen["requests"] > finest["tiles"]);

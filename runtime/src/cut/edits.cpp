@@ -21,11 +21,10 @@ void refresh_page(CutState& s, std::uint32_t page) {
     const TerrainData& t = *pages.grid.terrain;
     const std::uint32_t terrain_slot = t.page_table[page].slot;
     if (terrain_slot == no_index || pages.loaded[terrain_slot].page != page) return;
-    pages.loaded[terrain_slot].loads = t.slot_loads[terrain_slot]; // its heights may count from another base
+    pages.loaded[terrain_slot].loads = t.slot_loads[terrain_slot]; // as follow_bases() has seen it
     pages.loaded[terrain_slot].extent = extent_of(pages.grid, page, terrain_slot);
     const std::uint32_t first = pages.page_groups[page], slot = first / max_page_groups;
     if (first == no_index) return;
-    pages.state[slot].base = t.page_table[page].base;
     watch_visited_page(pages, s.work, s.visibility, slot);
     renew_bound_of_edited(pages, s.work, s.views, slot);
     if (page % pages.grid.pages_per_tile == 0) bound_tile(pages.grid, s.mesh, pages.state[slot], true);
@@ -127,9 +126,22 @@ void follow(CutState& s, const Rect& places, int step_log2) {
 
 } // namespace
 
+void follow_bases(CutState& s) {
+    const TerrainData& t = *s.pages.grid.terrain;
+    if (s.pages.seen_bases == t.ground_changes) return;
+    s.pages.seen_bases = t.ground_changes;
+    for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
+        PageState& page = s.pages.state[slot];
+        if (page.page == no_index) continue;
+        const PageEntry now = t.page_table[page.page];
+        if (now.slot == page.terrain_slot) page.base = now.base; // otherwise it is entered anew
+    }
+}
+
 void follow_ground(CutState& s) {
     const TerrainData& t = *s.pages.grid.terrain;
     if (s.pages.seen_ground == t.ground_changes) return;
+    follow_bases(s);
     const Rect all = edit::grid_of(t.tree);
     if (t.changed_ground == nullptr || t.ground_changes - s.pages.seen_ground > ground_change_log) {
         follow(s, all, heights_changed);

@@ -90,7 +90,7 @@ struct Pages {
     std::uint32_t* page_groups; // first group of each page, or no_index: no state
     LoadedPage* loaded;         // one a page slot of the terrain
     std::uint64_t seen_changes;
-    std::uint64_t seen_ground; // of TerrainData::ground_changes
+    std::uint64_t seen_ground, seen_bases; // of TerrainData::ground_changes
     PageState* state;
     std::uint32_t count, group_count; // the pool's size
     std::uint32_t* free;              // a stack of given-back states; those from fresh on were never taken

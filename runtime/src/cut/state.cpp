@@ -282,7 +282,7 @@ Status create_cut(const Terrain& handle, const CutBudget& budget, std::span<std:
     for (std::uint32_t i = 0; i < s.pages.count; ++i) s.pages.state[i].page = no_index;
     for (std::uint32_t i = 0; i < terrain.slot_count; ++i) s.pages.loaded[i].page = no_index;
     rescan_pages(s.pages);
-    s.pages.seen_ground = terrain.ground_changes;
+    s.pages.seen_ground = s.pages.seen_bases = terrain.ground_changes;
     reset(s);
     begin_at_roots(s.pages, s.work, s.mesh);
     HandleAccess::begin(s, cut);

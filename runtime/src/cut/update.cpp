@@ -276,6 +276,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     if (s.governor.cause == 0) s.governor.aim_px = settings.max_error_px;
     r.threshold_px = s.governor.effective_px;
     set_views(s, views, s.governor.effective_px);
+    follow_bases(s);
     // What replays a frame that has chosen its way: it chooses again.
     const bool unlimited = has_no_limit(s.frame), chooses = unlimited && (s.views.leapt || s.views.zoomed);
     const auto build = [&] {

@@ -281,7 +281,9 @@ int raise_errors(EditsData& e, const Ground& ground, const Rect& places, const S
     go_up(
         0, t.tree.tile_log2 - 1, [&](const Plane& plane) { return plane.squares(places.grown(1 << plane.z)); },
         [&](const Plane& plane, const Rect& todo) {
-            const Rect squares = todo.within(plane.all(t.tree)), touched = places.grown(1 << plane.z),
+            // Not beyond what depends on these places, where a vertex under which pages are missing would grow for
+            // nothing, and followers would not look.
+            const Rect squares = todo.within(around(t.tree, plane, places)), touched = places.grown(1 << plane.z),
                        at_once = MeasuredPlane::measurable(ground, plane, squares);
             Rect changed;
             if (!at_once.empty()) {
