@@ -1,5 +1,6 @@
 // What it costs to edit the ground: a crater of 64 x 64 samples until its bound holds, until its errors are measured
-// again, and until a live cut shows it; a road; and beside them a bake of the same terrain.
+// again, until normal maps are made anew, and until a live cut shows it; a road; and beside them a bake of the same
+// terrain, and what the same rectangle takes in a height field of Bullet's (bullet_us, where Bullet is installed).
 //
 // Names: edit/scene/what. Scenes: a part of the mountains of content/terrain with 1,025 x 1,025 samples, and all of it
 // (4,097 x 4,097, 60 m), in tiles of 512 cells: what an edit costs must not grow with the terrain.
@@ -14,8 +15,14 @@
 
 #include "fjell/cut.h"
 #include "fjell/edit.h"
+#include "fjell/ground_maps.h"
 #include "fjell/io/load.h"
+#include "fjell/query.h"
 #include "support/dem.h"
+
+#ifdef FJELL_BULLET
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#endif
 
 namespace {
 
@@ -55,7 +62,7 @@ Scene make(std::int32_t samples) {
     std::filesystem::create_directories(FJELL_BENCH_DIR);
     baker::BakeOptions options;
     options.tile_log2 = 9;
-    options.max_texture_log2 = 2;
+    options.max_texture_log2 = 9;
     baker::Dem dem = samples == 4097 ? mountains() : part(samples);
     const auto started = Clock::now();
     (void)baker::bake(std::move(dem), options, path);
@@ -80,13 +87,66 @@ Scene& scene(std::int32_t samples) {
     return samples == 1025 ? small : large;
 }
 
+// The 65 x 65 samples around a crater, as physics takes them.
+constexpr std::uint32_t patch_side = 65;
+
+// A height field of 1,025 x 1,025 samples around the middle. Its heights are the host's: an update is to write them,
+// and to make its tables for rays anew, which Bullet makes of the whole field.
+class BulletField {
+public:
+    static constexpr int side = 1025;
+    explicit BulletField(const Terrain& terrain)
+        : first_{(static_cast<std::int32_t>(terrain.columns()) - side) / 2,
+                 (static_cast<std::int32_t>(terrain.rows()) - side) / 2} {
+        (void)ground_patch(terrain, first_, 0, side, heights_m_);
+#ifdef FJELL_BULLET
+        shape_.buildAccelerator();
+#endif
+    }
+    // In microseconds; 0 without Bullet.
+    double update(SampleIndex at, const std::vector<float>& patch_m) {
+#ifdef FJELL_BULLET
+        const auto started = Clock::now();
+        for (std::uint32_t row = 0; row < patch_side; ++row)
+            std::copy_n(patch_m.begin() + row * patch_side, patch_side,
+                        heights_m_.begin() + (at.row - first_.row + static_cast<std::int32_t>(row)) * side +
+                            (at.column - first_.column));
+        shape_.buildAccelerator();
+        return std::chrono::duration<double, std::micro>(Clock::now() - started).count();
+#else
+        (void)at, (void)patch_m;
+        return 0;
+#endif
+    }
+
+private:
+    SampleIndex first_;
+    std::vector<float> heights_m_ = std::vector<float>(std::size_t{side} * side); // the shape keeps their address
+#ifdef FJELL_BULLET
+    btHeightfieldTerrainShape shape_{side, side, heights_m_.data(), -1e4f, 1e4f, 1, false};
+#endif
+};
+
 void crater(benchmark::State& state, std::int32_t samples) {
     Scene& s = scene(samples);
     const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
     std::mt19937 random(1);
     std::uniform_real_distribution<double> any(-100, 100);
-    std::vector<double> apply, measure, follow, quiet;
+    std::vector<double> apply, measure, follow, quiet, patch, bullet, normals;
     std::uint64_t items = 0;
+    BulletField field(s.pack.terrain);
+    std::vector<float> patch_m(std::size_t{patch_side} * patch_side);
+    // As if all tiles showed their normal maps, with a texel a sample.
+    std::vector<TileMap> shown(s.pack.terrain.tile_count());
+    for (std::uint32_t tile = 0; tile < shown.size(); ++tile) shown[tile] = {tile, 9, 0};
+    const GroundMapsBudget map_budget{.texels = 1u << 20};
+    const std::size_t map_bytes = ground_maps_bytes(s.pack.pack.header, map_budget);
+    const io::AlignedMemory map_memory = io::allocate(map_bytes);
+    GroundMaps maps;
+    must(create_ground_maps(s.pack.terrain, map_budget, {map_memory.get(), map_bytes}, maps));
+    GroundMapsReport made;
+    do must(update_ground_maps(maps, shown, made));
+    while (made.waiting != 0);
     for (auto _ : state) {
         Stamp stamp;
         stamp.shape = StampShape::crater;
@@ -100,6 +160,14 @@ void crater(benchmark::State& state, std::int32_t samples) {
         first.max_work = 1; // looked at and applied
         must(update_edits(s.edits, {&s.view, 1}, first, report));
         apply.push_back(report.apply_us);
+        must(update_ground_maps(maps, shown, made));
+        normals.push_back(made.update_us);
+        const SampleIndex corner{static_cast<std::int32_t>(stamp.x_m / cell) - 32,
+                                 static_cast<std::int32_t>(stamp.z_m / cell) - 32};
+        const auto asked = Clock::now();
+        (void)ground_patch(s.pack.terrain, corner, 0, patch_side, patch_m);
+        patch.push_back(std::chrono::duration<double, std::micro>(Clock::now() - asked).count());
+        bullet.push_back(field.update(corner, patch_m));
         CutReport cut;
         must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
         follow.push_back(cut.prepare_us + cut.refine_us + cut.output_us);
@@ -117,6 +185,9 @@ void crater(benchmark::State& state, std::int32_t samples) {
     state.counters["apply_us"] = median(apply);
     state.counters["shown_us"] = median(follow);
     state.counters["measure_us"] = median(measure);
+    state.counters["normals_us"] = median(normals);
+    state.counters["patch_us"] = median(patch);
+    state.counters["bullet_us"] = median(bullet);
     state.counters["quiet_us"] = median(quiet);
     state.counters["items"] = static_cast<double>(items) / static_cast<double>(state.iterations());
     state.counters["bake_ms"] = s.bake_ms;

@@ -86,7 +86,7 @@ struct Place {
         REQUIRE(stamp_state(edits, id).state == StampState::applied);
     }
     // What a host does with patches, until none waits.
-    GroundMapsReport follow(std::uint32_t most = 1u << 15) {
+    GroundMapsReport follow(std::uint32_t most = GroundMapsBudget{}.texels) {
         GroundMapsReport report;
         do {
             REQUIRE(update_ground_maps(maps, shown, report).ok());
@@ -261,6 +261,10 @@ TEST_CASE("ground maps refuse what makes no sense, and change nothing") {
     CHECK(ground_maps_bytes(place.pack.pack.header, {.texels = 4095}) == 0);
     CHECK(ground_maps_bytes({}, {}) == 0);
     CHECK(update_ground_maps(place.maps, std::span(place.shown).first(1), report).code == StatusCode::out_of_range);
+    place.stamp(StampShape::crater, 64, 66, 60, 25);
+    for (TileMap& tile : place.shown) tile.side_log2 = 12; // larger than the pack's
+    place.follow();
+    CHECK(place.texels == 0);
     CHECK(update_ground_maps({}, place.shown, report).code == StatusCode::invalid_handle);
     CHECK(note_map_commands({}, {}).code == StatusCode::invalid_handle);
     CHECK(ground_map_patches({}).empty());

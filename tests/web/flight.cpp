@@ -63,7 +63,8 @@ int main(int count, char** arguments) {
         const double stride = frame % 60 < 40 ? 20 : 400;
         eye = eye + Vec3{random.part(), random.part() * 0.5, random.part()} * stride;
         if (frame % 80 == 79)
-            eye = {wide / 2 + random.part() * wide / 2, 3000 + random.part() * 1000, deep / 2 + random.part() * deep / 2};
+            eye = {wide / 2 + random.part() * wide / 2, 3000 + random.part() * 1000,
+                   deep / 2 + random.part() * deep / 2};
         views[0].eye_m = eye;
         views[1].eye_m = Vec3{wide, 6000, deep} - eye * 0.25;
         CutSettings settings;
@@ -73,7 +74,8 @@ int main(int count, char** arguments) {
         CutReport report;
         if (!update_cut(cut, std::span(views).first(frame % 50 < 30 ? 1u : 2u), settings, report).ok()) return 1;
         triangles = hashed(triangles, sum_of(cut_mesh(cut).mesh));
-        for (const std::uint32_t n : {report.work, report.activations, report.deactivations, report.waiting, report.triangles})
+        for (const std::uint32_t n :
+             {report.work, report.activations, report.deactivations, report.waiting, report.triangles})
             work = hashed(work, n);
     }
     std::printf("%08" PRIx32 " %08" PRIx32 "\n", triangles, work);

@@ -30,8 +30,8 @@ class GroundMaps : public Handle<GroundMapsData> {};
 struct GroundMapsBudget {
     // Changes that wait, 1 to 65,536, 24 bytes each. Of a tile that more change than that, all texels are made anew.
     std::uint32_t changes = 256;
-    // Texels made in an update at most, 4,096 to 4,194,304: 1 byte each, and some 20 ns.
-    std::uint32_t texels = 1u << 15;
+    // Texels made in an update at most, 4,096 to 4,194,304: 1 byte each, and some 30 ns.
+    std::uint32_t texels = 1u << 14;
 };
 
 // Texels of a mip. Upload the blocks to a rectangle of a layer, in the array of size side_log2. Sides and places are

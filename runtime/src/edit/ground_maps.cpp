@@ -271,7 +271,8 @@ bool make_piece(GroundMapsData& m, std::span<const TileMap> normals, GroundMapsR
     for (; w.tile.row <= w.last_tile.row; ++w.tile.row, w.tile.column = w.first_tile.column)
         for (; w.tile.column <= w.last_tile.column; ++w.tile.column, w.mip = 0, w.piece = 0) {
             const std::uint32_t tile = t.tile_at(w.tile.column, w.tile.row);
-            if (tile == no_index || normals[tile].side_log2 == 0) continue;
+            if (tile == no_index || normals[tile].side_log2 == 0 || normals[tile].side_log2 > t.header.normal_log2)
+                continue;
             const TileMap& shown = normals[tile];
             for (; w.mip < mip_count(shown.side_log2); ++w.mip, w.piece = 0) {
                 TexelRect piece;
