@@ -173,6 +173,13 @@ void add_common_options(CLI::App& app, Arguments& a) {
     }
 }
 
+void add_packing_options(CLI::App& command, GltfPacking& packing) {
+    command.add_flag("--quantised", packing.quantised,
+                     "glTF: 16 bits a number (KHR_mesh_quantization); the error that is claimed includes the rounding");
+    command.add_flag("--meshopt", packing.meshopt,
+                     "glTF: compressed (EXT_meshopt_compression), which not all viewers read");
+}
+
 void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles = app.add_subcommand(
         "tiles",
@@ -180,23 +187,32 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles->add_option("PACK", a.pack, about_pack)->required();
     c.tiles
         ->add_option("-o,--output", a.tiles_folder,
-                     "the new folder to write: layer.json and z/x/y.terrain, or tileset.json and z/x/y.glb")
+                     "the new folder to write: layer.json and z/x/y.terrain, tileset.json and z/x/y.glb, or tiles.json "
+                     "and z/x/y.png; or one file, .mbtiles or .pmtiles")
         ->required();
     c.tiles
         ->add_option_function<std::string>(
             "--format",
             [&a](const std::string& word) {
-                a.tiles.format = word == "3dtiles" ? TilesFormat::tiles_3d : TilesFormat::quantized_mesh;
+                a.tiles.format = word == "3dtiles"       ? TilesFormat::tiles_3d
+                                 : word == "terrain-rgb" ? TilesFormat::terrain_rgb
+                                 : word == "terrarium"   ? TilesFormat::terrarium
+                                                         : TilesFormat::quantized_mesh;
             },
-            "quantized-mesh (default): terrain of CesiumJS; 3dtiles: glTF tiles, never compressed")
-        ->check(io::one_of({"quantized-mesh", "3dtiles"}));
+            "quantized-mesh (default): terrain of CesiumJS; 3dtiles: glTF tiles; terrain-rgb, terrarium: heights as "
+            "pictures, for MapLibre")
+        ->check(io::one_of({"quantized-mesh", "3dtiles", "terrain-rgb", "terrarium"}));
+    c.tiles
+        ->add_option("--tile-px", a.tiles.side_px, "pixels a side of terrain-rgb and terrarium: 256 or 512 (default)")
+        ->check(io::one_of({"256", "512"}));
     c.tiles
         ->add_option_function<std::string>(
             "--tiling",
             [&a](const std::string& word) {
                 a.tiles.tiling = word == "mercator" ? Tiling::mercator : Tiling::geographic;
             },
-            "geographic: EPSG:4326 with two tiles at level 0 (default); mercator: EPSG:3857 with one")
+            "geographic: EPSG:4326 with two tiles at level 0 (default); mercator: EPSG:3857 with one, as pictures have "
+            "it")
         ->check(io::one_of({"geographic", "mercator"}));
     c.tiles
         ->add_option("--max-level", a.tiles.max_level,
@@ -205,6 +221,7 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles->add_flag("!--no-normals", a.tiles.normals, "leave out normals, which viewers need for light");
     c.tiles->add_flag("!--no-gzip", a.tiles.gzip,
                       "leave tiles uncompressed, for servers that do not send Content-Encoding: gzip");
+    add_packing_options(*c.tiles, a.tiles.packing);
     add_how_options(*c.tiles, a);
     c.tiles->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
@@ -258,6 +275,7 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
         ->add_option("--base-m", a.mesh.base_m,
                      ".stl: metres from the lowest ground down to the base (default: 1/20 of the longer side)")
         ->check(io::within(0, 1e6));
+    add_packing_options(*c.mesh, a.mesh.packing);
     c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     add_recipe_options(*c.mesh, a.ground, true);

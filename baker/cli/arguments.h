@@ -12,6 +12,7 @@
 #include "baker/outlets/height_files.h"
 #include "baker/outlets/mesh_file.h"
 #include "baker/outlets/simulate.h"
+#include "baker/outlets/tile_archive.h"
 #include "baker/outlets/tiles.h"
 #include "baker/pack/write_set.h"
 

@@ -174,10 +174,14 @@ json tiles_json(const TilesSummary& s) {
 
 void print_tiles(const TilesSummary& s, const std::string& folder) {
     if (s.resumed) fmt::print("went on from an earlier run\n");
-    fmt::print("level    tiles  triangles      MB  error m  assumed m\n");
+    const bool pictures = s.levels.front().assumed_error_m == 0;
+    fmt::print("level    tiles {}     MB  error m {}\n", pictures ? "" : " triangles ", pictures ? "" : " assumed m");
     for (const LevelSummary& l : s.levels)
-        fmt::print("{:5} {:8} {:10} {:7.2f} {:8.2f} {:10.2f}\n", l.level, l.tiles, l.triangles,
-                   static_cast<double>(l.bytes) / 1e6, l.error_m, l.assumed_error_m);
+        if (pictures)
+            fmt::print("{:5} {:8} {:7.2f} {:8.2f}\n", l.level, l.tiles, static_cast<double>(l.bytes) / 1e6, l.error_m);
+        else
+            fmt::print("{:5} {:8} {:10} {:7.2f} {:8.2f} {:10.2f}\n", l.level, l.tiles, l.triangles,
+                       static_cast<double>(l.bytes) / 1e6, l.error_m, l.assumed_error_m);
     for (const LevelSummary& l : s.levels)
         if (l.above > 0)
             fmt::print(
@@ -188,7 +192,9 @@ void print_tiles(const TilesSummary& s, const std::string& folder) {
 }
 
 int run_tiles(Arguments a) {
-    refuse_overwriting({a.tiles_folder + "/", a.json_path}, files_of_pack(a.pack));
+    refuse_overwriting(
+        {archive_of(a.tiles_folder) == Archive::folder ? a.tiles_folder + "/" : a.tiles_folder, a.json_path},
+        files_of_pack(a.pack));
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     a.tiles.threads = a.threads;

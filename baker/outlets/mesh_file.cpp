@@ -113,61 +113,27 @@ Corner3 normal_at(const Ground& ground, std::int64_t x, std::int64_t y) {
     return {static_cast<float>(-east / length), static_cast<float>(1 / length), static_cast<float>(-south / length)};
 }
 
-void write_glb(const HeightMesh& mesh, const Ground& ground, const Claim& claim, Sink& out) {
-    const std::uint64_t index_bytes = mesh.triangles.size() * sizeof(mesh.triangles[0]),
-                        corner_bytes = mesh.vertices.size() * sizeof(Corner3);
-    const std::uint64_t binary_bytes = index_bytes + 2 * corner_bytes;
-    Corner3 low = mesh.vertices.front(), high = low;
-    for (const Corner3& v : mesh.vertices)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            low[axis] = std::min(low[axis], v[axis]), high[axis] = std::max(high[axis], v[axis]);
-    constexpr int array_buffer = 34962, element_buffer = 34963, float_type = 5126, uint_type = 5125;
-    const auto view = [](std::uint64_t at, std::uint64_t bytes, int target) {
-        return ordered_json{{"buffer", 0}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}};
+void write_glb(const HeightMesh& mesh, const Ground& ground, const std::optional<GltfLattice>& lattice,
+               const MeshFileOptions& options, const Claim& claim, Sink& out) {
+    gltf::Glb glb("fjell-bake",
+                  fmt::format("{} triangles need more bytes than glTF counts; give a larger --max-error-m, a part with "
+                              "--bbox, or a name that ends in .ply",
+                              mesh.triangles.size()));
+    glb.json["asset"]["extras"]["fjell"] = claim.json();
+    const auto three = [](const Corner3& c) {
+        return std::array{static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
     };
-    const ordered_json gltf{
-        {"asset", {{"version", "2.0"}, {"generator", "fjell-bake"}, {"extras", {{"fjell", claim.json()}}}}},
-        {"scene", 0},
-        {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {{{"name", "terrain"}, {"mesh", 0}}}},
-        {"meshes",
-         {{{"primitives",
-            {{{"attributes", {{"POSITION", 1}, {"NORMAL", 2}}}, {"indices", 0}, {"material", 0}, {"mode", 4}}}}}}},
-        {"materials",
-         {{{"name", "ground"},
-           {"pbrMetallicRoughness",
-            {{"baseColorFactor", {0.5, 0.5, 0.5, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}}}},
-        {"accessors",
-         {{{"bufferView", 0}, {"componentType", uint_type}, {"count", 3 * mesh.triangles.size()}, {"type", "SCALAR"}},
-          {{"bufferView", 1},
-           {"componentType", float_type},
-           {"count", mesh.vertices.size()},
-           {"type", "VEC3"},
-           {"min", low},
-           {"max", high}},
-          {{"bufferView", 2}, {"componentType", float_type}, {"count", mesh.vertices.size()}, {"type", "VEC3"}}}},
-        {"bufferViews",
-         {view(0, index_bytes, element_buffer), view(index_bytes, corner_bytes, array_buffer),
-          view(index_bytes + corner_bytes, corner_bytes, array_buffer)}},
-        {"buffers", {{{"byteLength", binary_bytes}}}}};
-    std::string text = gltf.dump();
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    constexpr std::uint64_t headers = 12 + 8 + 8;
-    const std::uint64_t all = headers + text.size() + binary_bytes;
-    if (all > 0xffff'ffff)
-        throw Failure(1, fmt::format("{} triangles need {} bytes, more than glTF counts; give a larger --max-error-m, "
-                                     "a part with --bbox, or a name that ends in .ply",
-                                     mesh.triangles.size(), all));
-    const auto put32 = [&](std::uint64_t value) { out.put(static_cast<std::uint32_t>(value)); };
-    put32(0x46546c67), put32(2), put32(all);
-    put32(text.size()), put32(0x4e4f534a);
-    out.put(text);
-    put32(binary_bytes), put32(0x004e4942);
-    for (const auto& t : mesh.triangles) out.put(t);
-    for (const Corner3& v : mesh.vertices) out.put(v);
-    for (const Corner3& v : mesh.vertices)
-        out.put(normal_at(ground, std::lround(static_cast<double>(v[0]) / ground.spacing_m[0]),
-                          std::lround(static_cast<double>(v[2]) / ground.spacing_m[1])));
+    GltfMesh content{"terrain", mesh.vertices.size(), mesh.triangles};
+    content.place = [&](std::size_t i) { return three(mesh.vertices[i]); };
+    content.normal = [&](std::size_t i) {
+        const Corner3& v = mesh.vertices[i];
+        return three(normal_at(ground, std::lround(static_cast<double>(v[0]) / ground.spacing_m[0]),
+                               std::lround(static_cast<double>(v[2]) / ground.spacing_m[1])));
+    };
+    content.lattice = lattice;
+    add_gltf_mesh(glb, content, options.packing.meshopt);
+    glb.close();
+    glb.write([&](std::span<const std::byte> bytes) { out.put(bytes); });
 }
 
 // ---- .ply, .obj
@@ -261,8 +227,30 @@ std::uint64_t write_stl(const HeightMesh& mesh, const Ground& ground, const Mesh
 
 // ---- the mesh
 
+// Columns and rows are whole numbers by themselves. Heights may take half of the bound for their steps: then a quarter
+// of it is rounding, and normals, which are scaled like places, keep most of their digits.
+std::optional<GltfLattice> lattice_of(const Ground& ground, const MeshFileOptions& options, double max_error_m) {
+    if (!options.packing.quantised) return {};
+    if (std::max(ground.columns, ground.rows) > GltfLattice::most + 1)
+        throw Failure(1,
+                      fmt::format("--quantised: 16 bits count 65536 samples a side, and there are {} x {}; give a part "
+                                  "with --bbox",
+                                  ground.columns, ground.rows));
+    const double low_m = static_cast<double>(ground.min_m), relief_m = static_cast<double>(ground.max_m) - low_m;
+    const double step_m = std::max({max_error_m / 2, relief_m / GltfLattice::most, 1e-6});
+    return GltfLattice{{0, low_m, 0}, {ground.spacing_m[0], step_m, ground.spacing_m[1]}};
+}
+
+// What the lattice adds to an error: half a step, and what a viewer's floats are off.
+double rounding_m(const std::optional<GltfLattice>& lattice, const Ground& ground) {
+    constexpr double float_share = 1.0 / (1 << 23);
+    const auto size = [](float height_m) { return std::abs(static_cast<double>(height_m)); };
+    return lattice ? lattice->scale[1] / 2 + float_share * std::max(size(ground.min_m), size(ground.max_m)) : 0;
+}
+
 HeightMesh mesh_within(const Ground& ground, const MeshFileOptions& options, MeshFormat format, double max_error_m) {
-    HeightMeshOptions wanted{{ground.spacing_m[0], ground.spacing_m[1]}, max_error_m};
+    const double rest_m = max_error_m - rounding_m(lattice_of(ground, options, max_error_m), ground);
+    HeightMeshOptions wanted{{ground.spacing_m[0], ground.spacing_m[1]}, std::max(0.0, rest_m)};
     wanted.z_up = is_z_up(format), wanted.base = format == MeshFormat::stl, wanted.threads = options.threads;
     return mesh_heights(ground.array(), wanted);
 }
@@ -296,6 +284,9 @@ HeightMesh mesh_of_at_most(std::uint64_t most, const Ground& ground, const MeshF
 
 MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOptions& options, const std::string& path) {
     const MeshFormat format = format_of(path);
+    if ((options.packing.quantised || options.packing.meshopt) && format != MeshFormat::glb)
+        throw Failure(
+            2, fmt::format("{}: --quantised and --meshopt are for .glb; leave them out, or give such a name", path));
     io::AtomicFile file(path); // a file that cannot be written should not cost the work
     const Ground ground = read_ground(source, GroundHoles::as_source, options.threads, options.progress);
     MeshFileSummary s{ground.columns, ground.rows};
@@ -308,16 +299,23 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
     if (mesh.triangles.empty())
         throw Failure(
             1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh", path));
-    if (mesh.true_error_m > s.max_error_m)
+    const std::optional<GltfLattice> lattice = lattice_of(ground, options, s.max_error_m);
+    s.true_error_m = mesh.true_error_m + rounding_m(lattice, ground);
+    if (lattice && s.true_error_m > s.max_error_m)
+        throw Failure(1,
+                      fmt::format("--max-error-m {}: heights of 16 bits are {} m off here; give that much, a part with "
+                                  "--bbox, or leave out --quantised",
+                                  s.max_error_m, s.true_error_m));
+    if (s.true_error_m > s.max_error_m)
         throw Failure(1, fmt::format("--max-error-m {}: coordinates in float are {} m off so far from sample (0, 0); "
                                      "give that much, or a part with --bbox",
                                      s.max_error_m, mesh.true_error_m));
-    s.true_error_m = mesh.true_error_m, s.holes = ground.holes;
+    s.holes = ground.holes;
     s.vertices = mesh.vertices.size(), s.triangles = s.ground_triangles = mesh.triangles.size();
     const Claim claim{source, s};
     Sink out(file);
     switch (format) {
-    case MeshFormat::glb: write_glb(mesh, ground, claim, out); break;
+    case MeshFormat::glb: write_glb(mesh, ground, lattice, options, claim, out); break;
     case MeshFormat::ply: write_ply(mesh, claim, out); break;
     case MeshFormat::obj: write_obj(mesh, claim, out); break;
     case MeshFormat::stl: s.triangles = write_stl(mesh, ground, options, claim, out); break;

@@ -5,6 +5,7 @@
 //   .ply  binary: x east, y north, z up; comments say what holds;
 //   .obj  text: x east, y up, z south; comments say what holds;
 //   .stl  binary, a closed solid for printing: x east, y north, z up, with walls and a base; its header says the error.
+// Quantised, a .glb has columns, rows and steps of height as whole numbers of 16 bits: the bound takes the rounding in.
 // O(samples); memory: 4 bytes a sample (9 while holes are filled), 24 a vertex and 24 a triangle. The file is replaced
 // whole. Throws Failure: 1 the source, a bound closer than float coordinates are, or a format that cannot hold so much;
 // 2 an unknown ending; 3 the disk, too little memory.
@@ -15,6 +16,7 @@
 #include <string>
 
 #include "baker/bake/bake.h"
+#include "baker/outlets/gltf_mesh.h"
 #include "baker/read/source.h"
 
 namespace fjell::baker {
@@ -22,6 +24,7 @@ namespace fjell::baker {
 struct MeshFileOptions {
     double max_error_m = 1;                     // >= 0
     std::optional<std::uint64_t> max_triangles; // instead: the smallest error found whose mesh has no more
+    GltfPacking packing{};                      // of .glb
     double base_m = -1; // of .stl: from its lowest ground down to its base; below 0: 1/20 of the longer side
     int threads = 0;    // 0: all cores
     Progress progress{};

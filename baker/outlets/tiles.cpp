@@ -11,13 +11,16 @@
 #include <mutex>
 #include <numbers>
 #include <span>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "baker/georeference/crs_label.h"
 #include "baker/outlets/quantized_mesh.h"
+#include "baker/outlets/raster_tiles.h"
 #include "baker/outlets/surface.h"
+#include "baker/outlets/tile_archive.h"
 #include "baker/outlets/tile_mesh.h"
 #include "baker/outlets/tileset.h"
 #include "baker/store/parallel.h"
@@ -34,6 +37,7 @@ namespace fs = std::filesystem;
 struct Made {
     double error_m = 0, low_m = 0, high_m = 0;
     std::uint64_t vertices = 0, triangles = 0, bytes = 0; // 0 vertices: it is not made yet
+    std::uint64_t above = 0;                              // 1: its mesh does not keep the tolerance
 };
 struct Tile {
     TileId id;
@@ -127,33 +131,38 @@ double tile_m(Tiling tiling, int level) {
     return 2 * std::numbers::pi * globe_radius_m / tiles_across(tiling, level);
 }
 
-int last_level(const HeightSource& source, const std::string& name, const TilesOptions& options) {
+int last_level(const HeightSource& source, const std::string& name, const TilesOptions& options, Tiling tiling) {
     constexpr double share = 5, fewest_samples = 8;
     const double spacing_m = std::min(source.spacing_m[0], source.spacing_m[1]);
     int most = 0;
-    while (most < most_tile_level && tile_m(options.tiling, most + 1) >= fewest_samples * spacing_m) ++most;
+    while (most < most_tile_level && tile_m(tiling, most + 1) >= fewest_samples * spacing_m) ++most;
     if (options.max_level > most)
         throw Failure(1,
                       fmt::format("{}: its samples are {} m apart, so that level {} shows nothing more than {}; give "
                                   "--max-level {}",
                                   name, spacing_m, options.max_level, most, most));
     if (options.max_level >= 0) return options.max_level;
+    const auto is_fine = [&](int level) {
+        return is_raster(options.format) ? tile_m(tiling, level) / options.side_px <= spacing_m
+                                         : assumed_error_m(tiling, level) <= spacing_m / share;
+    };
     int level = 0;
-    while (level < most && assumed_error_m(options.tiling, level) > spacing_m / share) ++level;
+    while (level < most && !is_fine(level)) ++level;
     return level;
 }
 
 class Pyramid {
 public:
-    Pyramid(const GroundSurface& surface, const std::string& name, const TilesOptions& options,
+    Pyramid(const GroundSurface& surface, const std::string& name, const TilesOptions& options, Tiling tiling,
             const std::string& folder, const std::string& work)
-        : surface_(surface), name_(name), options_(options), folder_(folder), work_(work),
+        : surface_(surface), name_(name), options_(options), tiling_(tiling), folder_(folder), work_(work),
           threads_(resolve_threads(options.threads)), finders_(surface.source()) {}
 
     TilesSummary write(int last) {
+        last_ = last;
         TilesSummary summary;
         std::vector<TileId> ids;
-        for (std::int32_t x = 0; x < tiles_across(options_.tiling, 0); ++x) ids.push_back({0, x, 0});
+        for (std::int32_t x = 0; x < tiles_across(tiling_, 0); ++x) ids.push_back({0, x, 0});
         std::vector<std::vector<TileId>> levels;
         for (int level = 0; level <= last; ++level) {
             if (level > 0) ids = children_with_ground(ids);
@@ -172,12 +181,32 @@ public:
                 for (const Tile& t : tiles) made.back().push_back({t.id, t.made.error_m, t.made.low_m, t.made.high_m});
         }
         bounds_ = bounds(levels.back());
-        write_index(summary, made);
+        if (is_tileset())
+            write_text("tileset.json", tileset_json(tiling_, made, about(summary).dump()));
+        else
+            write_text(is_raster() ? "tiles.json" : "layer.json", index(summary));
+        for (const std::vector<TileId>& level : levels)
+            for (const TileId& id : level) written_.push_back({id, path_of(id)});
         return summary;
+    }
+    // After write().
+    void archive(Archive kind, const TilesSummary& summary, const std::string& path) const {
+        write_archive(kind, written_,
+                      {fs::path(name_).stem().string(), is_raster() ? "png" : "quantized-mesh-1.0",
+                       !is_raster() && options_.gzip, bounds_, index(summary)},
+                      path, work_);
     }
 
 private:
     [[nodiscard]] bool is_tileset() const { return options_.format == TilesFormat::tiles_3d; }
+    [[nodiscard]] bool is_raster() const { return baker::is_raster(options_.format); }
+    [[nodiscard]] std::string path_of(TileId id) const {
+        return fmt::format("{}/{}/{}/{}{}", folder_, id.level, id.x,
+                           is_raster() ? tiles_down(id.level) - 1 - id.y : id.y,
+                           is_raster()    ? ".png"
+                           : is_tileset() ? ".glb"
+                                          : ".terrain");
+    }
     [[nodiscard]] std::vector<TileId> children_with_ground(const std::vector<TileId>& parents) const {
         std::vector<std::uint8_t> there(parents.size() * 4);
         const auto child = [&](std::size_t i) {
@@ -187,7 +216,7 @@ private:
         };
         parallel_for(static_cast<std::int64_t>(there.size()), threads_, [&](std::int64_t i) {
             const auto at = static_cast<std::size_t>(i);
-            there[at] = surface_.touches(box_of(options_.tiling, child(at)));
+            there[at] = surface_.touches(box_of(tiling_, child(at)));
         });
         std::vector<TileId> ids;
         for (std::size_t i = 0; i < there.size(); ++i)
@@ -197,24 +226,26 @@ private:
         return ids;
     }
 
-    [[nodiscard]] TileRules rules_of(int level) const {
-        const double assumed_m = assumed_error_m(options_.tiling, level);
+    // With height 0, which lies around.
+    [[nodiscard]] double relief_m() const {
         const HeightRange range = surface_.range();
-        const double relief_m = std::max(0.0, static_cast<double>(range.high)) -
-                                std::min(0.0, static_cast<double>(range.low)); // with height 0, which lies around
+        return std::max(0.0, static_cast<double>(range.high)) - std::min(0.0, static_cast<double>(range.low));
+    }
+
+    [[nodiscard]] TileRules rules_of(int level) const {
+        const double assumed_m = assumed_error_m(tiling_, level);
         constexpr double share = 1.0 / 16, finest_m = 1.0 / 4096, room = 32000;
-        const double step_m = std::clamp(2 * power_of_two_below(relief_m / room + finest_m), finest_m,
+        const double step_m = std::clamp(2 * power_of_two_below(relief_m() / room + finest_m), finest_m,
                                          std::max(finest_m, power_of_two_below(assumed_m * share)));
         // A flat triangle of this grid's cells lies at most a quarter of the error below the globe.
-        const double cells =
-            tile_m(options_.tiling, level) * tile_m(options_.tiling, level) / (globe_radius_m * assumed_m);
+        const double cells = tile_m(tiling_, level) * tile_m(tiling_, level) / (globe_radius_m * assumed_m);
         return {assumed_m, step_m, std::max(1, static_cast<int>(std::ceil(std::log2(cells) / 2)))};
     }
 
     using Places = std::map<std::pair<std::int32_t, std::int32_t>, std::size_t>; // x, y
     static constexpr std::size_t nobody = ~std::size_t{0};
     [[nodiscard]] std::size_t neighbour(const Places& places, TileId id, std::size_t side) const {
-        const std::int32_t across = tiles_across(options_.tiling, id.level);
+        const std::int32_t across = tiles_across(tiling_, id.level);
         constexpr std::int32_t dx[4] = {-1, 0, 1, 0}, dy[4] = {0, -1, 0, 1};
         const auto found = places.find({(id.x + dx[side] + across) % across, id.y + dy[side]});
         return found == places.end() ? nobody : found->second;
@@ -256,7 +287,7 @@ private:
                 make(level, rules, tiles, places, due, journal);
             }
         }
-        return summary_of(level, rules, tiles);
+        return summary_of(level, is_raster() ? 0 : rules.tolerance_m, tiles);
     }
 
     void make(int level, const TileRules& rules, std::vector<Tile>& tiles, const Places& places,
@@ -279,13 +310,8 @@ private:
     }
 
     void write_tile(const TileRules& rules, const SampleFinder& finder, const BorderVertices& wanted, Tile& tile) {
-        TileMesh mesh = make_tile_mesh(surface_, finder, box_of(options_.tiling, tile.id), rules, wanted);
-        std::vector<GlobePlace> normals;
-        if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
-        tile.made = {mesh.error_m, 0, 0, mesh.vertices.size(), mesh.triangles.size(), 0};
-        const std::vector<std::byte> bytes = encode(tile.id, rules, mesh, normals, tile.made);
-        const std::string folder = fmt::format("{}/{}/{}", folder_, tile.id.level, tile.id.x),
-                          path = fmt::format("{}/{}{}", folder, tile.id.y, is_tileset() ? ".glb" : ".terrain");
+        const std::vector<std::byte> bytes = is_raster() ? picture(finder, tile) : meshed(rules, finder, wanted, tile);
+        const std::string path = path_of(tile.id), folder = fs::path(path).parent_path().string();
         std::error_code error;
         fs::create_directories(folder, error);
         if (error) errno = error.value(), io::disk_failure(folder, "make the folder");
@@ -294,32 +320,63 @@ private:
         file.close();
         if (!file) io::disk_failure(path, "write");
         tile.made.bytes = bytes.size();
+    }
+
+    [[nodiscard]] std::vector<std::byte> picture(const SampleFinder& finder, Tile& tile) const {
+        const HeightColours colours =
+            options_.format == TilesFormat::terrarium ? HeightColours::terrarium : HeightColours::terrain_rgb;
+        RasterTile made = named([&] {
+            return make_raster_tile(surface_, finder, tile.id, {colours, options_.side_px, last_});
+        });
+        const auto pixels = static_cast<std::uint64_t>(options_.side_px) * static_cast<std::uint64_t>(options_.side_px);
+        tile.made = {made.error_m, made.low_m, made.high_m, pixels, 0, 0, 0};
+        return std::move(made.png);
+    }
+
+    [[nodiscard]] std::vector<std::byte> meshed(const TileRules& rules, const SampleFinder& finder,
+                                                const BorderVertices& wanted, Tile& tile) const {
+        TileMesh mesh = make_tile_mesh(surface_, finder, box_of(tiling_, tile.id), rules, wanted);
+        std::vector<GlobePlace> normals;
+        if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
+        tile.made = {
+            mesh.error_m, 0, 0, mesh.vertices.size(), mesh.triangles.size(), 0, mesh.error_m > rules.tolerance_m};
+        std::vector<std::byte> bytes = encode(tile.id, rules, mesh, normals, tile.made);
         tile.borders = std::move(mesh.borders);
+        return bytes;
+    }
+
+    // What goes wrong says of what.
+    template <typename Make>
+    [[nodiscard]] std::invoke_result_t<Make> named(const Make& make) const {
+        try {
+            return make();
+        } catch (const Failure& failure) {
+            throw Failure(failure.exit_code, fmt::format("{}: {}", name_, failure.what()));
+        }
     }
 
     [[nodiscard]] std::vector<std::byte> encode(TileId id, const TileRules& rules, const TileMesh& mesh,
                                                 std::span<const GlobePlace> normals, Made& made) const {
         if (is_tileset()) {
             // Beside a tile of the next coarser level: its own error, and that one's, which is twice as large.
-            GltfTile tile = encode_gltf_tile(mesh, 3 * std::max(rules.tolerance_m, mesh.error_m), normals);
+            constexpr double diagonal = 1.5; // with walls
+            const double size_m = diagonal * tile_m(tiling_, id.level) + relief_m();
+            GltfTile tile = encode_gltf_tile(mesh, {rules.tolerance_m, size_m, options_.packing}, normals);
+            made.error_m = tile.error_m;
             made.low_m = tile.low_m, made.high_m = tile.high_m;
             return std::move(tile.bytes);
         }
-        try {
-            const std::string available = id.level == 0 ? json(available_.begin() + 1, available_.end()).dump() : "";
-            EncodedTile tile = encode_quantized_mesh(mesh, rules.height_step_m, normals, available);
-            made.low_m = tile.low_m, made.high_m = tile.high_m;
-            return options_.gzip ? gzip(tile.bytes) : std::move(tile.bytes);
-        } catch (const Failure& failure) {
-            throw Failure(failure.exit_code, fmt::format("{}: {}", name_, failure.what()));
-        }
+        const std::string available = id.level == 0 ? json(available_.begin() + 1, available_.end()).dump() : "";
+        EncodedTile tile = named([&] { return encode_quantized_mesh(mesh, rules.height_step_m, normals, available); });
+        made.low_m = tile.low_m, made.high_m = tile.high_m;
+        return options_.gzip ? gzip(tile.bytes) : std::move(tile.bytes);
     }
 
     // Of the ground itself, over about as much as a triangle covers.
     [[nodiscard]] std::vector<GlobePlace> normals_of(const TileMesh& mesh, const SampleFinder& finder,
                                                      int level) const {
         constexpr double share = 1.0 / 128, degree_m = 111.2e3, least_cosine = 1e-3;
-        const double away = std::max(surface_.spacing_m(), tile_m(options_.tiling, level) * share) / degree_m;
+        const double away = std::max(surface_.spacing_m(), tile_m(tiling_, level) * share) / degree_m;
         std::vector<GlobePlace> normals;
         for (const TileMesh::Vertex& v : mesh.vertices) {
             const LonLat at = mesh.place(v);
@@ -345,13 +402,13 @@ private:
         return normals;
     }
 
-    static LevelSummary summary_of(int level, const TileRules& rules, const std::vector<Tile>& tiles) {
-        LevelSummary s{level, rules.tolerance_m};
+    static LevelSummary summary_of(int level, double assumed_m, const std::vector<Tile>& tiles) {
+        LevelSummary s{level, assumed_m};
         for (const Tile& tile : tiles) {
             ++s.tiles;
             s.error_m = std::max(s.error_m, tile.made.error_m);
             s.vertices += tile.made.vertices, s.triangles += tile.made.triangles, s.bytes += tile.made.bytes;
-            s.above += tile.made.error_m > rules.tolerance_m;
+            s.above += tile.made.above;
         }
         return s;
     }
@@ -390,36 +447,53 @@ private:
     [[nodiscard]] DegreeBox bounds(const std::vector<TileId>& ids) const {
         DegreeBox all{180, 90, -180, -90};
         for (const TileId& id : ids) {
-            const DegreeBox b = box_of(options_.tiling, id);
+            const DegreeBox b = box_of(tiling_, id);
             all = {std::min(all.west, b.west), std::min(all.south, b.south), std::max(all.east, b.east),
                    std::max(all.north, b.north)};
         }
         return all;
     }
 
-    void write_index(const TilesSummary& summary, const std::vector<std::vector<TilesetTile>>& made) const {
+    [[nodiscard]] json about(const TilesSummary& summary) const {
         const CrsLabel crs = crs_label(surface_.source().crs_wkt);
         json levels = json::array();
-        for (const LevelSummary& l : summary.levels)
-            levels.push_back({{"level", l.level},
-                              {"tiles", l.tiles},
-                              {"triangles", l.triangles},
-                              {"error_m", l.error_m},
-                              {"assumed_error_m", l.assumed_error_m}});
-        const json about{{"source", surface_.source().identity()},
-                         {"crs", crs_text(crs)},
-                         {"heights", "metres as the source counts them, taken as heights over WGS 84"},
-                         {"levels", levels}};
-        if (is_tileset()) {
-            write_text("tileset.json", tileset_json(options_.tiling, made, about.dump()));
-            return;
+        for (const LevelSummary& l : summary.levels) {
+            levels.push_back({{"level", l.level}, {"tiles", l.tiles}, {"error_m", l.error_m}});
+            if (!is_raster())
+                levels.back()["triangles"] = l.triangles, levels.back()["assumed_error_m"] = l.assumed_error_m;
         }
+        return {{"source", surface_.source().identity()},
+                {"crs", crs_text(crs)},
+                {"heights", is_raster() ? "metres as the source counts them"
+                                        : "metres as the source counts them, taken as heights over WGS 84"},
+                {"levels", levels}};
+    }
+
+    [[nodiscard]] std::string index(const TilesSummary& summary) const {
+        return (is_raster() ? picture_index(summary) : layer_index(summary)).dump(1) + "\n";
+    }
+
+    // TileJSON, with what a source of MapLibre has besides.
+    [[nodiscard]] json picture_index(const TilesSummary& summary) const {
+        return {{"tilejson", "3.0.0"},
+                {"name", fs::path(name_).stem().string()},
+                {"tiles", {"{z}/{x}/{y}.png"}},
+                {"scheme", "xyz"},
+                {"encoding", options_.format == TilesFormat::terrarium ? "terrarium" : "mapbox"},
+                {"tileSize", options_.side_px},
+                {"minzoom", 0},
+                {"maxzoom", summary.levels.back().level},
+                {"bounds", {bounds_.west, bounds_.south, bounds_.east, bounds_.north}},
+                {"fjell", about(summary)}};
+    }
+
+    [[nodiscard]] json layer_index(const TilesSummary& summary) const {
         json layer{{"tilejson", "2.1.0"},
                    {"name", fs::path(name_).stem().string()},
                    {"version", "1.0.0"},
                    {"format", "quantized-mesh-1.0"},
                    {"scheme", "tms"},
-                   {"projection", options_.tiling == Tiling::geographic ? "EPSG:4326" : "EPSG:3857"},
+                   {"projection", tiling_ == Tiling::geographic ? "EPSG:4326" : "EPSG:3857"},
                    {"tiles", {"{z}/{x}/{y}.terrain?v={version}"}},
                    {"minzoom", 0},
                    {"maxzoom", summary.levels.back().level},
@@ -430,8 +504,8 @@ private:
                    {"metadataAvailability", std::max<std::size_t>(2, available_.size())},
                    {"extensions", {"metadata"}}};
         if (options_.normals) layer["extensions"].push_back("octvertexnormals");
-        layer["fjell"] = about;
-        write_text("layer.json", layer.dump(1) + "\n");
+        layer["fjell"] = about(summary);
+        return layer;
     }
     void write_text(const std::string& name, const std::string& text) const {
         io::AtomicFile file(folder_ + "/" + name);
@@ -442,18 +516,34 @@ private:
     const GroundSurface& surface_;
     const std::string& name_;
     const TilesOptions& options_;
+    const Tiling tiling_;
     const std::string &folder_, &work_;
     const int threads_;
     Finders finders_;
     json available_ = json::array();
     DegreeBox bounds_;
+    int last_ = 0;
+    std::vector<ArchiveTile> written_;
 };
 
 // What the bytes depend on.
-std::string job_of(const HeightSource& source, const TilesOptions& options) {
-    return fmt::format("fjell tiles 3\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\n",
-                       source.identity(), static_cast<int>(options.format), static_cast<int>(options.tiling),
-                       options.max_level, options.normals, options.gzip);
+std::string job_of(const HeightSource& source, const TilesOptions& options, Tiling tiling, Archive archive) {
+    return fmt::format("fjell tiles 3\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\nquantised {}\n"
+                       "meshopt {}\npixels {}\narchive {}\n",
+                       source.identity(), static_cast<int>(options.format), static_cast<int>(tiling), options.max_level,
+                       options.normals, options.gzip, options.packing.quantised, options.packing.meshopt,
+                       options.side_px, static_cast<int>(archive));
+}
+
+void check(const TilesOptions& options, Tiling tiling, Archive archive, const std::string& path) {
+    if ((options.packing.quantised || options.packing.meshopt) && options.format != TilesFormat::tiles_3d)
+        throw Failure(2, "--quantised and --meshopt are for --format 3dtiles; leave them out, or add it");
+    if (is_raster(options.format) && tiling != Tiling::mercator)
+        throw Failure(2, "--tiling geographic: pictures of heights are in Web Mercator alone; leave it out");
+    if (archive != Archive::folder && options.format == TilesFormat::tiles_3d)
+        throw Failure(2, fmt::format("{}: 3D Tiles are written as a folder; give a name without such an ending", path));
+    if (archive == Archive::pmtiles && tiling != Tiling::mercator)
+        throw Failure(2, fmt::format("{}: PMTiles count their tiles in Web Mercator; add --tiling mercator", path));
 }
 
 bool is_empty(const std::string& folder) {
@@ -465,15 +555,19 @@ bool is_empty(const std::string& folder) {
 
 TilesSummary write_tiles(const HeightSource& source, const std::string& name, const TilesOptions& options,
                          const std::string& given) {
-    std::string folder = given;
-    while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
-    const int last = last_level(source, name, options);
-    const std::string job = job_of(source, options), job_file = folder + ".work/job";
+    std::string out = given;
+    while (out.size() > 1 && out.ends_with('/')) out.pop_back();
+    const Tiling tiling = options.tiling.value_or(is_raster(options.format) ? Tiling::mercator : Tiling::geographic);
+    const Archive archive = archive_of(out);
+    check(options, tiling, archive, out);
+    const int last = last_level(source, name, options, tiling);
+    const std::string job = job_of(source, options, tiling, archive), job_file = out + ".work/job";
     std::error_code none;
     const bool resumed = fs::exists(job_file, none) && io::read_text(job_file) == job;
-    if (!resumed && !is_empty(folder))
-        throw Failure(1, fmt::format("{}: holds something else already; remove it, or choose a new folder", folder));
-    WorkFolder work(folder);
+    if (!resumed && !is_empty(out))
+        throw Failure(1, fmt::format("{}: holds something else already; remove it, or choose a new {}", out,
+                                     archive == Archive::folder ? "folder" : "name"));
+    WorkFolder work(out);
     work.keep(false); // until there is something to go on with
     if (!resumed) work.empty();
     const GroundSurface surface(
@@ -484,9 +578,12 @@ TilesSummary write_tiles(const HeightSource& source, const std::string& name, co
         file.commit();
     }
     work.keep();
+    const std::string folder = archive == Archive::folder ? out : work.file("tiles");
     fs::create_directories(folder, none);
     if (none) errno = none.value(), io::disk_failure(folder, "make the folder");
-    TilesSummary summary = Pyramid(surface, name, options, folder, work.path()).write(last);
+    Pyramid pyramid(surface, name, options, tiling, folder, work.path());
+    TilesSummary summary = pyramid.write(last);
+    pyramid.archive(archive, summary, out);
     summary.resumed = resumed;
     work.keep(false);
     return summary;

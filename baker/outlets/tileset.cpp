@@ -16,31 +16,48 @@ namespace {
 using nlohmann::ordered_json;
 
 struct GltfPlaces {
-    std::vector<std::array<float, 3>> places, normals;
-    std::vector<std::uint32_t> indices;
+    std::vector<std::array<double, 3>> places, normals; // as glTF turns them
+    std::vector<std::array<std::uint32_t, 3>> triangles;
     double low_m = HUGE_VAL, high_m = -HUGE_VAL;
 
     void add(const GlobePlace& middle, LonLat at, double height_m) {
         const GlobePlace p = on_globe(at, height_m);
-        places.push_back({static_cast<float>(p[0] - middle[0]), static_cast<float>(p[2] - middle[2]),
-                          static_cast<float>(middle[1] - p[1])});
+        places.push_back({p[0] - middle[0], p[2] - middle[2], middle[1] - p[1]});
         low_m = std::min(low_m, height_m), high_m = std::max(high_m, height_m);
     }
     // How far a flat triangle lies below its corners' heights, at most: a circle around it is no wider than its longest
     // side.
     [[nodiscard]] double sag_m() const {
         double longest = 0;
-        for (std::size_t i = 0; i < indices.size(); i += 3)
+        for (const auto& t : triangles)
             for (std::size_t k = 0; k < 3; ++k) {
-                const auto &a = places[indices[i + k]], &b = places[indices[i + (k + 1) % 3]];
-                longest = std::max(longest, std::hypot(static_cast<double>(a[0]) - static_cast<double>(b[0]),
-                                                       static_cast<double>(a[1]) - static_cast<double>(b[1]),
-                                                       static_cast<double>(a[2]) - static_cast<double>(b[2])));
+                const auto &a = places[t[k]], &b = places[t[(k + 1) % 3]];
+                longest = std::max(longest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
             }
         constexpr double most_curved = 0.99; // the globe's smallest radius of curvature, in equators
         return longest * longest / (8 * most_curved * globe_radius_m);
     }
 };
+
+// What moving vertices by moved_m can add to a vertical distance from the ground's triangles: 1 / cosine of the slope
+// times as much, on the steepest of them.
+double added_error_m(const GltfPlaces& g, std::size_t ground_triangles, const TileMesh& mesh, double moved_m) {
+    double least = 1;
+    for (const auto& t : std::span(g.triangles).first(ground_triangles)) {
+        const auto &a = g.places[t[0]], &b = g.places[t[1]], &c = g.places[t[2]];
+        double n[3];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+            n[axis] = (b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u]);
+        }
+        const GlobePlace up = up_at(mesh.place(mesh.vertices[t[0]]));
+        const double length = std::hypot(n[0], n[1], n[2]);
+        constexpr double upright = 1e-3, no_area_m2 = 1e-6; // at a pole
+        if (length > no_area_m2)
+            least = std::min(least, std::max(upright, (n[0] * up[0] + n[1] * up[2] - n[2] * up[1]) / length));
+    }
+    return moved_m / least;
+}
 
 // Under the vertices of each side; the same normals, so that light does not change.
 void hang_walls(const TileMesh& mesh, const GlobePlace& middle, double skirt_m, GltfPlaces& to) {
@@ -62,86 +79,31 @@ void hang_walls(const TileMesh& mesh, const GlobePlace& middle, double skirt_m, 
             if (!to.normals.empty()) to.normals.push_back(to.normals[top]);
             if (k > 0) {
                 const std::uint32_t last = along[k - 1].second;
-                for (const std::uint32_t i : {last, before, foot, last, foot, top}) to.indices.push_back(i);
+                to.triangles.push_back({last, before, foot}), to.triangles.push_back({last, foot, top});
             }
             before = foot;
         }
     }
 }
 
-template <typename T>
-void append(std::vector<std::byte>& to, const T* from, std::size_t count) {
-    const auto bytes = std::as_bytes(std::span(from, count));
-    to.insert(to.end(), bytes.begin(), bytes.end());
-}
-
-std::vector<std::byte> glb_of(const GltfPlaces& g, double error_m) {
-    constexpr int array_buffer = 34962, element_buffer = 34963, float_type = 5126, short_type = 5123, uint_type = 5125;
-    const bool wide = g.places.size() > 65535;
-    std::vector<std::byte> binary;
-    append(binary, g.places.data(), g.places.size());
-    append(binary, g.normals.data(), g.normals.size());
-    const std::size_t places_bytes = g.places.size() * sizeof(g.places[0]),
-                      normals_bytes = g.normals.size() * sizeof(g.places[0]), indices_at = binary.size();
-    if (wide)
-        append(binary, g.indices.data(), g.indices.size());
-    else
-        for (const std::uint32_t i : g.indices) {
-            const auto index = static_cast<std::uint16_t>(i);
-            append(binary, &index, 1);
-        }
-    const std::size_t indices_bytes = binary.size() - indices_at;
-    binary.resize((binary.size() + 3) / 4 * 4);
-    auto low = g.places.front(), high = low;
-    for (const auto& p : g.places)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            low[axis] = std::min(low[axis], p[axis]), high[axis] = std::max(high[axis], p[axis]);
-    const auto view = [](std::size_t at, std::size_t bytes, int target) {
-        return ordered_json{{"buffer", 0}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}};
-    };
-    ordered_json attributes{{"POSITION", 1}};
-    ordered_json accessors{{{"bufferView", 0},
-                            {"componentType", wide ? uint_type : short_type},
-                            {"count", g.indices.size()},
-                            {"type", "SCALAR"}},
-                           {{"bufferView", 1},
-                            {"componentType", float_type},
-                            {"count", g.places.size()},
-                            {"type", "VEC3"},
-                            {"min", low},
-                            {"max", high}}};
-    ordered_json views{view(indices_at, indices_bytes, element_buffer), view(0, places_bytes, array_buffer)};
-    if (!g.normals.empty()) {
-        attributes["NORMAL"] = 2;
-        accessors.push_back(
-            {{"bufferView", 2}, {"componentType", float_type}, {"count", g.normals.size()}, {"type", "VEC3"}});
-        views.push_back(view(places_bytes, normals_bytes, array_buffer));
+// Steps are a power of two, and places whole multiples of it from the globe's middle: a vertex that two tiles share is
+// the same in both.
+GltfLattice tile_lattice(const GltfPlaces& g, const GlobePlace& middle, double size_m) {
+    constexpr double room = 65000;
+    GltfLattice lattice;
+    const std::array<double, 3> turned{middle[0], middle[2], -middle[1]};
+    std::array<double, 3> low{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto by = [axis](const auto& p, const auto& q) { return p[axis] < q[axis]; };
+        const auto [least, most] = std::minmax_element(g.places.begin(), g.places.end(), by);
+        low[axis] = (*least)[axis];
+        size_m = std::max(size_m, (*most)[axis] - low[axis]);
     }
-    const ordered_json gltf{
-        {"asset", {{"version", "2.0"}, {"generator", "fjell-bake"}, {"extras", {{"fjell", {{"error_m", error_m}}}}}}},
-        {"scene", 0},
-        {"scenes", {{{"nodes", {0}}}}},
-        {"nodes", {{{"mesh", 0}}}},
-        {"meshes", {{{"primitives", {{{"attributes", attributes}, {"indices", 0}, {"material", 0}, {"mode", 4}}}}}}},
-        {"materials",
-         {{{"pbrMetallicRoughness",
-            {{"baseColorFactor", {0.5, 0.5, 0.5, 1.0}}, {"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}}}},
-        {"accessors", accessors},
-        {"bufferViews", views},
-        {"buffers", {{{"byteLength", binary.size()}}}}};
-    std::string text = gltf.dump();
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::vector<std::byte> bytes;
-    const auto put32 = [&](std::size_t value) {
-        const auto word = static_cast<std::uint32_t>(value);
-        append(bytes, &word, 1);
-    };
-    put32(0x46546c67), put32(2), put32(12 + 8 + text.size() + 8 + binary.size());
-    put32(text.size()), put32(0x4e4f534a);
-    append(bytes, text.data(), text.size());
-    put32(binary.size()), put32(0x004e4942);
-    append(bytes, binary.data(), binary.size());
-    return bytes;
+    const double step_m = std::exp2(std::ceil(std::log2(size_m / room)));
+    lattice.scale = {step_m, step_m, step_m};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        lattice.offset[axis] = std::floor((turned[axis] + low[axis]) / step_m) * step_m - turned[axis];
+    return lattice;
 }
 
 class Tree3d {
@@ -198,15 +160,30 @@ GlobePlace tile_middle(const DegreeBox& box) {
     return on_globe(box.middle(), 0);
 }
 
-GltfTile encode_gltf_tile(const TileMesh& mesh, double skirt_m, std::span<const GlobePlace> normals) {
+GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std::span<const GlobePlace> normals) {
     const GlobePlace middle = tile_middle(mesh.box);
     GltfPlaces g;
     for (const TileMesh::Vertex& v : mesh.vertices) g.add(middle, mesh.place(v), v.height_m);
-    for (const GlobePlace& n : normals)
-        g.normals.push_back({static_cast<float>(n[0]), static_cast<float>(n[2]), static_cast<float>(-n[1])});
-    for (const auto& t : mesh.triangles) g.indices.insert(g.indices.end(), t.begin(), t.end());
+    for (const GlobePlace& n : normals) g.normals.push_back({n[0], n[2], -n[1]});
+    g.triangles = mesh.triangles;
+    const double skirt_m = 3 * std::max(rules.least_error_m, mesh.error_m);
     hang_walls(mesh, middle, skirt_m, g);
-    return {glb_of(g, mesh.error_m), g.low_m - g.sag_m(), g.high_m};
+    GltfMesh content{"ground", g.places.size(), g.triangles};
+    content.place = [&](std::size_t i) { return g.places[i]; };
+    if (!g.normals.empty()) content.normal = [&](std::size_t i) { return g.normals[i]; };
+    GltfTile tile{{}, mesh.error_m, g.low_m - g.sag_m(), g.high_m};
+    if (rules.packing.quantised) {
+        content.lattice = tile_lattice(g, middle, rules.size_m);
+        const double moved_m = std::sqrt(3) / 2 * content.lattice->scale[0];
+        tile.error_m += added_error_m(g, mesh.triangles.size(), mesh, moved_m);
+        tile.low_m -= moved_m, tile.high_m += moved_m;
+    }
+    gltf::Glb glb("fjell-bake", "a tile has more than 4 GB");
+    glb.json["asset"]["extras"]["fjell"]["error_m"] = tile.error_m;
+    add_gltf_mesh(glb, content, rules.packing.meshopt);
+    glb.close();
+    tile.bytes = glb.bytes();
+    return tile;
 }
 
 std::string tileset_json(Tiling tiling, const std::vector<std::vector<TilesetTile>>& levels,

@@ -8,18 +8,26 @@
 #include <vector>
 
 #include "baker/outlets/globe.h"
+#include "baker/outlets/gltf_mesh.h"
 #include "baker/outlets/tile_mesh.h"
 
 namespace fjell::baker {
 
 struct GltfTile {
     std::vector<std::byte> bytes;
+    double error_m = 0;           // of the mesh, and what rounding adds
     double low_m = 0, high_m = 0; // no place of its triangles is below or above, walls at its sides included
 };
 // y up; the place is float metres from tile_middle(), which the tileset has in double: (east, up, south) of glTF stand
-// for x, z and -y of the globe, as 3D Tiles turns them. A wall of skirt_m hangs down from every side. normals: a unit
-// vector for each vertex, or none.
-[[nodiscard]] GltfTile encode_gltf_tile(const TileMesh& mesh, double skirt_m, std::span<const GlobePlace> normals);
+// for x, z and -y of the globe, as 3D Tiles turns them. A wall hangs down from every side: least_error_m or the tile's
+// own error, three times. normals: a unit vector for each vertex, or none. size_m: no tile of the level is larger along
+// an axis; quantised, all of them round to one lattice, so that they meet as they did.
+struct GltfTileRules {
+    double least_error_m = 0, size_m = 0;
+    GltfPacking packing;
+};
+[[nodiscard]] GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules,
+                                        std::span<const GlobePlace> normals);
 [[nodiscard]] GlobePlace tile_middle(const DegreeBox& box);
 
 struct TilesetTile {

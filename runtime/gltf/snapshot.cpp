@@ -10,7 +10,6 @@
 #include <numbers>
 #include <optional>
 #include <span>
-#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -31,10 +30,7 @@ namespace fjell::gltf {
 
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr std::uint64_t most_file_bytes = 0xffff'ffff;
-constexpr std::uint64_t container_bytes = 12 + 8 + 8; // header and the heads of two chunks
+using Json = Glb::Json;
 
 // The pack that textures and the CRS come from, in memory or in its file.
 struct Chunks {
@@ -121,7 +117,7 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotCounts& 
                 {"vertices", counts.vertices},
                 {"triangles", counts.triangles},
                 {"pack_hash", fmt::format("{:016x}", h.directory_hash)}};
-    all.update(io::place_json(h));
+    all.update(Json(io::place_json(h)));
     return all;
 }
 
@@ -237,44 +233,6 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
     }
 }
 
-// tinygltf's JSON, completed with what it cannot say: the buffer (whose bytes it does not hold) and the extras.
-std::string json_chunk(const SceneBuilder& scene, Json fjell_extras) {
-    tinygltf::TinyGLTF writer;
-    std::ostringstream text;
-    if (!writer.WriteGltfSceneToStream(&scene.model(), text, false, false))
-        throw io::Failure(3, "tinygltf could not serialise the scene; report it with the command line");
-    Json document = Json::parse(text.str());
-    document["buffers"] = Json::array({{{"byteLength", scene.binary_bytes()}}});
-    document["scenes"][0]["extras"]["fjell"] = std::move(fjell_extras);
-    // A CRS comes from a file and may hold anything; JSON must be UTF-8.
-    std::string chunk = document.dump(-1, ' ', false, Json::error_handler_t::replace);
-    chunk.resize((chunk.size() + 3) / 4 * 4, ' ');
-    return chunk;
-}
-
-// The container (glTF 2.0, section 4.4): a header of 12 bytes, then chunks of length, type and data, all in words of 4.
-std::uint64_t write_glb(const SceneBuilder& scene, const std::string& json, std::uint64_t max_file_bytes,
-                        const std::string& path, io::AtomicFile* to) {
-    const std::uint64_t total = container_bytes + json.size() + scene.binary_bytes();
-    if (total > max_file_bytes)
-        throw io::Failure(
-            1, fmt::format("{}: the snapshot needs {} bytes, more than the {} that are allowed; ask for a larger "
-                           "error_px or smaller textures (max_texture_px)",
-                           path, total, max_file_bytes));
-    if (!to) return total;
-    io::AtomicFile& file = *to;
-    const auto words = [&](std::initializer_list<std::uint32_t> list) {
-        file.write(std::as_bytes(std::span(list.begin(), list.size())));
-    };
-    words({0x46546c67, 2, static_cast<std::uint32_t>(total)});
-    words({static_cast<std::uint32_t>(json.size()), 0x4e4f534a});
-    file.write(std::as_bytes(std::span(json)));
-    words({static_cast<std::uint32_t>(scene.binary_bytes()), 0x004e4942});
-    for (const auto& piece : scene.pieces()) file.write(piece);
-    file.commit();
-    return total;
-}
-
 SnapshotCounts write_with(const Chunks& pack, const Snapshot& snapshot, const std::string& path,
                           const SnapshotOptions& options) {
     try {
@@ -290,13 +248,19 @@ SnapshotCounts write_with(const Chunks& pack, const Snapshot& snapshot, const st
         std::optional<io::AtomicFile> file; // says what is wrong with the place before seconds of work, not after
         if (options.write) file.emplace(path);
         if (!(options.texel_m >= 0)) throw io::Failure(2, "texel_m must be 0 (the finest) or a number of metres");
-        const std::uint64_t max_file_bytes = std::min(options.max_file_bytes, most_file_bytes);
         SnapshotCounts counts = snapshot.counts();
-        SceneBuilder scene(max_file_bytes);
+        Glb glb("Fjell",
+                "the snapshot needs more bytes than a .glb may have (4 GiB, or max_file_bytes); ask for a larger "
+                "error_px or smaller textures (max_texture_px)",
+                options.max_file_bytes);
+        SceneBuilder scene(glb);
         add_tiles(pack, *content, options, scene, counts);
         scene.add_camera(content->info.view);
-        counts.file_bytes = write_glb(scene, json_chunk(scene, extras(pack, content->info, counts)), max_file_bytes,
-                                      path, file ? &*file : nullptr);
+        glb.json["scenes"][0]["extras"]["fjell"] = extras(pack, content->info, counts);
+        counts.file_bytes = glb.close();
+        if (!file) return counts;
+        glb.write([&](std::span<const std::byte> bytes) { file->write(bytes); });
+        file->commit();
         return counts;
     } catch (const io::Failure&) {
         throw;

@@ -51,7 +51,7 @@ else()
   if(SHARED)
     list(APPEND options -DBUILD_SHARED_LIBS=ON)
     if(PREFIX) # a host of the shared library has none of these
-      foreach(package hwy zstd PkgConfig fmt TinyGLTF)
+      foreach(package hwy zstd PkgConfig fmt)
         list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
       endforeach()
     endif()

@@ -13,6 +13,7 @@
 
 #include "bake_cli.h"
 #include "support/program.h"
+#include "support/rounds.h"
 #include "support/temporary_folder.h"
 
 using namespace fjell::test;
@@ -54,9 +55,10 @@ std::map<std::string, std::string> files_under(const std::filesystem::path& fold
     return files;
 }
 
-json checked(const TemporaryFolder& folder, const std::string& tiles, const std::string& checker = "check.py") {
-    return json::parse(
-        output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/" + checker + " " + tiles + " points.txt"));
+json checked(const TemporaryFolder& folder, const std::string& tiles, const std::string& checker = "check.py",
+             const std::string& plain = "") {
+    return json::parse(output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/" + checker + " " + tiles +
+                                             " points.txt " + plain));
 }
 
 } // namespace
@@ -91,6 +93,16 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
                 CHECK(level["tiles_above"] == 0);
             }
             CHECK(found["triangles"] == triangles);
+            if (!tileset || place.name == "the pole") continue; // where longitudes cannot be told from places
+            if (!full_rounds() && (mercator || place.name != "a fjord")) continue;
+            const json rounded =
+                json::parse(output_of(folder, "rm -rf rounded; " + bake +
+                                                  "tiles pack.fjell -o rounded --quantised --json - --tiling " + way));
+            CHECK(checked(folder, "rounded", "check3d.py", "out")["triangles"] == triangles);
+            for (std::size_t i = 0; i < said["levels"].size(); ++i) {
+                CHECK(rounded["levels"][i]["error_m"] > said["levels"][i]["error_m"]);
+                CHECK(rounded["levels"][i]["bytes"] < said["levels"][i]["bytes"]);
+            }
         }
     }
 }
@@ -146,6 +158,7 @@ TEST_CASE("tiles need a place on the globe and a folder of their own") {
     refused(folder, bake + "tiles pack.fjell -o out --max-level 20", 1, "give --max-level");
     refused(folder, bake + "tiles pack.fjell -o no/where/out", 1, "does not exist");
     refused(folder, bake + "tiles missing.fjell -o out", 1, "missing.fjell");
+    refused(folder, bake + "tiles pack.fjell -o out --quantised", 2, "--format 3dtiles");
     refused(folder, bake + "tiles pack.fjell -o out --tiling polar", 2, "must be one of");
     output_of(folder, bake + "tiles pack.fjell -o out --max-level 9 --no-gzip --no-normals --quiet");
     const json layer = json::parse(slurp(folder / "out/layer.json"));
@@ -153,4 +166,63 @@ TEST_CASE("tiles need a place on the globe and a folder of their own") {
     CHECK(layer["extensions"] == json{"metadata"});
     CHECK(layer["fjell"]["crs"] == "WGS 84 / UTM zone 32N (EPSG:32632)");
     refused(folder, bake + "tiles pack.fjell -o out", 1, "holds something else");
+}
+
+TEST_CASE("no sample is farther from pictures of heights than their metadata says") {
+    for (const Place& place : first_of<Place>(1, {{"a fjord", "EPSG:32632", 46, 34, 30, 430000, 6790000},
+                                                  {"the antimeridian", "EPSG:32660", 46, 34, 300, 826000, 6000}})) {
+        const TemporaryFolder folder;
+        CAPTURE(place.name);
+        bake_at(folder, place);
+        for (const std::string& way :
+             first_of<std::string>(1, {"terrain-rgb --tile-px 256", "terrarium --tile-px 256"})) {
+            CAPTURE(way);
+            const json said = json::parse(
+                output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --format " + way));
+            const json found = checked(folder, "out", "check_raster.py");
+            CHECK(found["levels"] == said["levels"].size());
+            CHECK(found["levels"] > 5);
+            CHECK(found["samples"] == place.columns * place.rows - 35);
+            CHECK(found["tightness"].get<double>() > 0.99);
+        }
+    }
+}
+
+TEST_CASE("one file has the tiles that a folder has, whatever interrupted its writing") {
+    const TemporaryFolder folder;
+    bake_at(folder, {"mountains", "EPSG:32632", 90, 70, 30, 430000, 6790000});
+    const auto same = [&](const std::string& a, const std::string& b) {
+        return std::stoi(
+            output_of(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/archive.py " + a + " " + b));
+    };
+    const auto tiles = [](const std::string& name, const std::string& options) {
+        return bake + "tiles pack.fjell --quiet -o " + name + " " + options;
+    };
+    output_of(folder, tiles("mesh", "--tiling mercator"));
+    output_of(folder, tiles("mesh.pmtiles", "--tiling mercator"));
+    output_of(folder, tiles("mesh.mbtiles", "--tiling mercator --threads 1"));
+    CHECK(same("mesh", "mesh.pmtiles") > 30);
+    CHECK(same("mesh", "mesh.mbtiles") > 30);
+    output_of(folder, tiles("rgb", "--format terrain-rgb --tile-px 256"));
+    output_of(folder, tiles("rgb.pmtiles", "--format terrain-rgb --tile-px 256 --threads 1"));
+    CHECK(same("rgb", "rgb.pmtiles") > 10);
+    for (const std::string name : {"cut.pmtiles", "cut.mbtiles"}) {
+        CAPTURE(name);
+        int runs = 0;
+        for (int code = 3; code == 3; ++runs) {
+            REQUIRE(runs < 40);
+            CHECK_FALSE(std::filesystem::exists(folder / name));
+            const std::string some = std::to_string(8 << runs); // KB that a file may have
+            code =
+                run_in(folder.path, "trap '' XFSZ; ulimit -f " + some + "; " + tiles(name, "--tiling mercator")).code;
+        }
+        CHECK(runs > 1);
+        CHECK(slurp(folder / name) == slurp(folder / ("mesh" + name.substr(3))));
+        CHECK_FALSE(std::filesystem::exists(folder / (name + ".work")));
+    }
+    refused(folder, tiles("mesh.pmtiles", "--tiling mercator"), 1, "choose a new name");
+    refused(folder, tiles("new.pmtiles", ""), 2, "add --tiling mercator");
+    refused(folder, tiles("new.mbtiles", "--format 3dtiles"), 2, "written as a folder");
+    refused(folder, tiles("new", "--format terrarium --tiling geographic"), 2, "leave it out");
+    refused(folder, tiles("new", "--format terrarium --tile-px 300"), 2, "--tile-px");
 }

@@ -5,7 +5,10 @@
 # sample), measured (samples that a triangle covers), ground (samples in the grid), bare (samples of cells with ground
 # that no triangle covers), over_holes, inner (open edges that are neither at the rim nor beside a hole), unpaired
 # (of .stl: edges without one opposite), volume, claimed, downward.
-import json, math, re, struct, sys
+import json, math, os, re, struct, sys
+
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from glb import Glb
 
 EDGE = 1e-5  # of a cell: a sample that lies no farther outside of a triangle counts, as places are floats
 
@@ -25,36 +28,9 @@ def read_grid(path):
 
 
 def read_glb(data):
-    magic, version, length = struct.unpack_from("<4sII", data)
-    assert magic == b"glTF" and version == 2 and length == len(data)
-    size, kind = struct.unpack_from("<I4s", data, 12)
-    assert kind == b"JSON" and size % 4 == 0
-    gltf = json.loads(data[20 : 20 + size])
-    at = 20 + size
-    size, kind = struct.unpack_from("<I4s", data, at)
-    assert kind == b"BIN\0" and at + 8 + size == len(data) and gltf["buffers"][0]["byteLength"] == size
-    binary = data[at + 8 :]
-
-    def accessor(i):
-        a = gltf["accessors"][i]
-        v = gltf["bufferViews"][a["bufferView"]]
-        parts = {"SCALAR": 1, "VEC3": 3}[a["type"]]
-        code = {5126: "f", 5125: "I"}[a["componentType"]]
-        assert v["byteLength"] == a["count"] * parts * 4
-        flat = struct.unpack_from("<%d%s" % (a["count"] * parts, code), binary, v["byteOffset"])
-        return [flat[k : k + parts] for k in range(0, len(flat), parts)]
-
-    primitive = gltf["meshes"][0]["primitives"][0]
-    places = accessor(primitive["attributes"]["POSITION"])
-    normals = accessor(primitive["attributes"]["NORMAL"])
-    assert len(normals) == len(places)
-    assert all(abs(math.hypot(*n) - 1) < 1e-5 and n[1] > 0 for n in normals)
-    bounds = gltf["accessors"][primitive["attributes"]["POSITION"]]
-    assert bounds["min"] == [min(p[k] for p in places) for k in range(3)]
-    assert bounds["max"] == [max(p[k] for p in places) for k in range(3)]
-    flat = [i[0] for i in accessor(primitive["indices"])]
-    triangles = [tuple(flat[k : k + 3]) for k in range(0, len(flat), 3)]
-    return [(x, -z, y) for x, y, z in places], triangles, gltf["asset"]["extras"]["fjell"]["true_error_m"]
+    glb = Glb(data)
+    assert all(n[1] > 0 for n in glb.normals)
+    return [(x, -z, y) for x, y, z in glb.places], glb.triangles, glb.gltf["asset"]["extras"]["fjell"]["true_error_m"]
 
 
 def claim_of(text):

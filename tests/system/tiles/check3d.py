@@ -2,21 +2,23 @@
 """Decodes a tileset of 3D Tiles 1.1 by the specification and compares it with a height field that was read by another
 program. Standard library only; nothing of Fjell but the measuring of check.py.
 
-check3d.py FOLDER POINTS
+check3d.py FOLDER POINTS [PLAIN]
 
-POINTS: as of check.py. For every tile: the rules of glTF and of tilesets, that its region holds every vertex of it and
-of its children and is no larger than they need, that no sample under it is farther away than its geometricError - read
-linearly in degrees, and in space - and that tiles of one level have the same vertices where they meet, with walls below.
+POINTS: as of check.py. PLAIN: the same tiles in floats, where those of FOLDER are rounded (KHR_mesh_quantization). For
+every tile: the rules of glTF and of tilesets, that its region holds every vertex of it and of its children and is no
+larger than they need, that no sample under it is farther away than its geometricError - read linearly in degrees, and in
+space - and that tiles of one level have the same vertices where they meet, with walls below.
 Prints one line of JSON; exit code 1 with the first fault on stderr.
 """
 import json
 import math
 import os
-import struct
 import sys
 from bisect import bisect_left, bisect_right
 
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from check import A, B, E2, Tile, fail
+from glb import Glb
 
 
 def geodetic(x, y, z):
@@ -34,42 +36,28 @@ def geodetic(x, y, z):
 
 
 def read_glb(path):
-    data = open(path, "rb").read()
-    magic, version, length = struct.unpack_from("<4sII", data)
-    size, kind = struct.unpack_from("<I4s", data, 12)
-    if (magic, version, length, kind) != (b"glTF", 2, len(data), b"JSON"):
-        fail(f"{path}: is no glTF")
-    gltf = json.loads(data[20:20 + size])
-    binary = data[20 + size + 8:]
-    if gltf["buffers"][0]["byteLength"] != len(binary):
-        fail(f"{path}: its buffer has another size")
-
-    def accessor(i):
-        a = gltf["accessors"][i]
-        v = gltf["bufferViews"][a["bufferView"]]
-        n = {"SCALAR": 1, "VEC3": 3}[a["type"]] * a["count"]
-        form = f"<{n}" + {5126: "f", 5125: "I", 5123: "H"}[a["componentType"]]
-        if struct.calcsize(form) != v["byteLength"]:
-            fail(f"{path}: an accessor does not fit its view")
-        return struct.unpack_from(form, binary, v["byteOffset"])
-
-    (primitive,) = gltf["meshes"][0]["primitives"]
-    flat, index = accessor(primitive["attributes"]["POSITION"]), accessor(primitive["indices"])
-    normals = accessor(primitive["attributes"]["NORMAL"]) if "NORMAL" in primitive["attributes"] else None
-    return list(zip(flat[0::3], flat[1::3], flat[2::3])), list(zip(index[0::3], index[1::3], index[2::3])), normals
+    try:
+        glb = Glb(open(path, "rb").read())
+    except ValueError as error:
+        fail(f"{path}: {error}")
+    if glb.scale and len(set(glb.scale)) > 1:
+        fail(f"{path}: steps that differ by axis")
+    # How far a vertex may be from where it should be.
+    rounding = math.sqrt(3) / 2 * glb.scale[0] if glb.scale else 0
+    return glb.places, glb.triangles, glb.normals, rounding
 
 
 class Tile3d(Tile):
     """The ground of a tile, as check.py's Tile has it; its walls apart."""
 
-    def __init__(self, folder, node, middle):
+    def __init__(self, folder, node, middle, plain):
         self.name = node["content"]["uri"]
         z, x, y = self.name.removesuffix(".glb").split("/")
         self.key = int(z), int(x), int(y)
         west, south, east, north, self.low, self.high = node["boundingVolume"]["region"]
         self.box = tuple(map(math.degrees, (west, south, east, north)))
         self.error = node["geometricError"]
-        places, triangles, normals = read_glb(os.path.join(folder, self.name))
+        places, triangles, normals, self.rounding = read_glb(os.path.join(plain or folder, self.name))
         # glTF's y is up: 3D Tiles turns it to z, and the transform moves it.
         self.places = [(x + middle[0], -z + middle[1], y + middle[2]) for x, y, z in places]
         west, south, east, north = self.box
@@ -125,15 +113,34 @@ class Tile3d(Tile):
         if not self.pole and len(self.walls) != walls or not all(map(rim, feet.values())):
             fail(f"{self.name}: {len(self.walls)} triangles of walls")
         if normals is not None:
-            for n, p in zip(zip(normals[0::3], normals[1::3], normals[2::3]), self.places):
+            for n, p in zip(normals, self.places):
                 up = (p[0] / A ** 2, p[1] / A ** 2, p[2] / B ** 2)
-                if abs(math.hypot(*n) - 1) > 1e-5 or n[0] * up[0] - n[2] * up[1] + n[1] * up[2] <= 0:
+                if n[0] * up[0] - n[2] * up[1] + n[1] * up[2] <= 0:
                     fail(f"{self.name}: a normal that does not point up")
         self.normals = normals is not None
+        if plain:
+            self.round(folder, triangles, middle, 1.5e-7 * size_m)
+
+    def round(self, folder, triangles, middle, slack_m):
+        """The same triangles, and each vertex as near as what it was rounded to."""
+        places, packed, _, self.rounding = read_glb(os.path.join(folder, self.name))
+
+        def turned(t):  # an encoder may begin a triangle with any corner
+            return min(t, t[1:] + t[:1], t[2:] + t[:2])
+
+        if list(map(turned, packed)) != list(map(turned, triangles)):
+            fail(f"{self.name}: rounded it has other triangles")
+        if not self.rounding:
+            fail(f"{self.name}: is not rounded")
+        before, self.places = self.places, [(x + middle[0], -z + middle[1], y + middle[2]) for x, y, z in places]
+        if max(map(math.dist, before, self.places)) > self.rounding + slack_m:
+            fail(f"{self.name}: a vertex is farther from its place than half a step")
+        self.height = [geodetic(*p)[2] for p in self.places]
 
 
 def main():
     folder, points = sys.argv[1:3]
+    plain = sys.argv[3] if len(sys.argv) > 3 else None
     tileset = json.load(open(os.path.join(folder, "tileset.json")))
     if tileset["asset"]["version"] != "1.1":
         fail("not 3D Tiles 1.1")
@@ -151,25 +158,25 @@ def main():
             if move[:12] != [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0] or move[15] != 1:
                 fail("a transform that does more than move")
             middle = [m + d for m, d in zip(middle, move[12:15])]
-        low, high, sag = math.inf, -math.inf, 0
+        low, high, sag, rounding = math.inf, -math.inf, 0, 0
         if "content" in node:
-            tile = Tile3d(folder, node, middle)
+            tile = Tile3d(folder, node, middle, plain)
             levels.setdefault(tile.key[0], {})[tile.key[1:]] = tile
-            low, high = min(tile.height), max(tile.height)
+            low, high, rounding = min(tile.height), max(tile.height), tile.rounding
             sag = max(math.dist(tile.places[t[i - 1]], tile.places[t[i]])
                       for t in tile.triangles + tile.walls for i in range(3)) ** 2 / (8 * B * B / A)
         for child in node.get("children", ()):
             inner = walk(child, node, middle)
-            low, high, sag = min(low, inner[0]), max(high, inner[1]), max(sag, inner[2])
+            low, high, sag, rounding = min(low, inner[0]), max(high, inner[1]), max(sag, inner[2]), max(rounding, inner[3])
             if any(child["boundingVolume"]["region"][k] * s < region[k] * s - 1e-12
                    for k, s in ((0, 1), (1, 1), (2, -1), (3, -1), (4, 1), (5, -1))):
                 fail("a region does not hold its child's")
-        slack = 1e-6 * max(1, sag) + 1e-7 * A * (region[2] - region[0] + region[3] - region[1]) + 1e-4  # floats
+        slack = 1e-6 * max(1, sag) + 1e-7 * A * (region[2] - region[0] + region[3] - region[1]) + 1e-4 + 2 * rounding  # floats
         if region[4] > low + slack or region[5] < high - slack:
             fail(f"{node.get('content')}: {low} to {high} m are not in its region")
         if region[4] < low - 1.1 * sag - slack or region[5] > high + slack:
             fail(f"{node.get('content')}: its region is larger than {low} to {high} m")
-        return low, high, sag
+        return low, high, sag, rounding
 
     walk(tileset["root"], None, [0, 0, 0])
     files = sum(len(f) for _, _, f in os.walk(folder)) - 1
@@ -203,8 +210,8 @@ def main():
                 mine, theirs = ([tiles_.places[i] for i in sorted(
                     set(tiles_.sides[s]) - tiles_.pole, key=lambda i, t=tiles_: t.v[i] if side == 2 else t.u[i])]
                     for tiles_, s in ((tile, side), (tiles[other], side - 2)))
-                if len(mine) != len(theirs) or any(
-                        math.dist(p, q) > 1e-6 * math.radians(east - west + north - south) * A for p, q in zip(mine, theirs)):
+                close = 1e-6 * (1 if tile.rounding else math.radians(east - west + north - south) * A)
+                if len(mine) != len(theirs) or any(math.dist(p, q) > close for p, q in zip(mine, theirs)):
                     fail(f"{tile.name} and {tiles[other].name}: do not meet")
                 total["borders"] += 1
                 total["border_vertices"] += len(mine)
