@@ -386,8 +386,12 @@ BakeOptions bake_options(const Recipe& recipe) {
 std::vector<std::string> files_read(const Recipe& recipe) {
     std::vector<std::string> all{recipe.ramp.value_or("")};
     const auto add = [&](const std::vector<std::string>& more) { all.insert(all.end(), more.begin(), more.end()); };
-    for (const std::string& input : recipe.inputs)
-        add(input.ends_with(".json") ? std::vector{input} : raster_files(input, "a height field"));
+    for (const std::string& input : recipe.inputs) {
+        if (input.ends_with(".json"))
+            all.push_back(input);
+        else
+            add(raster_files(input, "a height field"));
+    }
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {
         all.push_back(*recipe.layers);
