@@ -129,23 +129,26 @@ void add_gltf_mesh(Glb& glb, const GltfMesh& mesh, bool meshopt) {
     if (mesh.lattice) {
         glb.require_extension("KHR_mesh_quantization");
         const GltfLattice& lattice = *mesh.lattice;
-        attributes["POSITION"] = add_places<short3_stride>(glb, n, meshopt, glb_uint16, [&mesh, &lattice](std::size_t i) {
-            std::array<double, 3> p = mesh.place(i);
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                p[axis] = std::clamp(lattice.nearest(p[axis], axis), 0.0, static_cast<double>(GltfLattice::most));
-            return as<std::uint16_t>(p, 1);
-        });
+        attributes["POSITION"] =
+            add_places<short3_stride>(glb, n, meshopt, glb_uint16, [&mesh, &lattice](std::size_t i) {
+                std::array<double, 3> p = mesh.place(i);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    p[axis] = std::clamp(lattice.nearest(p[axis], axis), 0.0, static_cast<double>(GltfLattice::most));
+                return as<std::uint16_t>(p, 1);
+            });
         // A normal turns with the inverse of the node's scale.
         if (mesh.normal)
-            attributes["NORMAL"] = add_attribute<short3_stride>(glb, n, meshopt, glb_int16, [&mesh, &lattice](std::size_t i) {
-                std::array<double, 3> v = mesh.normal(i);
-                for (std::size_t axis = 0; axis < 3; ++axis) v[axis] *= lattice.scale[axis];
-                return as<std::int16_t>(v, most_signed / std::hypot(v[0], v[1], v[2]));
-            });
+            attributes["NORMAL"] =
+                add_attribute<short3_stride>(glb, n, meshopt, glb_int16, [&mesh, &lattice](std::size_t i) {
+                    std::array<double, 3> v = mesh.normal(i);
+                    for (std::size_t axis = 0; axis < 3; ++axis) v[axis] *= lattice.scale[axis];
+                    return as<std::int16_t>(v, most_signed / std::hypot(v[0], v[1], v[2]));
+                });
         if (mesh.uv)
-            attributes["TEXCOORD_0"] = add_attribute<short2_stride>(glb, n, meshopt, glb_uint16, [&mesh](std::size_t i) {
-                return as<std::uint16_t>(mesh.uv(i), GltfLattice::most);
-            });
+            attributes["TEXCOORD_0"] =
+                add_attribute<short2_stride>(glb, n, meshopt, glb_uint16, [&mesh](std::size_t i) {
+                    return as<std::uint16_t>(mesh.uv(i), GltfLattice::most);
+                });
         node["translation"] = lattice.offset, node["scale"] = lattice.scale;
     } else {
         attributes["POSITION"] = add_places<vec3_stride>(
@@ -163,12 +166,12 @@ void add_gltf_mesh(Glb& glb, const GltfMesh& mesh, bool meshopt) {
     } else {
         surface["baseColorTexture"]["index"] = glb.add_texture(mesh.name, mesh.texture_png);
     }
-    const std::size_t material = glb.add("materials", {{"name", "ground"}, {"pbrMetallicRoughness", std::move(surface)}});
-    node["mesh"] = glb.add("meshes", {{"primitives",
-                                       {{{"attributes", std::move(attributes)},
-                                         {"indices", indices},
-                                         {"material", material},
-                                         {"mode", 4}}}}});
+    const std::size_t material =
+        glb.add("materials", {{"name", "ground"}, {"pbrMetallicRoughness", std::move(surface)}});
+    node["mesh"] = glb.add(
+        "meshes",
+        {{"primitives",
+          {{{"attributes", std::move(attributes)}, {"indices", indices}, {"material", material}, {"mode", 4}}}}});
     glb.add_node(std::move(node));
 }
 

@@ -45,8 +45,9 @@ public:
                     surface.height_m(finder, {near_longitude(360 * right - 180, 0), latitude_of(down)});
                 const double number = std::round((height_m - code_.base_m) / code_.step_m);
                 if (!(number >= 0 && number <= most))
-                    throw Failure(1, fmt::format("{} m is a height that these colours cannot say; they go from {} to {} m",
-                                                 height_m, code_.base_m, code_.base_m + most * code_.step_m));
+                    throw Failure(1,
+                                  fmt::format("{} m is a height that these colours cannot say; they go from {} to {} m",
+                                              height_m, code_.base_m, code_.base_m + most * code_.step_m));
                 numbers_.push_back(static_cast<std::uint32_t>(number));
             }
     }

@@ -65,8 +65,8 @@ private:
         if (result != SQLITE_OK) fail();
     }
     [[noreturn]] void fail() {
-        throw Failure(3, fmt::format("{}: cannot write: {}; is the disk full?", path_,
-                                     db_ ? sqlite3_errmsg(db_) : "no memory"));
+        throw Failure(
+            3, fmt::format("{}: cannot write: {}; is the disk full?", path_, db_ ? sqlite3_errmsg(db_) : "no memory"));
     }
     std::string path_;
     sqlite3* db_ = nullptr;
@@ -78,9 +78,8 @@ void write_mbtiles(const std::vector<ArchiveTile>& tiles, const ArchiveAbout& ab
     std::filesystem::remove(unfinished);
     Database database(unfinished);
     const DegreeBox& b = about.bounds;
-    const auto levels = std::minmax_element(tiles.begin(), tiles.end(), [](const ArchiveTile& p, const ArchiveTile& q) {
-        return p.id.level < q.id.level;
-    });
+    const auto levels = std::minmax_element(
+        tiles.begin(), tiles.end(), [](const ArchiveTile& p, const ArchiveTile& q) { return p.id.level < q.id.level; });
     const std::vector<std::pair<std::string, std::string>> metadata{
         {"name", about.name},
         {"format", about.format},
@@ -94,9 +93,8 @@ void write_mbtiles(const std::vector<ArchiveTile>& tiles, const ArchiveAbout& ab
         sqlite3_bind_text(s, at, value.data(), static_cast<int>(value.size()), SQLITE_STATIC);
     };
     for (const auto& [name, value] : metadata)
-        database.insert("INSERT INTO metadata VALUES (?, ?)", [&, &n = name, &v = value](sqlite3_stmt* s) {
-            text(s, 1, n), text(s, 2, v);
-        });
+        database.insert("INSERT INTO metadata VALUES (?, ?)",
+                        [&, &n = name, &v = value](sqlite3_stmt* s) { text(s, 1, n), text(s, 2, v); });
     for (const ArchiveTile& tile : tiles) {
         io::check_interrupt();
         const std::string data = io::read_text(tile.path);
@@ -219,9 +217,8 @@ void write_pmtiles(std::vector<ArchiveTile> tiles, const ArchiveAbout& about, co
     constexpr std::uint8_t none = 1, gzipped = 2, unknown = 0, png = 2;
     put(std::uint8_t{1}); // along the curve
     put(gzipped), put(about.gzip ? gzipped : none), put(about.format == "png" ? png : unknown);
-    const auto levels = std::minmax_element(tiles.begin(), tiles.end(), [](const ArchiveTile& p, const ArchiveTile& q) {
-        return p.id.level < q.id.level;
-    });
+    const auto levels = std::minmax_element(
+        tiles.begin(), tiles.end(), [](const ArchiveTile& p, const ArchiveTile& q) { return p.id.level < q.id.level; });
     put(static_cast<std::uint8_t>(levels.first->id.level)), put(static_cast<std::uint8_t>(levels.second->id.level));
     const auto degrees = [&](double value) { put(static_cast<std::int32_t>(std::lround(value * 1e7))); };
     const DegreeBox& b = about.bounds;
@@ -241,7 +238,9 @@ void write_pmtiles(std::vector<ArchiveTile> tiles, const ArchiveAbout& about, co
 } // namespace
 
 Archive archive_of(const std::string& path) {
-    return path.ends_with(".mbtiles") ? Archive::mbtiles : path.ends_with(".pmtiles") ? Archive::pmtiles : Archive::folder;
+    return path.ends_with(".mbtiles")   ? Archive::mbtiles
+           : path.ends_with(".pmtiles") ? Archive::pmtiles
+                                        : Archive::folder;
 }
 
 void write_archive(Archive kind, const std::vector<ArchiveTile>& tiles, const ArchiveAbout& about,

@@ -24,8 +24,8 @@ struct ArchiveAbout {
 enum class Archive : std::uint8_t { folder, mbtiles, pmtiles };
 [[nodiscard]] Archive archive_of(const std::string& path); // by its ending
 
-// The file is replaced whole; the bytes depend on the tiles alone. work: a folder for what is not done. Memory: 40 bytes
-// a tile. Throws Failure 3: the disk.
+// The file is replaced whole; the bytes depend on the tiles alone. work: a folder for what is not done. Memory: 40
+// bytes a tile. Throws Failure 3: the disk.
 void write_archive(Archive kind, const std::vector<ArchiveTile>& tiles, const ArchiveAbout& about,
                    const std::string& path, const std::string& work);
 

@@ -65,8 +65,7 @@ std::uint64_t Glb::add_piece(std::uint64_t bytes, std::function<void(const Put&)
 
 std::size_t Glb::add_view(std::vector<std::byte> bytes, GlbTarget target, std::size_t stride) {
     const std::size_t length = bytes.size();
-    const std::size_t index =
-        add_view(length, target, [kept = std::move(bytes)](const Put& put) { put(kept); });
+    const std::size_t index = add_view(length, target, [kept = std::move(bytes)](const Put& put) { put(kept); });
     if (stride != 0) json["bufferViews"][index]["byteStride"] = stride;
     return index;
 }
@@ -86,12 +85,9 @@ std::size_t Glb::add_compressed_view(std::vector<std::byte> encoded, GlbTarget t
     Json view{{"buffer", 1}, {"byteOffset", decoded_bytes_}, {"byteLength", count * stride}};
     if (vertices) view["byteStride"] = stride;
     view["target"] = static_cast<int>(target);
-    view["extensions"][meshopt_extension] = {{"buffer", 0},
-                                             {"byteOffset", at},
-                                             {"byteLength", length},
-                                             {"byteStride", stride},
-                                             {"count", count},
-                                             {"mode", vertices ? "ATTRIBUTES" : "TRIANGLES"}};
+    view["extensions"][meshopt_extension] = {{"buffer", 0},          {"byteOffset", at},
+                                             {"byteLength", length}, {"byteStride", stride},
+                                             {"count", count},       {"mode", vertices ? "ATTRIBUTES" : "TRIANGLES"}};
     decoded_bytes_ += padded(count * stride);
     return add("bufferViews", std::move(view));
 }
@@ -176,8 +172,7 @@ std::vector<std::byte> index_bytes(std::span<const std::uint32_t> indices, std::
 std::vector<std::byte> encode_png(std::uint32_t columns, std::uint32_t rows, std::span<const std::byte> rgb) {
     PngSink sink;
     const int width = static_cast<int>(columns);
-    const int written =
-        stbi_write_png_to_func(receive, &sink, width, static_cast<int>(rows), 3, rgb.data(), width * 3);
+    const int written = stbi_write_png_to_func(receive, &sink, width, static_cast<int>(rows), 3, rgb.data(), width * 3);
     if (sink.failure) std::rethrow_exception(sink.failure);
     if (!written) throw io::Failure(3, "not enough memory to encode a picture as PNG; ask for smaller textures");
     return std::move(sink.bytes);
