@@ -1,4 +1,4 @@
-// The code of docs/guides/web.md.
+// The code of docs/guides/web.md that node runs; page.test.mjs runs the rest.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import test from "node:test";

@@ -1,4 +1,7 @@
 // Compiled by tsc against the package's declarations, and not run.
+import { HttpSource, WorkerSource } from "fjell/loader";
+import { TerrainObject } from "fjell/three";
+import * as THREE from "three";
 import { makeView, mesh, ready, Terrain, version, type Frame, type Mesh, type View } from "fjell";
 
 export async function use(): Promise<void> {
@@ -13,6 +16,11 @@ export async function use(): Promise<void> {
   const numbers: number[] = [made.trueError, again.triangles.length, frame.errorBound, hit?.distance ?? 0, terrain.height(1, 2)];
   terrain.edit({ shape: "crater", at: [1, 2], radius: 3 });
   console.log(version, numbers, terrain.snapshot().length);
+  const remote = await Terrain.open(new WorkerSource("a.fjell", { cache: "packs", pingMs: 1000 }));
+  const ground = new TerrainObject(await Terrain.open(new HttpSource("b.fjell")), { color: 0xffffff });
+  new THREE.Scene().add(ground);
+  ground.wireframe = ground.update(new THREE.PerspectiveCamera(), new THREE.WebGLRenderer(), 1).converged;
+  remote.close();
   // @ts-expect-error: it is a number
   terrain.settings.maxError = "1 px";
   // @ts-expect-error: it is not to be written

@@ -28,6 +28,9 @@ export class HttpSource {
     this.#options = { fetch: (...given) => fetch(...given), tries: 8, firstPauseMs: 250, longestPauseMs: 8000, ...options };
   }
 
+  get url() { return this.#url; }
+  get tag() { return this.#etag; }
+
   async size() {
     await this.read(0, 512).catch((error) => { if (this.#size === undefined) throw error; });
     return this.#size;
