@@ -14,6 +14,7 @@
 #include "baker/read/gdal_file.h"
 #include "io/file.h"
 #include "io/json.h"
+#include "io/set_file.h"
 
 namespace fjell::baker {
 
@@ -180,6 +181,13 @@ const std::vector<RecipeKey>& recipe_keys() {
          "the bands of red, green and blue in images with several bands, or the band of grey: numbers, from 1, or "
          "names, as in 4,3,2 (default: as the image says)"},
         {"ramp", Of::files, &Recipe::ramp, "colours by height (JSON, content/ramps)", {}, true},
+        {"edits",
+         Of::edits,
+         &Recipe::edits,
+         "stamps that change the heights before anything is made of them: craters, roads, levelled ground (JSON, "
+         "content/edits)",
+         {},
+         true},
         {"horizons",
          Of::pack,
          &Recipe::horizons,
@@ -383,15 +391,21 @@ BakeOptions bake_options(const Recipe& recipe) {
     return o;
 }
 
+bool is_pack(const Recipe& recipe) {
+    std::error_code none;
+    return recipe.inputs.size() == 1 && (recipe.inputs[0].ends_with(".fjell") ||
+                                         std::filesystem::is_regular_file(recipe.inputs[0] + "/set.json", none));
+}
+
 std::vector<std::string> files_read(const Recipe& recipe) {
     std::vector<std::string> all{recipe.ramp.value_or("")};
     const auto add = [&](const std::vector<std::string>& more) { all.insert(all.end(), more.begin(), more.end()); };
-    for (const std::string& input : recipe.inputs) {
+    for (const std::string& input : recipe.inputs)
         if (input.ends_with(".json"))
             all.push_back(input);
         else
-            add(raster_files(input, "a height field"));
-    }
+            add(is_pack(recipe) ? io::files_of_pack(input) : raster_files(input, "a height field"));
+    if (recipe.edits) all.push_back(*recipe.edits);
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {
         all.push_back(*recipe.layers);

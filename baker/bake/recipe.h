@@ -17,7 +17,7 @@ namespace fjell::baker {
 // it (threads, memory, progress) is no part of it.
 struct Recipe {
     std::vector<std::string> inputs, texture;
-    std::optional<std::string> output, ramp;
+    std::optional<std::string> output, ramp, edits;
     std::optional<std::string> nodata, crs, encoding, tile, estimate, order, horizons, layers, splat, size, band,
         vertical_unit, texture_bands;
     std::optional<double> spacing, zscale, zoffset, nesting, quantum;
@@ -28,7 +28,8 @@ struct Recipe {
 
 // An option: its name on a command line (--name) and in a file, and all that either, or a form, has to know of it.
 struct RecipeKey {
-    enum class Of { files, pack, reading }; // what it says: names of files; what the pack is; how files become heights
+    // What it says: names of files; what the pack is; how files become heights; what then becomes of these.
+    enum class Of { files, pack, reading, edits };
     using Member = std::variant<std::vector<std::string> Recipe::*, std::optional<std::string> Recipe::*,
                                 std::optional<double> Recipe::*, std::optional<std::array<double, 4>> Recipe::*,
                                 std::optional<DeclaredVoids> Recipe::*>;
@@ -71,8 +72,11 @@ struct RecipeKey {
 [[nodiscard]] ReadOptions read_options(const Recipe& recipe);
 [[nodiscard]] BakeOptions bake_options(const Recipe& recipe);
 
+// Its one input is a pack, or a pack set's folder.
+[[nodiscard]] bool is_pack(const Recipe& recipe);
+
 // Every file that its bake reads, as far as files are there: heights and images with what lies beside and behind them,
-// and the ramp. Throws Failure 1 for one that cannot be opened.
+// the ramp and the stamps. Throws Failure 1 for one that cannot be opened.
 [[nodiscard]] std::vector<std::string> files_read(const Recipe& recipe);
 // Where its bake writes: the pack, and the work folder with all that is in it, as refuse_overwriting() wants them.
 [[nodiscard]] std::vector<std::string> places_written(const std::string& pack_path);

@@ -48,11 +48,16 @@ void add_old_name(CLI::App& app, CLI::Option& now, Recipe& r, const RecipeKey& k
         });
 }
 
-// reading: only how files become heights in metres, for verify --against. Else all that a pack's bytes depend on.
-void add_recipe_options(CLI::App& app, Recipe& r, bool reading = false) {
+// All that a pack's bytes depend on, or only how files become heights in metres (for verify --against), or that and
+// what stamps make of them.
+enum class Options { all, reading, heights };
+void add_recipe_options(CLI::App& app, Recipe& r, Options wanted = Options::all) {
+    using Of = RecipeKey::Of;
     for (const RecipeKey& key : recipe_keys()) {
         const std::string name = &key == &recipe_key("inputs") ? "IN" : std::string("--") + key.name;
-        if (&key == &recipe_key("output") || (reading && key.of != RecipeKey::Of::reading)) continue;
+        if (&key == &recipe_key("output")) continue;
+        if (wanted != Options::all && key.of != Of::reading && (wanted == Options::reading || key.of != Of::edits))
+            continue;
         CLI::Option* const option =
             std::visit([&](const auto member) { return add_key(app, name, r.*member, key); }, key.member);
         if (key.old_name) add_old_name(app, *option, r, key);
@@ -255,7 +260,7 @@ void declare_heights(CLI::App& app, Arguments& a, Commands& c) {
         ->type_name("SIDE")
         ->check(io::whole_within(2, 32769));
     c.heights->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
-    add_recipe_options(*c.heights, a.ground, true);
+    add_recipe_options(*c.heights, a.ground, Options::heights);
 }
 
 void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
@@ -278,7 +283,7 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
     add_packing_options(*c.mesh, a.mesh.packing);
     c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
-    add_recipe_options(*c.mesh, a.ground, true);
+    add_recipe_options(*c.mesh, a.ground, Options::heights);
 }
 
 void declare_simulate(CLI::App& app, Arguments& a, Commands& c) {
@@ -307,7 +312,7 @@ void declare_simulate(CLI::App& app, Arguments& a, Commands& c) {
         ->type_name("X,Y,RADIUS,GROWTH");
     c.simulate->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.simulate->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
-    add_recipe_options(*c.simulate, a.given, true);
+    add_recipe_options(*c.simulate, a.given, Options::heights);
 }
 
 } // namespace
@@ -337,7 +342,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
         "with those given here");
     c.verify->add_option("--recipe", a.against_recipe_path, "the recipe it was baked from, instead of --against");
     c.verify->add_option("--json", a.verify_json_path, "the report for scripts; - for standard output");
-    add_recipe_options(*c.verify, a.against, true);
+    add_recipe_options(*c.verify, a.against, Options::reading);
     declare_heights(app, a, c);
     declare_mesh(app, a, c);
     declare_tiles(app, a, c);

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/bake/bake.h"
+#include "baker/bake/inputs.h"
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
 #include "baker/check/second_reading.h"
@@ -206,37 +207,17 @@ int run_tiles(Arguments a) {
     return 0;
 }
 
-// A pack's heights, or those of files.
-bool is_pack(const Recipe& given) {
-    std::error_code none;
-    return given.inputs.size() == 1 && (given.inputs[0].ends_with(".fjell") ||
-                                        std::filesystem::is_regular_file(given.inputs[0] + "/set.json", none));
-}
-std::unique_ptr<HeightSource> open_ground(const Recipe& given) {
-    if (!is_pack(given)) return open_inputs(given);
-    Recipe options = given;
-    options.inputs.clear();
-    if (options != Recipe{})
-        throw Failure(2, fmt::format("{}: is a pack, whose heights are in metres on a grid already; leave out --bbox, "
-                                     "--nodata and what else says how files are read, or give the files",
-                                     given.inputs[0]));
-    return std::make_unique<PackSource>(given.inputs[0]);
-}
-std::vector<std::string> files_of_ground(const Recipe& given) {
-    return is_pack(given) ? files_of_pack(given.inputs[0]) : files_read(given);
-}
-
 int run_heights(Arguments a) {
-    refuse_overwriting(places_written(a.dem_path), files_of_ground(a.ground));
+    refuse_overwriting(places_written(a.dem_path), files_read(a.ground));
     const bool tif = a.dem_path.ends_with(".tif") || a.dem_path.ends_with(".tiff");
     if (tif && a.heights.level == 0 && a.heights.tile_side == 0) { // of any size
-        write_dem(*open_ground(a.ground), a.dem_path, DemForm::plain, a.threads);
+        write_dem(*open_inputs(a.ground), a.dem_path, DemForm::plain, a.threads);
         return 0;
     }
     ProgressBar bar(a.quiet);
     a.heights.threads = a.threads;
     a.heights.progress = std::ref(bar);
-    const HeightFilesSummary s = write_height_files(*open_ground(a.ground), a.heights, a.dem_path);
+    const HeightFilesSummary s = write_height_files(*open_inputs(a.ground), a.heights, a.dem_path);
     if (a.quiet) return 0;
     fmt::print("{}: {} x {} heights{}, {} x {} m apart\n", a.dem_path, s.columns, s.rows,
                a.heights.tile_side > 0 ? fmt::format(" in each of {} x {} tiles", s.tiles_x, s.tiles_y) : "",
@@ -252,12 +233,12 @@ int run_mesh(Arguments a) {
     if (a.mesh.max_triangles.has_value() == a.mesh_error_m.has_value())
         throw Failure(2, "mesh needs --max-error-m or --max-triangles, one of them");
     a.mesh.max_error_m = a.mesh_error_m.value_or(0);
-    refuse_overwriting({a.mesh_path, a.json_path}, files_of_ground(a.ground));
+    refuse_overwriting({a.mesh_path, a.json_path}, files_read(a.ground));
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     a.mesh.threads = a.threads;
     a.mesh.progress = std::ref(bar);
-    const MeshFileSummary s = write_mesh_file(*open_ground(a.ground), a.mesh, a.mesh_path);
+    const MeshFileSummary s = write_mesh_file(*open_inputs(a.ground), a.mesh, a.mesh_path);
     summary.write({{"columns", s.columns},
                    {"rows", s.rows},
                    {"vertices", s.vertices},

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "baker/bake/inputs.h"
 #include "baker/cli/summary.h"
 #include "baker/georeference/crs_label.h"
 #include "baker/pack/join.h"

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "baker/bake/inputs.h"
 #include "baker/cli/summary.h"
 #include "baker/georeference/open_source.h"
 #include "baker/shard/launch.h"

@@ -8,8 +8,6 @@
 #include <unistd.h>
 
 #include "baker/georeference/crs_label.h"
-#include "baker/georeference/open_source.h"
-#include "baker/synth/synth.h"
 #include "fjell/io/failure.h"
 #include "io/json.h"
 
@@ -100,11 +98,6 @@ Recipe complete(const Recipe& given, const std::string& recipe_path) {
     const Recipe below = load_recipe(recipe_path, &renamed);
     for (const std::string& line : renamed) fmt::print(stderr, "fjell-bake: {}\n", line);
     return merged(given, below);
-}
-
-std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
-    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
-    return open_source(recipe.inputs, read_options(recipe));
 }
 
 namespace {

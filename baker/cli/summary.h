@@ -37,8 +37,6 @@ void print_set(const SetSummary& set, const std::string& folder);
 
 // The command line, completed from --recipe.
 [[nodiscard]] Recipe complete(const Recipe& given, const std::string& recipe_path);
-// Files of heights, or one of content/terrain: mountains are made as they are asked for.
-[[nodiscard]] std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe);
 
 // What a bake made of its source, in words and as JSON.
 

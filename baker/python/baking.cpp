@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "baker/bake/bake.h"
+#include "baker/bake/inputs.h"
 #include "baker/bake/recipe.h"
 #include "baker/cli/reports.h"
 #include "baker/cli/summary.h"

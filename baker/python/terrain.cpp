@@ -30,7 +30,7 @@
 #include "fjell/profile.h"
 #include "fjell/query.h"
 #include "fjell/texture.h"
-#include "session/stamps.h"
+#include "io/stamps.h"
 #include "watched.h"
 
 namespace fjell::python {
@@ -52,9 +52,9 @@ Vec3 vector_of(const std::array<double, 3>& v) {
 struct Edited {
     EditBudget budget;
     io::AlignedMemory memory;
-    Edits edits;                           // of the terrain that is asked
-    std::deque<session::KeptStamp> stamps; // all that were applied; they stay where they are
-    std::uint64_t cursor = 0;              // of ground_changes()
+    Edits edits;                      // of the terrain that is asked
+    std::deque<io::KeptStamp> stamps; // all that were applied; they stay where they are
+    std::uint64_t cursor = 0;         // of ground_changes()
 };
 
 // A terrain that is updated, and how many stamps it has been given.
@@ -318,12 +318,12 @@ public:
 
     [[nodiscard]] bool editable() const { return ground()->edited != nullptr; }
 
-    // Of the fields of a stamp in JSON (session/stamps.h). Returns the number of samples whose height has changed.
+    // Of the fields of a stamp in JSON (io/stamps.h). Returns the number of samples whose height has changed.
     std::uint32_t edit(const std::string& stamp) {
         const auto g = ground();
         if (!g->edited) throw py::value_error("edit: open the terrain with edit_blocks");
         return watched([&] {
-            session::KeptStamp kept = session::stamp_of(nlohmann::json::parse(stamp));
+            io::KeptStamp kept = io::stamp_of(nlohmann::json::parse(stamp));
             const std::lock_guard hold(g->lock);
             Edited& e = *g->edited;
             e.stamps.push_back(std::move(kept));

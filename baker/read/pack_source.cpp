@@ -101,6 +101,10 @@ SourceProperties PackSource::properties(const ReadStatistics& statistics) const 
     return {static_cast<double>(h.quantum_m), static_cast<double>(h.base_m), statistics.voids.count > 0};
 }
 
+HeightScale PackSource::height_scale() const {
+    return {file_->pack().header.base_m, file_->pack().header.quantum_m};
+}
+
 std::string PackSource::identity() const {
     return fmt::format("pack {:016x}", file_->pack().header.directory_hash);
 }

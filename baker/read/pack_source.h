@@ -6,6 +6,7 @@
 
 #include "baker/read/source.h"
 #include "fjell/io/pack_file.h"
+#include "shared/record.h"
 
 namespace fjell::baker {
 
@@ -22,6 +23,7 @@ public:
     // The pack's own height steps.
     [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override;
     [[nodiscard]] std::string identity() const override; // the pack's hash
+    [[nodiscard]] HeightScale height_scale() const;
 
 private:
     std::shared_ptr<const io::PackFile> file_;

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/bake/inputs.h"
 #include "baker/georeference/crs_label.h"
 #include "baker/georeference/open_source.h"
 #include "baker/maps/colour.h"
@@ -352,14 +353,14 @@ void lay_rules(HeightFacts& f, const BakePack& pack, const baker::HeightSource& 
 std::unique_ptr<baker::HeightSource> open_to_look(const BakePack& pack, HeightFacts& f) {
     try {
         f.has_spacing = true;
-        return bake_source(bake_recipe(pack));
+        return baker::open_inputs(bake_recipe(pack));
     } catch (const Failure& failure) {
         tell_problem(f, failure.what(), BakeField::heights);
         if (f.at != BakeField::spacing || pack.spacing_m > 0) return nullptr;
         f.has_spacing = false;
         BakePack with = pack;
         with.spacing_m = 1;
-        return bake_source(bake_recipe(with));
+        return baker::open_inputs(bake_recipe(with));
     }
 }
 

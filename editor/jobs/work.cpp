@@ -13,11 +13,10 @@
 #include <fmt/format.h>
 
 #include "baker/bake/bake.h"
+#include "baker/bake/inputs.h"
 #include "baker/bake/recipe.h"
 #include "baker/georeference/crs_label.h"
-#include "baker/georeference/open_source.h"
 #include "baker/materials/encode.h"
-#include "baker/synth/synth.h"
 #include "editor/number_text.h"
 #include "fjell/gl/context.h"
 #include "fjell/gl/image.h"
@@ -75,11 +74,6 @@ baker::Recipe bake_recipe(const BakePack& b) {
     return recipe;
 }
 
-std::unique_ptr<baker::HeightSource> bake_source(const baker::Recipe& recipe) {
-    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return baker::open_synth(recipe.inputs[0]);
-    return baker::open_source(recipe.inputs, baker::read_options(recipe));
-}
-
 namespace {
 
 // A bake takes every core for seconds or minutes, and so would starve the frames of who flies on. Its threads inherit
@@ -101,7 +95,7 @@ void run(const baker::Recipe& recipe, baker::BakeOptions options, JobControl& co
     };
     baker::limit_gdal_cache(options.memory_bytes / 16);
     try {
-        const baker::BakeSummary s = baker::bake(*bake_source(recipe), options, output);
+        const baker::BakeSummary s = baker::bake(*baker::open_inputs(recipe), options, output);
         control.publish([&](JobView& view) {
             view.output = output;
             view.result = fmt::format("{}: {} x {} samples, {} x {} tiles of {} cells, {} in {:.1f} s{}", output,

@@ -19,9 +19,8 @@ namespace fjell::editor {
 
 // --- bakes
 [[nodiscard]] Jobs::Body bake_job(BakePack bake);
-// Its options, as fjell-bake has them, and the heights that it reads. Failure: io::Failure.
+// Its options, as fjell-bake has them. Failure: io::Failure.
 [[nodiscard]] baker::Recipe bake_recipe(const BakePack& bake);
-[[nodiscard]] std::unique_ptr<baker::HeightSource> bake_source(const baker::Recipe& recipe);
 // The pack's name beside its heights: mountains.tif becomes mountains.fjell.
 [[nodiscard]] std::string pack_beside(const std::string& input);
 

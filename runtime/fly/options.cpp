@@ -367,7 +367,7 @@ void check_together(const FlightOptions& o) {
 
 // A flight in a window goes on until it is closed, unless its frames are given.
 void read_edits(FlightOptions& o) {
-    o.stamps = parse_stamps(io::read_text(o.edits_path), o.edits_path);
+    o.stamps = io::parse_stamps(io::read_text(o.edits_path), o.edits_path);
     const std::size_t frames = o.frames ? o.frames : default_frames;
     if ((o.headless || o.frames) && o.stamps.back().frame >= frames)
         throw Failure(1, fmt::format("{}: a stamp is pushed in frame {}, and the flight has frames 0 to {}; raise "

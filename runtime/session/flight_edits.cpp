@@ -17,7 +17,7 @@ void require_edit(const Status& status) {
 
 } // namespace
 
-FlightEdits::FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<TimedStamp> stamps)
+FlightEdits::FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<io::TimedStamp> stamps)
     : budget_(budget), stamps_(std::move(stamps)) {
     create(terrain, live_);
 }
@@ -52,7 +52,7 @@ void FlightEdits::settle(const Open& open, const StampResult& result) {
     require_edit(stamp_state(mirror_.edits, id).status);
 }
 
-std::span<const TimedStamp> FlightEdits::update(std::span<const View> views) {
+std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views) {
     const std::size_t first = next_;
     for (; next_ < stamps_.size() && stamps_[next_].frame <= frame_; ++next_) {
         StampId id = 0;

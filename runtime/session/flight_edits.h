@@ -12,7 +12,7 @@
 
 #include "fjell/edit.h"
 #include "fjell/io/load.h"
-#include "session/stamps.h"
+#include "io/stamps.h"
 
 namespace fjell::session {
 
@@ -29,8 +29,8 @@ struct EditTotals {
 
 class FlightEdits {
 public:
-    // stamps: by frame, as parse_stamps() returns them.
-    FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<TimedStamp> stamps);
+    // stamps: by frame, as io::parse_stamps() returns them.
+    FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<io::TimedStamp> stamps);
     ~FlightEdits();
     FlightEdits(const FlightEdits&) = delete;
     FlightEdits& operator=(const FlightEdits&) = delete;
@@ -42,7 +42,7 @@ public:
     void begin_frame(std::size_t frame) { frame_ = frame; }
     // Pushes what is due, as far as the queue has room, and applies what can be. An update of the stream and of the
     // mesh follows. Returns the stamps that it has pushed.
-    std::span<const TimedStamp> update(std::span<const View> views);
+    std::span<const io::TimedStamp> update(std::span<const View> views);
 
     [[nodiscard]] const EditTotals& totals() const { return totals_; }
     [[nodiscard]] const EditBudget& budget() const { return budget_; }
@@ -64,7 +64,7 @@ private:
     void settle(const Open& open, const StampResult& result);
 
     EditBudget budget_;
-    std::vector<TimedStamp> stamps_;
+    std::vector<io::TimedStamp> stamps_;
     std::size_t frame_ = 0, next_ = 0; // of stamps_
     Place live_, mirror_;
     std::vector<Open> open_;

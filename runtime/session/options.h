@@ -10,8 +10,8 @@
 
 #include "fjell/io/pack_file.h"
 #include "fjell/profile.h"
+#include "io/stamps.h"
 #include "session/layers_file.h"
-#include "session/stamps.h"
 
 namespace fjell::session {
 
@@ -50,7 +50,7 @@ struct FlightOptions {
     std::string csv, json;
     std::string record, replay; // of the incremental method (session/record.h)
     std::string edits_path;
-    std::vector<TimedStamp> stamps; // and what is in it
+    std::vector<io::TimedStamp> stamps; // and what is in it
     EditBudget edit_budget;
     std::vector<Export> exports;
     double export_texel_m = 0;     // width of a texel of the file's textures; 0: as fine as the maps are

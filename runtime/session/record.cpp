@@ -127,7 +127,7 @@ json frame_json(const RecordedFrame& f) {
     json pages = json::array();
     for (const PageArrival& p : f.pages) pages.push_back({p.tile, p.page, static_cast<std::uint32_t>(p.event)});
     json stamps = json::array();
-    for (const KeptStamp& stamp : f.stamps) stamps.push_back(stamp_json(stamp));
+    for (const io::KeptStamp& stamp : f.stamps) stamps.push_back(io::stamp_json(stamp));
     return {{"views", std::move(views)},    {"stamps", std::move(stamps)},
             {"pages", std::move(pages)},    {"missing_px", f.missing_px},
             {"rebuild", f.rebuild},         {"items", s.max_work},
@@ -171,7 +171,7 @@ RecordedFrame frame_of(const json& j) {
     s.morph = morph_of(j);
     f.mesh_hash = hash_of(j, "mesh");
     if (j.contains("stamps")) // since version 4
-        for (const json& stamp : list(j, "stamps")) f.stamps.push_back(stamp_of(stamp));
+        for (const json& stamp : list(j, "stamps")) f.stamps.push_back(io::stamp_of(stamp));
     for (const json& p : list(j, "pages")) {
         if (!p.is_array() || p.size() != 3 || whole_number(p[2], "pages") >= page_events)
             refuse("what became of a page is its tile, its number and 0 to 3");

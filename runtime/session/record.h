@@ -25,7 +25,7 @@
 #include "fjell/stream.h"
 #include "fjell/terrain.h"
 #include "fjell/view.h"
-#include "session/stamps.h"
+#include "io/stamps.h"
 
 namespace fjell::session {
 
@@ -34,9 +34,9 @@ struct RecordedFrame {
     CutSettings settings; // without budget_us; visits: what the frame did, if there was one
     bool rebuild = false;
     std::uint64_t mesh_hash = 0;
-    std::vector<KeptStamp> stamps;  // in their order; before the pages
-    std::vector<PageArrival> pages; // in their order, before the update
-    double missing_px = 0;          // Terrain::missing_px at the update
+    std::vector<io::KeptStamp> stamps; // in their order; before the pages
+    std::vector<PageArrival> pages;    // in their order, before the update
+    double missing_px = 0;             // Terrain::missing_px at the update
 };
 
 struct Recording {

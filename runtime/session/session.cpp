@@ -82,13 +82,13 @@ void open_terrain(const FlightOptions& options, Session& session) {
 
 // Before the method, whose mesh follows them from its first update on.
 void make_edits(const FlightOptions& options, Session& session) {
-    std::vector<TimedStamp> stamps = options.stamps;
+    std::vector<io::TimedStamp> stamps = options.stamps;
     EditBudget budget = options.edit_budget;
     if (!options.replay.empty()) {
         stamps.clear();
         if (session.recording->edits) budget = *session.recording->edits;
         for (std::size_t frame = 0; frame < session.recording->frames.size(); ++frame)
-            for (const KeptStamp& stamp : session.recording->frames[frame].stamps) stamps.push_back({frame, stamp});
+            for (const io::KeptStamp& stamp : session.recording->frames[frame].stamps) stamps.push_back({frame, stamp});
     }
     if (stamps.empty()) return;
     session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));
@@ -174,7 +174,7 @@ void begin_frame(Session& session, std::size_t frame) {
 
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
     const std::span views(&view, 1);
-    std::span<const TimedStamp> pushed;
+    std::span<const io::TimedStamp> pushed;
     if (session.edits) pushed = session.edits->update(views);
     if (session.streamed) {
         const bool failed = session.streamed->report().failed != 0;
@@ -187,7 +187,7 @@ FrameEntry update_frame(Session& session, const View& view, const Profile& profi
     if (session.recording) {
         RecordedFrame frame = session.method->recorded();
         frame.missing_px = session.terrain().missing_px();
-        for (const TimedStamp& stamp : pushed) frame.stamps.push_back(stamp.what);
+        for (const io::TimedStamp& stamp : pushed) frame.stamps.push_back(stamp.what);
         if (session.streamed) {
             const auto pages = stream_page_arrivals(session.streamed->stream());
             frame.pages.assign(pages.begin(), pages.end());

@@ -9,7 +9,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/pages.h"
 #include "input.h"
-#include "session/stamps.h"
+#include "io/stamps.h"
 #include "support/terrain_fixture.h"
 #include "validate.h"
 
@@ -19,7 +19,7 @@ using namespace fjell;
 using namespace fjell::test;
 using fuzz::must;
 
-void stamp(const std::vector<session::TimedStamp>& stamps) {
+void stamp(const std::vector<io::TimedStamp>& stamps) {
     static const std::vector<std::byte> file = [] {
         Random random(77);
         return bake_and_load(random_dem(random, 90, 70, Shape::fractal), small_bake(5)).file;
@@ -57,10 +57,10 @@ void stamp(const std::vector<session::TimedStamp>& stamps) {
 
 extern "C" int fuzz_stamps(const std::uint8_t* data, std::size_t size) {
     try {
-        const std::vector<session::TimedStamp> stamps =
-            session::parse_stamps({reinterpret_cast<const char*>(data), size}, "fuzz");
-        const std::string text = session::write_stamps(stamps);
-        must(session::write_stamps(session::parse_stamps(text, "written")) == text, "stamps come back as they were");
+        const std::vector<io::TimedStamp> stamps =
+            io::parse_stamps({reinterpret_cast<const char*>(data), size}, "fuzz");
+        const std::string text = io::write_stamps(stamps);
+        must(io::write_stamps(io::parse_stamps(text, "written")) == text, "stamps come back as they were");
         stamp(stamps);
     } catch (const io::Failure& refused) {
         must(refused.exit_code == 1 && *refused.what(), "a refusal says why");

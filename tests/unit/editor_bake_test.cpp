@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "baker/georeference/open_source.h"
+#include "baker/bake/inputs.h"
 #include "baker/read/gdal_file.h"
 #include "editor/command.h"
 #include "editor/files/listing.h"
@@ -250,7 +250,7 @@ TEST_CASE("heights that are reprojected are looked at through their files, each 
         GDALClose(file);
     }
     const BakePack pack = pack_of({folder / "a.tif"});
-    const auto source = bake_source(bake_recipe(pack));
+    const auto source = fjell::baker::open_inputs(bake_recipe(pack));
     const auto files = fjell::baker::unwarped(*source);
     REQUIRE(files);
     CHECK(files->source->columns == 600);

@@ -47,7 +47,7 @@ Recording random_recording(std::mt19937_64& random) {
                                static_cast<PageEvent>(random() % 4)});
         f.missing_px = real();
         if (frame % 2 == 1) { // of every kind of field
-            KeptStamp noise, road, heights;
+            io::KeptStamp noise, road, heights;
             noise.plain.shape = StampShape::noise, noise.plain.x_m = real(), noise.plain.z_m = real();
             noise.plain.radius_m = noise.plain.wavelength_m = static_cast<float>(std::abs(real()) + 1);
             noise.plain.amount_m = static_cast<float>(real()), noise.plain.seed = static_cast<std::uint32_t>(random());

@@ -32,6 +32,7 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"baker", {"runtime/include", "runtime/src/shared", "runtime/io"}},
     {"baker/python",
      {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
+    {"runtime/web", {"runtime/include", "runtime/io", "baker"}}, // for browsers: of the baker its meshes alone
     {"editor",
      {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf",
       "runtime/session", "baker"}},

@@ -7,7 +7,7 @@
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
-#include "session/stamps.h"
+#include "io/stamps.h"
 
 using namespace fjell;
 using namespace fjell::session;
@@ -16,7 +16,7 @@ namespace {
 
 std::string stamp_refusal(const std::string& stamp) {
     try {
-        (void)parse_stamps("{\"stamps\": [\n" + stamp + "\n]}", "s.json");
+        (void)io::parse_stamps("{\"stamps\": [\n" + stamp + "\n]}", "s.json");
     } catch (const io::Failure& failure) {
         return failure.exit_code == 1 ? failure.what() : "another exit code";
     }
@@ -27,7 +27,7 @@ std::string stamp_refusal(const std::string& stamp) {
 
 TEST_CASE("the example of stamps is read as it is written, and comes back the same when it is written and read") {
     const std::string path = FJELL_SOURCE_DIR "/content/edits/craters.json";
-    const std::vector<TimedStamp> stamps = parse_stamps(io::read_text(path), path);
+    const std::vector<io::TimedStamp> stamps = io::parse_stamps(io::read_text(path), path);
     REQUIRE(stamps.size() > 3);
     int craters = 0, paths = 0;
     for (std::size_t i = 0; i < stamps.size(); ++i) {
@@ -37,8 +37,8 @@ TEST_CASE("the example of stamps is read as it is written, and comes back the sa
         paths += s.shape == StampShape::path && s.point_count > 1 && s.points == stamps[i].what.points.data();
     }
     CHECK((craters > 1 && paths == 1));
-    const std::string text = write_stamps(stamps);
-    CHECK(write_stamps(parse_stamps(text, "written")) == text);
+    const std::string text = io::write_stamps(stamps);
+    CHECK(io::write_stamps(io::parse_stamps(text, "written")) == text);
 }
 
 TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
@@ -50,7 +50,7 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
       {"frame": 2, "shape": "heights", "first": [-1, 4], "columns": 3, "rows": 2, "heights_m": [1, 2, null, 4, 5, 6],
        "mask": [0, 255, 1, 2, 3, 4]},
       {"frame": 2, "shape": "restore", "first": [0, 0], "columns": 9, "rows": 9}]})";
-    const std::vector<TimedStamp> stamps = parse_stamps(text, "s.json");
+    const std::vector<io::TimedStamp> stamps = io::parse_stamps(text, "s.json");
     REQUIRE(stamps.size() == 4);
     const Stamp level = stamps[0].what.stamp(), heights = stamps[1].what.stamp(), restore = stamps[2].what.stamp(),
                 noise = stamps[3].what.stamp();
@@ -62,8 +62,8 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
            restore.mask == nullptr));
     CHECK((noise.x_m == 1.5 && noise.z_m == -2 && noise.radius_m == 3.25f && noise.falloff_m == 4 &&
            noise.amount_m == -5 && noise.wavelength_m == 6 && noise.seed == 4294967295u));
-    const std::string written = write_stamps(stamps);
-    CHECK(write_stamps(parse_stamps(written, "written")) == written);
+    const std::string written = io::write_stamps(stamps);
+    CHECK(io::write_stamps(io::parse_stamps(written, "written")) == written);
 }
 
 TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {
@@ -101,7 +101,7 @@ TEST_CASE("a stamp that cannot be one is refused with its line, its number and t
     for (const char* file :
          {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {
         try {
-            (void)parse_stamps(file, "s.json");
+            (void)io::parse_stamps(file, "s.json");
             FAIL("taken: " << file);
         } catch (const io::Failure& failure) {
             CHECK(std::string(failure.what()).starts_with("s.json"));

@@ -8,7 +8,7 @@
 #include "edit/errors.h"
 #include "edit/radii.h"
 #include "edit/refuse.h"
-#include "edit/stamp.h"
+#include "shared/stamp.h"
 
 namespace fjell::edit {
 
@@ -18,8 +18,8 @@ namespace {
 class Evaluation {
 public:
     Evaluation(EditsData& e, const Stamp& stamp)
-        : e_(e), t_(*e.terrain), stamp_(stamp), samples_(samples_of(t_, stamp)), base_m_(t_.height_scale.base_m),
-          quantum_m_(t_.height_scale.quantum_m) {}
+        : e_(e), t_(*e.terrain), grid_(t_), stamp_(stamp), samples_(samples_of(grid_, stamp)),
+          base_m_(t_.height_scale.base_m), quantum_m_(t_.height_scale.quantum_m) {}
 
     // rect: of the piece and, where pieces after it are not evaluated, one row and column of theirs.
     [[nodiscard]] Change evaluate(const Rect& piece, const Rect& rect, const Rect& places) {
@@ -57,7 +57,7 @@ private:
             around.pack_m = base_m_ + pack * quantum_m_;
         }
         if (stamp_.shape == StampShape::smooth) around.mean_m = base_m_ + mean_around(sample) * quantum_m_;
-        const double new_m = stamped_m(t_, stamp_, sample, around);
+        const double new_m = stamped_m(grid_, stamp_, sample, around);
         if (std::isnan(new_m)) return now.steps;
         // What goes all the way back is the pack's own, whatever rounding says.
         if (stamp_.shape == StampShape::restore && new_m == around.pack_m) return pack;
@@ -109,6 +109,7 @@ private:
 
     EditsData& e_;
     const TerrainData& t_;
+    const StampGrid grid_;
     const Stamp& stamp_;
     Rect samples_;
     double base_m_, quantum_m_;

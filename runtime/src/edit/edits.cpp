@@ -11,7 +11,7 @@
 #include "edit/areas.h"
 #include "edit/radii.h"
 #include "edit/refuse.h"
-#include "edit/stamp.h"
+#include "shared/stamp.h"
 
 namespace fjell {
 

@@ -8,31 +8,11 @@
 
 #include "pack/memory.h"
 #include "pack/publish.h"
+#include "shared/stamp.h"
 #include "shared/terrain_data.h"
 
 namespace fjell::edit {
 
-// Places [x0, x1] by [y0, y1].
-struct Rect {
-    std::int32_t x0 = 0, y0 = 0, x1 = -1, y1 = -1;
-    [[nodiscard]] bool empty() const { return x1 < x0 || y1 < y0; }
-    [[nodiscard]] std::int32_t columns() const { return x1 - x0 + 1; }
-    [[nodiscard]] std::int32_t rows() const { return y1 - y0 + 1; }
-    [[nodiscard]] bool contains(SampleIndex v) const {
-        return v.column >= x0 && v.column <= x1 && v.row >= y0 && v.row <= y1;
-    }
-    [[nodiscard]] bool contains(const Rect& r) const { return r.x0 >= x0 && r.x1 <= x1 && r.y0 >= y0 && r.y1 <= y1; }
-    [[nodiscard]] bool meets(const Rect& r) const { return x0 <= r.x1 && r.x0 <= x1 && y0 <= r.y1 && r.y0 <= y1; }
-    [[nodiscard]] Rect grown(std::int32_t by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; }
-    [[nodiscard]] Rect within(const Rect& r) const {
-        return {std::max(x0, r.x0), std::max(y0, r.y0), std::min(x1, r.x1), std::min(y1, r.y1)};
-    }
-    [[nodiscard]] Rect with(const Rect& r) const {
-        if (empty()) return r;
-        if (r.empty()) return *this;
-        return {std::min(x0, r.x0), std::min(y0, r.y0), std::max(x1, r.x1), std::max(y1, r.y1)};
-    }
-};
 // Height scale steps from low to high.
 struct StepRange {
     std::int32_t low = INT32_MAX, high = INT32_MIN;

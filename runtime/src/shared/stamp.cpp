@@ -1,4 +1,4 @@
-#include "edit/stamp.h"
+#include "shared/stamp.h"
 
 #include <cmath>
 #include <limits>
@@ -76,8 +76,8 @@ bool by_distance(const Stamp& stamp) { // otherwise by its rectangle alone
 
 } // namespace
 
-Rect samples_of(const TerrainData& t, const Stamp& stamp) {
-    Rect all{0, 0, t.tree.columns() - 1, t.tree.rows() - 1};
+Rect samples_of(const StampGrid& grid, const Stamp& stamp) {
+    Rect all{0, 0, grid.columns - 1, grid.rows - 1};
     if (stamp.columns > 0)
         all = all.within({stamp.first.column, stamp.first.row, stamp.first.column + stamp.columns - 1,
                           stamp.first.row + stamp.rows - 1});
@@ -94,17 +94,17 @@ Rect samples_of(const TerrainData& t, const Stamp& stamp) {
     const auto place = [](double at, double spacing, std::int32_t last) {
         return static_cast<std::int32_t>(std::min(std::max(at / spacing, -1.0), last + 1.0));
     };
-    const double sx = t.header.spacing_m[0], sz = t.header.spacing_m[1];
-    const std::int32_t last_x = t.tree.columns() - 1, last_y = t.tree.rows() - 1;
+    const double sx = grid.spacing_m[0], sz = grid.spacing_m[1];
+    const std::int32_t last_x = grid.columns - 1, last_y = grid.rows - 1;
     return all.within({static_cast<std::int32_t>(std::ceil(std::min(std::max((x0 - out) / sx, 0.0), last_x + 1.0))),
                        static_cast<std::int32_t>(std::ceil(std::min(std::max((z0 - out) / sz, 0.0), last_y + 1.0))),
                        x1 + out < 0 ? -1 : place(x1 + out, sx, last_x),
                        z1 + out < 0 ? -1 : place(z1 + out, sz, last_y)});
 }
 
-bool may_change(const TerrainData& t, const Stamp& stamp, const Rect& samples) {
+bool may_change(const StampGrid& grid, const Stamp& stamp, const Rect& samples) {
     if (!by_distance(stamp)) return true;
-    const double sx = t.header.spacing_m[0], sz = t.header.spacing_m[1], x = 0.5 * (samples.x0 + samples.x1) * sx,
+    const double sx = grid.spacing_m[0], sz = grid.spacing_m[1], x = 0.5 * (samples.x0 + samples.x1) * sx,
                  z = 0.5 * (samples.y0 + samples.y1) * sz, half_x = 0.5 * samples.columns() * sx,
                  half_z = 0.5 * samples.rows() * sz;
     const double away_m = stamp.shape == StampShape::path ? nearest_on_path(stamp, x, z).away_m
@@ -113,8 +113,8 @@ bool may_change(const TerrainData& t, const Stamp& stamp, const Rect& samples) {
            static_cast<double>(stamp.radius_m) + static_cast<double>(stamp.falloff_m) + std::hypot(half_x, half_z);
 }
 
-double stamped_m(const TerrainData& t, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
-    const double x = sample.column * t.header.spacing_m[0], z = sample.row * t.header.spacing_m[1];
+double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
+    const double x = sample.column * grid.spacing_m[0], z = sample.row * grid.spacing_m[1];
     double weight = 1, path_m = 0;
     if (stamp.columns > 0 && stamp.mask != nullptr) {
         const std::size_t at =

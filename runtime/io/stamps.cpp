@@ -1,4 +1,4 @@
-#include "session/stamps.h"
+#include "io/stamps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,10 @@
 #include "fjell/pack.h"
 #include "io/json.h"
 
-namespace fjell::session {
+namespace fjell::io {
 
 namespace {
 
-using io::Failure;
 using nlohmann::json;
 
 constexpr const char* shape_names[] = {"raise", "level", "crater", "path", "noise", "smooth", "heights", "restore"};
@@ -201,7 +200,7 @@ json stamp_json(const KeptStamp& kept) {
 }
 
 std::vector<TimedStamp> parse_stamps(std::string_view text, const std::string& name) {
-    const json file = io::parse_json(text, name, io::JsonComments::yes);
+    const json file = parse_json(text, name, JsonComments::yes);
     const auto refuse = [](const std::string& where, const std::string& what) {
         throw Failure(1, fmt::format("{}: {}; see content/edits/craters.json for stamps that work", where, what));
     };
@@ -223,7 +222,7 @@ std::vector<TimedStamp> parse_stamps(std::string_view text, const std::string& n
             }
             timed.what = stamp_of(object);
         } catch (const Failure& failure) {
-            refuse(fmt::format("{}:{}: stamp {}", name, io::line_of_item(text, "stamps", stamps.size()), stamps.size()),
+            refuse(fmt::format("{}:{}: stamp {}", name, line_of_item(text, "stamps", stamps.size()), stamps.size()),
                    failure.what());
         }
         stamps.push_back(std::move(timed));
@@ -239,4 +238,4 @@ std::string write_stamps(const std::vector<TimedStamp>& stamps) {
     return text + "\n  ]\n}\n";
 }
 
-} // namespace fjell::session
+} // namespace fjell::io

@@ -15,7 +15,7 @@
 
 #include "fjell/edit.h"
 
-namespace fjell::session {
+namespace fjell::io {
 
 // A stamp with what it points to.
 struct KeptStamp {
@@ -41,4 +41,4 @@ struct TimedStamp {
 [[nodiscard]] KeptStamp stamp_of(const nlohmann::json& object);
 [[nodiscard]] nlohmann::json stamp_json(const KeptStamp& stamp);
 
-} // namespace fjell::session
+} // namespace fjell::io

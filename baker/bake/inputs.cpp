@@ -1,0 +1,31 @@
+#include "baker/bake/inputs.h"
+
+#include <fmt/format.h>
+
+#include "baker/georeference/open_source.h"
+#include "baker/read/edited_source.h"
+#include "baker/read/pack_source.h"
+#include "baker/synth/synth.h"
+
+namespace fjell::baker {
+
+namespace {
+
+std::unique_ptr<HeightSource> open_unedited(const Recipe& recipe) {
+    if (recipe.inputs.size() == 1 && recipe.inputs[0].ends_with(".json")) return open_synth(recipe.inputs[0]);
+    if (!is_pack(recipe)) return open_source(recipe.inputs, read_options(recipe));
+    if (reading_part(recipe) != Recipe{})
+        throw Failure(2, fmt::format("{}: is a pack, whose heights are in metres on a grid already; leave out --bbox, "
+                                     "--nodata and what else says how files are read, or give the files",
+                                     recipe.inputs[0]));
+    return std::make_unique<PackSource>(recipe.inputs[0]);
+}
+
+} // namespace
+
+std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
+    std::unique_ptr<HeightSource> source = open_unedited(recipe);
+    return recipe.edits ? edited_source(std::move(source), *recipe.edits) : std::move(source);
+}
+
+} // namespace fjell::baker

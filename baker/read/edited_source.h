@@ -1,0 +1,21 @@
+// Heights that stamps have changed (fjell/edit.h): the ground that a flight has dug, baked.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "baker/read/source.h"
+
+namespace fjell::baker {
+
+// A pack that is flown with the stamps of a file has these heights, but for `smooth`, which goes on piece by piece
+// there. Heights of a pack are rounded to its steps after each stamp, as they are in flight; those of other sources are
+// not. What stamps change is held, 4 bytes a sample; most_edited_samples at most. Voids stay voids.
+inline constexpr std::size_t most_edited_samples = std::size_t{1} << 27;
+
+// path: stamps as JSON (content/README.md); their frames give the order alone. Reads what they lie on. Throws Failure
+// 1: a file that cannot be read, with its line, or stamps that change too much.
+[[nodiscard]] std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source,
+                                                          const std::string& path);
+
+} // namespace fjell::baker

@@ -1,0 +1,61 @@
+// What a stamp (fjell/edit.h) makes of one sample: for the terrain that is flown, and for the baker.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "fjell/edit.h"
+#include "shared/terrain_data.h"
+
+namespace fjell::edit {
+
+// Places [x0, x1] by [y0, y1].
+struct Rect {
+    std::int32_t x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+    [[nodiscard]] bool empty() const { return x1 < x0 || y1 < y0; }
+    [[nodiscard]] std::int32_t columns() const { return x1 - x0 + 1; }
+    [[nodiscard]] std::int32_t rows() const { return y1 - y0 + 1; }
+    [[nodiscard]] bool contains(SampleIndex v) const {
+        return v.column >= x0 && v.column <= x1 && v.row >= y0 && v.row <= y1;
+    }
+    [[nodiscard]] bool contains(const Rect& r) const { return r.x0 >= x0 && r.x1 <= x1 && r.y0 >= y0 && r.y1 <= y1; }
+    [[nodiscard]] bool meets(const Rect& r) const { return x0 <= r.x1 && r.x0 <= x1 && y0 <= r.y1 && r.y0 <= y1; }
+    [[nodiscard]] Rect grown(std::int32_t by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; }
+    [[nodiscard]] Rect within(const Rect& r) const {
+        return {std::max(x0, r.x0), std::max(y0, r.y0), std::min(x1, r.x1), std::min(y1, r.y1)};
+    }
+    [[nodiscard]] Rect with(const Rect& r) const {
+        if (empty()) return r;
+        if (r.empty()) return *this;
+        return {std::min(x0, r.x0), std::min(y0, r.y0), std::max(x1, r.x1), std::max(y1, r.y1)};
+    }
+};
+
+// What a stamp has to know of the field of samples that it changes; a baker's need be no terrain.
+struct StampGrid {
+    std::int32_t columns = 0, rows = 0;
+    double spacing_m[2] = {1, 1};
+
+    StampGrid(std::int32_t c, std::int32_t r, const double (&spacing)[2])
+        : columns(c), rows(r), spacing_m{spacing[0], spacing[1]} {}
+    StampGrid(const TerrainData& t) : StampGrid(t.tree.columns(), t.tree.rows(), t.header.spacing_m) {}
+};
+
+// Samples that a stamp may change, within the field.
+[[nodiscard]] Rect samples_of(const StampGrid& grid, const Stamp& stamp);
+
+// Can it change a sample in this part of them? Told by distances; may say yes where it does not.
+[[nodiscard]] bool may_change(const StampGrid& grid, const Stamp& stamp, const Rect& samples);
+
+// What the sample's neighbourhood looks like to a stamp: heights in metres.
+struct Surroundings {
+    double height_m; // now
+    double pack_m;   // in the pack
+    double mean_m;   // of it and its eight neighbours, for `smooth`
+};
+// The new height in metres; NaN: as it is.
+[[nodiscard]] double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now);
+
+[[nodiscard]] Status check_stamp(const Stamp& stamp);
+
+} // namespace fjell::edit
