@@ -242,14 +242,14 @@ std::optional<GltfLattice> lattice_of(const Ground& ground, const MeshFileOption
 }
 
 // What the lattice adds to an error: half a step, and what a viewer's floats are off.
-double rounding_m(const std::optional<GltfLattice>& lattice, const Ground& ground) {
+double lattice_rounding_m(const std::optional<GltfLattice>& lattice, const Ground& ground) {
     constexpr double float_share = 1.0 / (1 << 23);
     const auto size = [](float height_m) { return std::abs(static_cast<double>(height_m)); };
     return lattice ? lattice->scale[1] / 2 + float_share * std::max(size(ground.min_m), size(ground.max_m)) : 0;
 }
 
 HeightMesh mesh_within(const Ground& ground, const MeshFileOptions& options, MeshFormat format, double max_error_m) {
-    const double rest_m = max_error_m - rounding_m(lattice_of(ground, options, max_error_m), ground);
+    const double rest_m = max_error_m - lattice_rounding_m(lattice_of(ground, options, max_error_m), ground);
     HeightMeshOptions wanted{{ground.spacing_m[0], ground.spacing_m[1]}, std::max(0.0, rest_m)};
     wanted.z_up = is_z_up(format), wanted.base = format == MeshFormat::stl, wanted.threads = options.threads;
     return mesh_heights(ground.array(), wanted);
@@ -300,7 +300,7 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
         throw Failure(
             1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh", path));
     const std::optional<GltfLattice> lattice = lattice_of(ground, options, s.max_error_m);
-    s.true_error_m = mesh.true_error_m + rounding_m(lattice, ground);
+    s.true_error_m = mesh.true_error_m + lattice_rounding_m(lattice, ground);
     if (lattice && s.true_error_m > s.max_error_m)
         throw Failure(1,
                       fmt::format("--max-error-m {}: heights of 16 bits are {} m off here; give that much, a part with "
