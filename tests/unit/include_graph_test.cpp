@@ -29,7 +29,7 @@ const std::map<std::string, std::set<std::string>> rooms{
     {"runtime/session", {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf"}},
     {"runtime/fly",
      {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "runtime/session"}},
-    {"baker", {"runtime/include", "runtime/src/shared", "runtime/io"}},
+    {"baker", {"runtime/include", "runtime/src/shared", "runtime/io", "runtime/gltf"}},
     {"baker/python",
      {"runtime/include", "runtime/io", "runtime/profile", "runtime/gl", "runtime/gltf", "runtime/session", "baker"}},
     {"runtime/web", {"runtime/include", "runtime/io", "baker"}}, // for browsers: of the baker its meshes alone
