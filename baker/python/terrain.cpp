@@ -17,6 +17,8 @@
 
 #include "arrays.h"
 #include "baker/check/picture.h"
+#include "baker/read/edited_source.h"
+#include "baker/read/pack_source.h"
 #include "baking.h"
 #include "fjell/edit.h"
 #include "fjell/gl/context.h"
@@ -52,8 +54,9 @@ Vec3 vector_of(const std::array<double, 3>& v) {
 struct Edited {
     EditBudget budget;
     io::AlignedMemory memory;
-    Edits edits;                      // of the terrain that is asked
-    std::deque<io::KeptStamp> stamps; // all that were applied; they stay where they are
+    Edits edits;                      // of the terrain that is asked; a streamed one's are its LiveTerrain's
+    std::deque<io::KeptStamp> stamps; // all that were applied, or may be yet; they stay where they are
+    std::deque<StampId> ids;          // theirs
     std::uint64_t cursor = 0;         // of ground_changes()
 };
 
@@ -91,6 +94,11 @@ struct Ground {
     std::unique_ptr<Followed> live;        // null: there was no update yet
     std::unique_ptr<Painter> painter;
     double clock_s = 0; // of updates that are given no time
+    View view = [] {    // of the last update; before it one that wants next to nothing
+        View least;
+        least.max_error_px = 1e6;
+        return least;
+    }();
 
     [[nodiscard]] const Terrain& terrain() const { return whole ? whole->terrain : live->ground.terrain(); }
     [[nodiscard]] io::LiveOptions options() const {
@@ -102,9 +110,14 @@ struct Ground {
         if (!live) live = std::make_unique<Followed>(path, options());
     }
     void allow_edits(std::uint32_t blocks) {
-        if (!whole) throw Failure(1, "edit_blocks: a terrain that is streamed cannot be edited; leave out streaming");
         auto made = std::make_unique<Edited>();
         made->budget = {.blocks = blocks, .stamps = 4096};
+        if (!whole) {
+            edited = std::move(made);
+            begin_updates();
+            edited->edits = live->ground.edits();
+            return;
+        }
         const std::size_t bytes = edits_bytes(whole->terrain.header(), made->budget);
         made->memory = io::allocate(bytes);
         const Status s = create_edits(whole->terrain, made->budget, {made->memory.get(), bytes}, made->edits);
@@ -126,6 +139,63 @@ const io::LiveFrame& settle(Followed& followed, const Edited* edited, const View
         if (frame.settled || i == patience) return frame;
         std::this_thread::sleep_for(std::chrono::microseconds(500));
     }
+}
+
+// Has a stamp applied: at once where all pages are loaded; a streamed terrain is updated, as it was updated last, until
+// it has those under the stamp. Returns how many samples have changed.
+std::uint32_t apply(Ground& g, StampId id) {
+    constexpr int patience = 20'000; // updates, of 0.5 ms
+    if (g.whole) {
+        EditReport report;
+        (void)update_edits(g.edited->edits, {}, {}, report); // nothing limits it
+        return report.samples;
+    }
+    std::uint32_t samples = 0;
+    int settled = 0; // updates that had nothing left to do
+    for (int i = 0; i < patience && settled < 4 && stamp_state(g.edited->edits, id).state == StampState::waiting; ++i) {
+        io::check_interrupt();
+        const io::LiveFrame& frame = g.live->ground.update({&g.view, 1}, g.clock_s);
+        samples += frame.edits.samples;
+        settled = frame.settled ? settled + 1 : 0;
+        g.clock_s += 1.0 / 60;
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
+    }
+    return samples;
+}
+
+// All heights of a pack with the stamps that a terrain was given.
+io::FullHeights edited_heights(const Ground& g, int step_log2) {
+    std::vector<io::TimedStamp> stamps;
+    for (std::size_t i = 0; i < g.edited->stamps.size(); ++i)
+        if (stamp_state(g.edited->edits, g.edited->ids[i]).state != StampState::waiting)
+            stamps.push_back({0, g.edited->stamps[i]});
+    const auto source = baker::edited_source(std::make_unique<baker::PackSource>(g.path), stamps, g.path);
+    const auto shrunk = [&](std::int32_t count) { return ((count - 2) >> step_log2) + 2; };
+    io::FullHeights all{shrunk(source->columns), shrunk(source->rows), static_cast<std::uint32_t>(step_log2), {}};
+    all.heights_m.resize(static_cast<std::size_t>(all.columns) * static_cast<std::size_t>(all.rows));
+    // The sample that each of the result's rows, or columns, shows; a last one beyond the rim shows the rim's.
+    const auto shown = [&](std::int32_t at, std::int32_t count) { return std::min(at << step_log2, count - 1); };
+    const auto reader = source->reader();
+    baker::ReadStatistics statistics;
+    std::vector<float> part;
+    for (const baker::Window& w : source->windows(std::size_t{1} << 20)) {
+        io::check_interrupt();
+        part.resize(w.area());
+        reader->read(w, part.data(), statistics);
+        for (std::int32_t y = w.y >> step_log2; y < all.rows; ++y) {
+            const std::int32_t row = shown(y, source->rows) - w.y;
+            if (row < 0 || row >= w.rows) continue;
+            for (std::int32_t x = w.x >> step_log2; x < all.columns; ++x) {
+                const std::int32_t column = shown(x, source->columns) - w.x;
+                if (column < 0 || column >= w.columns) continue;
+                all.heights_m[static_cast<std::size_t>(y) * static_cast<std::size_t>(all.columns) +
+                              static_cast<std::size_t>(x)] =
+                    part[static_cast<std::size_t>(row) * static_cast<std::size_t>(w.columns) +
+                         static_cast<std::size_t>(column)];
+            }
+        }
+    }
+    return all;
 }
 
 // A frame's mesh as it lies in the terrain's memory, and its report.
@@ -203,11 +273,10 @@ public:
             g.path = path;
             if (!profile_path.empty()) g.profile = read_profile(profile_path);
             for (const auto& [key, value] : overrides) set_profile_key(g.profile, key, value);
-            if (streaming)
-                g.begin_updates();
-            else
+            if (!streaming)
                 g.whole = std::make_unique<io::LoadedPack>(io::load_pack(io::PackFile(path), io::LoadTerrain::yes));
             if (edit_blocks != 0) g.allow_edits(edit_blocks);
+            if (streaming) g.begin_updates();
         });
     }
 
@@ -297,6 +366,7 @@ public:
         io::FullHeights all = watched([&] {
             const io::PackFile file(g->path);
             const PackHeader& h = file.pack().header;
+            if (const std::lock_guard hold(g->lock); g->edited && !g->whole) return edited_heights(*g, step_log2);
             const auto shrunk = [&](std::uint32_t count) { return ((std::uint64_t{count} - 2) >> step_log2) + 2; };
             const auto go_on = [](double) { return io::check_interrupt(), true; };
             return *io::read_heights(file, shrunk(h.columns) * shrunk(h.rows), go_on);
@@ -327,18 +397,27 @@ public:
             const std::lock_guard hold(g->lock);
             Edited& e = *g->edited;
             e.stamps.push_back(std::move(kept));
-            EditReport report;
+            std::uint32_t samples = 0;
             StampId id = 0;
             StampResult result{StampState::refused, push_stamp(e.edits, e.stamps.back().stamp(), id)};
             if (result.status.ok()) {
-                (void)update_edits(e.edits, {}, {}, report); // all pages are loaded, and nothing limits it
+                samples = apply(*g, id);
                 result = stamp_state(e.edits, id);
             }
-            if (result.state != StampState::applied) {
+            // One that waits points to what is kept here, and may be applied yet.
+            const bool waits = result.state == StampState::waiting, applied = result.state == StampState::applied;
+            if (waits || applied)
+                e.ids.push_back(id);
+            else
                 e.stamps.pop_back();
+            if (!g->whole) g->live->stamps = e.stamps.size();
+            if (waits)
+                throw Failure(
+                    1, "edit: too little of the ground around is loaded to tell whether the stamp fits; update the "
+                       "terrain with a view from near it first, or make the stamp less steep");
+            if (!applied)
                 throw Failure(1, std::string("edit: ") + result.status.field + ": " + message(result.status.code));
-            }
-            return report.samples;
+            return samples;
         });
     }
 
@@ -373,6 +452,7 @@ public:
             g->begin_updates();
             if (!std::isnan(given_s)) g->clock_s = given_s;
             Followed& live = *g->live;
+            g->view = view;
             if (!wait) live.follow(g->edited.get());
             const io::LiveFrame& frame =
                 wait ? settle(live, g->edited.get(), view, g->clock_s) : live.ground.update({&view, 1}, g->clock_s);
@@ -390,6 +470,7 @@ public:
         const gltf::SnapshotCounts counts = watched([&] {
             const std::lock_guard hold(g->lock);
             g->begin_updates();
+            g->view = view;
             (void)settle(*g->live, g->edited.get(), view, g->clock_s);
             const io::LiveTerrain& live = g->live->ground;
             return gltf::write_snapshot(live, gltf::take_snapshot(live, view), path);

@@ -14,7 +14,6 @@
 
 #include "baker/read/pack_source.h"
 #include "io/file.h"
-#include "io/stamps.h"
 #include "shared/stamp.h"
 
 namespace fjell::baker {
@@ -166,7 +165,9 @@ private:
 
 class EditedSource final : public HeightSource {
 public:
-    EditedSource(std::unique_ptr<HeightSource> source, const std::string& path) : source_(std::move(source)) {
+    EditedSource(std::unique_ptr<HeightSource> source, const std::vector<io::TimedStamp>& stamps,
+                 const std::string& name)
+        : source_(std::move(source)) {
         columns = source_->columns, rows = source_->rows;
         std::copy_n(source_->spacing_m, 2, spacing_m);
         std::copy_n(source_->crs_origin, 2, crs_origin);
@@ -174,10 +175,10 @@ public:
         crs_wkt = source_->crs_wkt;
         facts = source_->facts;
         if (const auto* const pack = dynamic_cast<const PackSource*>(source_.get())) scale_ = pack->height_scale();
-        const std::string text = io::read_text(path);
+        const std::string text = io::write_stamps(stamps);
         hash_ = XXH3_64bits(text.data(), text.size());
-        const auto overlay = std::make_shared<Overlay>(*source_, scale_, path);
-        for (const io::TimedStamp& stamp : io::parse_stamps(text, path)) overlay->apply(stamp.what.stamp());
+        const auto overlay = std::make_shared<Overlay>(*source_, scale_, name);
+        for (const io::TimedStamp& stamp : stamps) overlay->apply(stamp.what.stamp());
         overlay_ = overlay;
     }
 
@@ -199,13 +200,18 @@ private:
     std::unique_ptr<HeightSource> source_;
     std::optional<HeightScale> scale_; // a pack's
     std::shared_ptr<const Overlay> overlay_;
-    std::uint64_t hash_ = 0; // of the file of stamps
+    std::uint64_t hash_ = 0; // of the stamps
 };
 
 } // namespace
 
 std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source, const std::string& path) {
-    return std::make_unique<EditedSource>(std::move(source), path);
+    return edited_source(std::move(source), io::parse_stamps(io::read_text(path), path), path);
+}
+
+std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source,
+                                            const std::vector<io::TimedStamp>& stamps, const std::string& name) {
+    return std::make_unique<EditedSource>(std::move(source), stamps, name);
 }
 
 } // namespace fjell::baker

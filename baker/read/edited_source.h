@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "baker/read/source.h"
+#include "io/stamps.h"
 
 namespace fjell::baker {
 
@@ -17,5 +19,8 @@ inline constexpr std::size_t most_edited_samples = std::size_t{1} << 27;
 // 1: a file that cannot be read, with its line, or stamps that change too much.
 [[nodiscard]] std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source,
                                                           const std::string& path);
+// The same, of stamps in memory. name: for messages.
+[[nodiscard]] std::unique_ptr<HeightSource>
+edited_source(std::unique_ptr<HeightSource> source, const std::vector<io::TimedStamp>& stamps, const std::string& name);
 
 } // namespace fjell::baker

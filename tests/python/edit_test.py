@@ -55,6 +55,39 @@ class Edits(unittest.TestCase):
             t.edit("restore", at=(145 * SPACING, 120 * SPACING), radius=500)
             np.testing.assert_array_equal(t.samples(), before)
 
+    def test_a_streamed_terrain_has_the_ground_of_one_that_is_loaded(self):
+        stamps = (
+            ("crater", {"at": (300, 260), "radius": 40, "falloff": 20, "amount": 15}),
+            ("heights", {"first": (200, 10), "heights": terrain(257, 300)[10:40, 200:220] + 2.0}),
+            ("restore", {"at": (310, 260), "radius": 12}),
+        )
+        with self.open() as whole, self.open(streaming=True) as t:
+            for shape, fields in stamps:
+                self.assertEqual(t.edit(shape, **fields), whole.edit(shape, **fields))
+            self.assertGreater(len(t.ground_changes()), 0)
+            np.testing.assert_array_equal(t.samples(), whole.samples())
+            np.testing.assert_array_equal(t.samples(step=4), whole.samples(step=4))
+            before = t.samples()
+            with self.assertRaisesRegex(ValueError, "too little of the ground|steeper"):
+                t.edit("heights", first=(200, 10), heights=np.full((30, 20), 100.0))
+            np.testing.assert_array_equal(t.samples(), before)
+        with self.open() as whole, self.open(streaming=True) as t:
+            for shape, fields in stamps:
+                self.assertEqual(t.edit(shape, **fields), whole.edit(shape, **fields))
+            view = fjell.View(eye=(300, 200 + whole.height(300, 260), 261), look=(300, 0, 260), size=(320, 200), max_error_px=0.01)
+            t.update(view, wait=True)
+            found, errors = t.heights(np.linspace(290, 310, 40), 260.0, errors=True)
+            difference = np.abs(found - whole.heights(np.linspace(290, 310, 40), 260.0))
+            self.assertTrue((difference <= errors + 1e-3).all())
+            self.assertLess(errors.max(), 1)
+            t.edit("raise", (300, 260), radius=20, amount=1.0)  # with a mesh in use
+            whole.edit("raise", (300, 260), radius=20, amount=1.0)
+            np.testing.assert_array_equal(t.samples(), whole.samples())
+            before = t.samples()
+            with self.assertRaisesRegex(ValueError, "Stamp"):
+                t.edit("raise", (300, 260), radius=60, amount=1e6)
+            np.testing.assert_array_equal(t.samples(), before)
+
     def test_frames_and_pictures_made_before_and_after_hold_their_bound_over_the_new_ground(self):
         with self.open() as t:
             view = fjell.View(eye=(300, 120 + t.height(300, 440), 440), look=(300, t.height(300, 260), 260), size=(320, 200), max_error_px=1)
@@ -104,8 +137,6 @@ class Edits(unittest.TestCase):
             np.testing.assert_array_equal(t.samples(), before)
         with fjell.Terrain(self.pack) as t, self.assertRaisesRegex(ValueError, "edit_blocks"):
             t.edit("raise", (300, 260), radius=10, amount=0.1)
-        with self.assertRaisesRegex(ValueError, "edit_blocks"):
-            fjell.Terrain(self.pack, streaming=True, edit_blocks=4)
         with self.assertRaisesRegex(ValueError, "edit_blocks"):
             fjell.Terrain(self.pack, edit_blocks=-1)
 

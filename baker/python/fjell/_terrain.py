@@ -173,6 +173,7 @@ class Terrain:
         file = "" if profile is None or isinstance(profile, dict) else os.fspath(profile)
         if not 0 <= edit_blocks <= 1 << 20:
             raise ValueError(f"edit_blocks: is {edit_blocks}; give 0 to {1 << 20}")
+        self._streaming = streaming
         self._native = _native.Terrain(name, file, overrides, streaming, edit_blocks)
         self.path = name
 
@@ -293,7 +294,7 @@ class Terrain:
         """
         if step < 1 or step & (step - 1):
             raise ValueError(f"step: is {step}; give a power of two")
-        if not self._native.editable:
+        if self._streaming or not self._native.editable:
             return self._native.samples(step.bit_length() - 1)
         side = 1025
         columns, rows = ((count - 2) // step + 2 for count in (self.columns, self.rows))
@@ -334,8 +335,8 @@ class Terrain:
             wholly, 0 not at all.
 
         Heights move in steps of `quantum_m`. Heights, rays, patches and samples are those of the new ground at once;
-        frames, snapshots and pictures from the next one on, with their bound. Slopes, horizons and the textures of
-        snapshots stay the pack's. What is wrong, needs more than edit_blocks, or is steeper than the pack can bound,
+        frames, snapshots and pictures from the next one on, with their bound. Slopes and horizons stay the pack's. A
+        streamed terrain loads the ground under the stamp first. What is wrong, needs more than edit_blocks, or is steeper than the pack can bound,
         is a ValueError and changes nothing. Each edit is kept until the terrain is closed.
 
         >>> import numpy as np
