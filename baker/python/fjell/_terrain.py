@@ -336,8 +336,9 @@ class Terrain:
 
         Heights move in steps of `quantum_m`. Heights, rays, patches and samples are those of the new ground at once;
         frames, snapshots and pictures from the next one on, with their bound. Slopes and horizons stay the pack's. A
-        streamed terrain loads the ground under the stamp first. What is wrong, needs more than edit_blocks, or is steeper than the pack can bound,
-        is a ValueError and changes nothing. Each edit is kept until the terrain is closed.
+        streamed terrain loads the ground under the stamp first. What is wrong, needs more than edit_blocks, or is
+        steeper than the pack can bound, is a ValueError and changes nothing. Each edit is kept until the terrain is
+        closed.
 
         >>> import numpy as np
         >>> _ = fjell.bake(np.add.outer(np.arange(65.0), np.arange(97.0)), "slope.fjell", spacing=2)
