@@ -1,4 +1,4 @@
-"""Meshes of one array by Fjell, Martini and Delatin (npm's @mapbox/martini and delatin), all within one true error.
+"""Meshes of one array by Fjell, Martini, Delatin (npm's @mapbox/martini and delatin) and SciPy, within one true error.
 
     PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS NODE_MODULES
 
@@ -67,6 +67,31 @@ def by_fjell(heights, error):
     return made, min(times[1:])
 
 
+def by_scipy(heights, worst):
+    """SciPy's Delaunay triangulation of every n-th sample, as many as it takes. Without SciPy: nothing."""
+    try:
+        from scipy.spatial import Delaunay
+    except ImportError:
+        print("SciPy is not installed: Debian's package is python3-scipy", file=sys.stderr)
+        return None
+    step = len(heights) - 1
+    while True:
+        at = np.arange(0, len(heights), step)
+        x, y = np.meshgrid(at, at)
+        places = np.stack([x.ravel(), y.ravel()], axis=1)
+        start = time.perf_counter()
+        triangles = Delaunay(places).simplices.astype(np.uint32)
+        seconds = time.perf_counter() - start
+        a, b, c = (places[triangles[:, i]] for i in range(3))
+        turned = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
+        triangles[turned] = triangles[turned][:, ::-1]
+        vertices = np.stack([places[:, 0], heights[places[:, 1], places[:, 0]], places[:, 1]], axis=1).astype(np.float32)
+        true, _ = measure(heights, vertices, triangles)
+        if true <= worst or step == 1:
+            return {"method": "SciPy", "asked_m": worst, "true_m": true, "triangles": len(triangles), "ms": seconds * 1000}
+        step //= 2
+
+
 def rows(heights, modules):
     folder = tempfile.mkdtemp()
     for error in (5.0, 20.0):
@@ -87,6 +112,9 @@ def rows(heights, modules):
                 asked, first = asked * min(0.95, 0.99 * worst / true), False
             if not first:
                 yield row
+        row = by_scipy(heights, worst)
+        if row:
+            yield row
 
 
 def load(path):
