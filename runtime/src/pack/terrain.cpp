@@ -87,6 +87,7 @@ Status fetch(const Pack& pack, ChunkId id, TerrainMemory& memory, std::span<cons
 struct TilePages {
     const TerrainData& terrain;
     const PageEntry* table; // of the tile
+    SampleIndex tile;
 
     [[nodiscard]] std::int32_t steps(std::uint32_t page, std::uint32_t index) const {
         const PageEntry entry = table[page];
@@ -97,8 +98,9 @@ struct TilePages {
         const PageLayout& pages = terrain.pages;
         const auto side = static_cast<std::int32_t>(pages.side());
         const SampleIndex c{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-        if (((c.column | c.row) & (side - 1)) == 0)
-            return steps(0, (x >> pages.tile_log2) + 2 * (y >> pages.tile_log2));
+        if (((c.column | c.row) & (side - 1)) == 0) // not page 0's copy, which edits leave as it was
+            return corner_steps(terrain.corners[terrain.corner_at(tile.column + (c.column >> pages.tile_log2),
+                                                                  tile.row + (c.row >> pages.tile_log2))]);
         const int z = Tree::step_log2(c);
         const StepLayout step = pages.step_layout(z);
         const std::uint32_t px = step.pages_log2 == 0 ? 0 : static_cast<std::uint32_t>(position.column) >> z,
@@ -169,7 +171,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
         const SampleIndex position = terrain.pages.page_position(page);
         if (!coarser_pages_loaded(terrain.pages, table, position))
             return {StatusCode::coarser_page_first, "geometry page"};
-        gather_corners({terrain, table}, position, m.coarse);
+        gather_corners({terrain, table, terrain.tile_xy(tile)}, position, m.coarse);
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
     }
     const std::uint32_t slot = m.free_slots[--m.free_count];
