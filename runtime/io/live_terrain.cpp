@@ -22,10 +22,10 @@ void tell_once([[maybe_unused]] const char* line) {
 }
 
 bool nothing_to_do(const CutReport& c, const StreamReport& s, const EditReport& e) {
-    return e.waiting == e.held && e.loose == 0 && e.samples == 0 && s.in_flight == 0 && s.pages_left == 0 &&
-           s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 && s.pages_evicting == 0 &&
-           (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 && c.activations == 0 &&
-           c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
+    return e.waiting == e.held && e.moving == 0 && e.loose == 0 && e.samples == 0 && s.in_flight == 0 &&
+           s.pages_left == 0 && s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 &&
+           s.pages_evicting == 0 && (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 &&
+           c.activations == 0 && c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
 }
 
 } // namespace
@@ -80,7 +80,7 @@ void LiveTerrain::begin(const std::string& name) {
 LiveTerrain::~LiveTerrain() = default;
 
 const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) {
-    settings.cut.now_s = settings.stream.now_s = now_s;
+    settings.cut.now_s = settings.stream.now_s = settings.edits.now_s = now_s;
     if (!commands_taken_ && (frame_.forgotten & live_map_commands) == 0) {
         frame_.forgotten |= live_map_commands;
         tell_once("fjell: map commands were not taken before the next update, so maps show wrongly: "
@@ -102,7 +102,7 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
     frame_.converged = frame_.cut.converged && frame_.stream.converged && frame_.stream.maps_converged;
     quiet_ = nothing_to_do(frame_.cut, frame_.stream, frame_.edits) ? quiet_ + 1 : 0;
     // twice: what an update requests it may find out in the next one
-    const bool moving = frame_.edits.waiting != 0 || frame_.edits.loose != 0;
+    const bool moving = frame_.edits.waiting + frame_.edits.moving != 0 || frame_.edits.loose != 0;
     frame_.settled = (frame_.converged && !moving) || quiet_ > 1;
     name_what_is_short();
     return frame_;

@@ -49,6 +49,7 @@ constexpr NumberOf numbers[] = {
     {"height_m", &Stamp::height_m, -largest, largest, bits(StampShape::level), bits(StampShape::level)},
     {"slope_x", &Stamp::slope_x, -largest, largest, bits(StampShape::level), 0},
     {"slope_z", &Stamp::slope_z, -largest, largest, bits(StampShape::level), 0},
+    {"morph_s", &Stamp::morph_s, 0, largest, by_centre | by_line | by_rectangle, 0},
     {"wavelength_m", &Stamp::wavelength_m, smallest, largest, bits(StampShape::noise), bits(StampShape::noise)},
 };
 

@@ -42,17 +42,26 @@ void FlightEdits::settle(const Open& open, const StampResult& result) {
         if (totals_.first_refusal.empty())
             totals_.first_refusal =
                 fmt::format("stamp {}: {}: {}", open.stamp, result.status.field, message(result.status.code));
-        return;
     }
-    if (!mirror_.memory) return;
-    StampId id = 0;
-    EditReport report;
-    require_edit(push_stamp(mirror_.edits, stamps_[open.stamp].what.stamp(), id));
-    require_edit(update_edits(mirror_.edits, {}, {}, report));
-    require_edit(stamp_state(mirror_.edits, id).status);
 }
 
-std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views) {
+// Stamps that the first terrain has taken, or has begun to move: both move by one clock.
+void FlightEdits::update_mirror(double now_s) {
+    if (!mirror_.memory) return;
+    EditReport report;
+    require_edit(update_edits(mirror_.edits, {}, {.now_s = now_s}, report)); // what has moved before goes on
+    for (Open& open : open_) {
+        const StampState state = stamp_state(live_.edits, open.id).state;
+        if (open.mirrored || state == StampState::waiting || state == StampState::refused) continue;
+        StampId id = 0;
+        require_edit(push_stamp(mirror_.edits, stamps_[open.stamp].what.stamp(), id));
+        require_edit(update_edits(mirror_.edits, {}, {.now_s = now_s}, report));
+        require_edit(stamp_state(mirror_.edits, id).status);
+        open.mirrored = true;
+    }
+}
+
+std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views, double now_s) {
     const std::size_t first = next_;
     for (; next_ < stamps_.size() && stamps_[next_].frame <= frame_; ++next_) {
         StampId id = 0;
@@ -62,11 +71,12 @@ std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views)
         open_.push_back({id, next_});
     }
     EditReport report;
-    require_edit(update_edits(live_.edits, views, {}, report));
+    require_edit(update_edits(live_.edits, views, {.now_s = now_s}, report));
+    update_mirror(now_s);
     // In the order of pushing, in which those that overlap were applied.
     std::erase_if(open_, [&](const Open& open) {
         const StampResult result = stamp_state(live_.edits, open.id);
-        if (result.state == StampState::waiting) return false;
+        if (result.state == StampState::waiting || result.state == StampState::moving) return false;
         settle(open, result);
         return true;
     });

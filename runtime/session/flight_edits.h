@@ -42,7 +42,7 @@ public:
     void begin_frame(std::size_t frame) { frame_ = frame; }
     // Pushes what is due, as far as the queue has room, and applies what can be. An update of the stream and of the
     // mesh follows. Returns the stamps that it has pushed.
-    std::span<const io::TimedStamp> update(std::span<const View> views);
+    std::span<const io::TimedStamp> update(std::span<const View> views, double now_s);
 
     [[nodiscard]] const EditTotals& totals() const { return totals_; }
     [[nodiscard]] const EditBudget& budget() const { return budget_; }
@@ -59,9 +59,11 @@ private:
     struct Open { // pushed, and neither applied nor refused yet
         StampId id;
         std::size_t stamp;
+        bool mirrored = false; // the second terrain has it
     };
     void create(const Terrain& terrain, Place& place) const;
     void settle(const Open& open, const StampResult& result);
+    void update_mirror(double now_s);
 
     EditBudget budget_;
     std::vector<io::TimedStamp> stamps_;

@@ -175,7 +175,7 @@ void begin_frame(Session& session, std::size_t frame) {
 FrameEntry update_frame(Session& session, const View& view, const Profile& profile, double now_s) {
     const std::span views(&view, 1);
     std::span<const io::TimedStamp> pushed;
-    if (session.edits) pushed = session.edits->update(views);
+    if (session.edits) pushed = session.edits->update(views, now_s);
     if (session.streamed) {
         const bool failed = session.streamed->report().failed != 0;
         const StreamReport& r =
@@ -253,7 +253,7 @@ void adopt_recorded(const Session& session, Profile& profile) {
 FrameEntry replay_frame(Session& session, std::size_t frame) {
     const RecordedFrame& f = session.recording->frames[frame];
     begin_frame(session, frame);
-    if (session.edits) (void)session.edits->update(f.views);
+    if (session.edits) (void)session.edits->update(f.views, f.settings.now_s);
     if (session.recording->page_slots != 0)
         if (const Status s = replay_pages(session.loaded.pack, session.loaded.terrain, session.method->cut(), f);
             !s.ok())

@@ -7,6 +7,7 @@
 #include "edit/small_diamonds.h"
 #include "fjell/edit.h"
 #include "fjell/measure.h"
+#include "fjell/pages.h"
 #include "fjell/query.h"
 #include "shared/diamond_error.h"
 #include "support/paging_host.h"
@@ -32,10 +33,11 @@ struct Editor {
         REQUIRE(s.ok());
         return id;
     }
-    EditReport update(std::uint32_t most = unlimited_edit_work) {
+    EditReport update(std::uint32_t most = unlimited_edit_work, double now_s = 0) {
         EditReport report;
         EditSettings settings;
         settings.max_work = most;
+        settings.now_s = now_s;
         REQUIRE(update_edits(edits, {}, settings, report).ok());
         return report;
     }
@@ -221,6 +223,66 @@ TEST_CASE("edited ground is bounded after every step, and at rest it is what a b
         CHECK(difference_of(t, data_of(baked.terrain)) == "");
         CHECK(applied > 0);
     }
+}
+
+TEST_CASE("ground that takes its time is bounded on its way, and ends where it would have been at once", "[edit]") {
+    Random random(20261205);
+    int on_its_way = 0, arrived = 0, between = 0;
+    for (int round = 0; round < rounds(8, 80); ++round) {
+        const int log2 = pick(random, 4, 6);
+        Random same = random;
+        const auto pack = framed_terrain(random, log2, 129, 65, PageOrder::planar),
+                   twin = framed_terrain(same, log2, 129, 65, PageOrder::planar);
+        const TerrainData &t = data_of(pack.terrain), &goal = data_of(twin.terrain);
+        Editor editor(pack.terrain, {.moving = static_cast<std::uint32_t>(pick(random, 0, 2))}), at_once(twin.terrain);
+        double now_s = 0;
+        for (int n = 0; n < 4; ++n) {
+            CAPTURE(round, n, log2);
+            const baker::Dem before = heights_of(t);
+            StampId ids[2] = {};
+            for (StampId& id : ids) { // in order where they overlap
+                Stamp stamp = random_stamp(random, pack.terrain);
+                while (touches_frame(pack.terrain, stamp)) stamp = random_stamp(random, pack.terrain);
+                const StampId other = at_once.push(stamp);
+                (void)at_once.update();
+                stamp.morph_s = 1;
+                id = editor.push(stamp);
+                if (stamp_state(at_once.edits, other).state == StampState::refused) id = 0;
+            }
+            const baker::Dem after = heights_of(goal);
+            const auto waits = [&](StampId id) {
+                const StampState state = stamp_state(editor.edits, id).state;
+                return state == StampState::waiting || state == StampState::moving;
+            };
+            std::uint32_t gone = no_index; // a page of the first tile
+            for (int frame = 0; waits(ids[0]) || waits(ids[1]); ++frame) {
+                REQUIRE(frame < 400);
+                if (gone != no_index && pick(random, 0, 2) == 0)
+                    REQUIRE(load_page(pack.pack, pack.terrain, 0, std::exchange(gone, no_index)).ok());
+                else if (gone == no_index && pick(random, 0, 9) == 0 && t.pages_per_tile > 1)
+                    REQUIRE(unload_page(pack.terrain, 0, gone = t.pages_per_tile - 1).ok());
+                now_s += uniform(random, 0, 0.4);
+                const EditReport report = editor.update(pick(random, 0, 1) != 0 ? unlimited_edit_work : 20, now_s);
+                on_its_way += static_cast<int>(report.moving);
+                arrived += static_cast<int>(report.applied);
+                if (gone != no_index) continue;
+                REQUIRE(check_bounds(t) == "");
+                const baker::Dem now = heights_of(t);
+                if (report.moving == 1 && report.waiting == 0)
+                    for (std::size_t i = 0; i < now.heights_m.size(); ++i)
+                        between += now.heights_m[i] != before.heights_m[i] && now.heights_m[i] != after.heights_m[i];
+            }
+            if (gone != no_index) REQUIRE(load_page(pack.pack, pack.terrain, 0, gone).ok());
+            REQUIRE((heights_of(t).heights_m == after.heights_m));
+        }
+        (void)editor.update(unlimited_edit_work, now_s);
+        (void)at_once.update();
+        CHECK(editor.update(unlimited_edit_work, now_s).loose == 0);
+        CHECK(difference_of(t, goal) == "");
+    }
+    CHECK(on_its_way > rounds(60, 600));
+    CHECK(arrived > rounds(20, 200));
+    CHECK(between > rounds(1000, 10'000));
 }
 
 TEST_CASE("a live cut follows edited ground: whole, bounded, and at rest the target", "[edit]") {

@@ -308,6 +308,7 @@ private:
         stamp.z_m = one_in(3) ? odd_number() : uniform(random_, 0, 2000);
         stamp.radius_m = one_in(4) ? static_cast<float>(odd_number()) : 100;
         stamp.amount_m = one_in(4) ? static_cast<float>(odd_number()) : 10;
+        if (one_in(3)) stamp.morph_s = one_in(4) ? static_cast<float>(odd_number()) : 0.1f;
         if (one_in(6)) stamp.point_count = odd_index();                            // of NULL
         if (one_in(6)) stamp.columns = stamp.rows = static_cast<int>(odd_index()); // without heights or mask
         std::uint64_t id = odd_index();
@@ -316,6 +317,7 @@ private:
         FjellView view = a_view();
         FjellEditSettings s = fjell_edit_settings_default();
         s.max_work = 50;
+        s.now_s = one_in(4) ? odd_number() : frames_;
         FjellEditReport report;
         report.struct_size = sizeof report;
         count(fjell_update_edits(any().edits, odd(&view), 1, odd(&s), odd(&report)));

@@ -70,6 +70,24 @@ TEST_CASE("the error of a flight over moving ground is measured against the new 
     CHECK(json::parse(still.out)["edits"].is_null());
 }
 
+TEST_CASE("ground that takes its time is measured on its way, and a recording of it is repeated bit for bit") {
+    const std::string crater =
+        R"({"shape": "crater", "at": [1000, 545], "radius_m": 20, "falloff_m": 9, "amount_m": 7,)";
+    spit(edit_place().folder.path / "slow.json",
+         R"({"stamps": [)" + crater + R"( "morph_s": 0.06}, )" + crater + R"( "morph_s": 1}]})");
+    const Run r = edit_place().fly(over + "--edits slow.json --verify 1 --record slow.record.json --json -");
+    INFO(r.err);
+    REQUIRE(r.code == 0);
+    const json j = json::parse(r.out), e = j["edits"];
+    CHECK((e["applied"] == 1 && e["refused"] == 0)); // the second has to wait for the first, and is on its way
+    CHECK(e["samples"].get<int>() > 3000);           // those of several steps
+    CHECK(j["verified_ok"] != false);
+    const Run again = edit_place().fly("--headless --replay slow.record.json --verify 1 --json -");
+    INFO(again.err);
+    REQUIRE(again.code == 0);
+    CHECK(json::parse(again.out)["edits"]["samples"] == e["samples"]);
+}
+
 TEST_CASE("pictures and snapshots of a flight show the new ground from its frame on") {
     REQUIRE(edit_place().fly(over + "--render still --export 5:still.glb").code == 0);
     const Run r = edit_place().fly(over + edits + "--render moved --export 0:first.glb --export 5:moved.glb");

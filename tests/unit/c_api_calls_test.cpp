@@ -295,8 +295,9 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     const EditBudget budget{.blocks = 64, .stamps = 4, .areas = 8};
     FjellEditBudget c_budget = fjell_edit_budget_default();
     CHECK((c_budget.blocks == EditBudget{}.blocks && c_budget.stamps == EditBudget{}.stamps &&
-           c_budget.areas == EditBudget{}.areas));
-    c_budget.blocks = budget.blocks, c_budget.stamps = budget.stamps, c_budget.areas = budget.areas;
+           c_budget.areas == EditBudget{}.areas && c_budget.moving == EditBudget{}.moving));
+    c_budget.blocks = budget.blocks, c_budget.stamps = budget.stamps, c_budget.areas = budget.areas,
+    c_budget.moving = budget.moving;
     const FjellTerrain terrain = as_c(theirs.terrain);
     const std::size_t bytes = fjell_edits_bytes(fjell_terrain_header(terrain), &c_budget);
     CHECK(bytes == edits_bytes(ours.pack.header, budget));

@@ -44,7 +44,7 @@ TEST_CASE("the example of stamps is read as it is written, and comes back the sa
 TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
     const std::string text = R"({"comment": "all", "stamps": [
       {"frame": 7, "shape": "noise", "at": [1.5, -2], "radius_m": 3.25, "falloff_m": 4, "amount_m": -5,
-       "wavelength_m": 6, "seed": 4294967295},
+       "wavelength_m": 6, "seed": 4294967295, "morph_s": 0.5},
       {"shape": "level", "at": [1, 2], "radius_m": 3, "height_m": -7, "slope_x": 0.25, "slope_z": -0.5},
       // the rectangle alone
       {"frame": 2, "shape": "heights", "first": [-1, 4], "columns": 3, "rows": 2, "heights_m": [1, 2, null, 4, 5, 6],
@@ -61,7 +61,8 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
     CHECK((restore.shape == StampShape::restore && restore.columns == 9 && restore.heights_m == nullptr &&
            restore.mask == nullptr));
     CHECK((noise.x_m == 1.5 && noise.z_m == -2 && noise.radius_m == 3.25f && noise.falloff_m == 4 &&
-           noise.amount_m == -5 && noise.wavelength_m == 6 && noise.seed == 4294967295u));
+           noise.amount_m == -5 && noise.wavelength_m == 6 && noise.seed == 4294967295u && noise.morph_s == 0.5f));
+    CHECK((level.morph_s == 0 && heights.morph_s == 0));
     const std::string written = io::write_stamps(stamps);
     CHECK(io::write_stamps(io::parse_stamps(written, "written")) == written);
 }

@@ -65,6 +65,10 @@ struct Stamp {
     std::int32_t columns = 0, rows = 0; // of the rectangle; 0: none
     const float* heights_m = nullptr;   // `heights`: row by row; NaN leaves a sample as it is
     const std::uint8_t* mask = nullptr; // any shape: 255 applies it wholly, 0 not at all; null: wholly
+    // Seconds of EditSettings::now_s in which the ground moves to what the stamp makes of it; 0: it does at once. All
+    // that speaks of the ground speaks of where it is by then. Only a stamp that fits into 72 x 72 samples moves, and
+    // EditBudget::moving of them at a time; others come at once.
+    float morph_s = 0;
 };
 inline constexpr std::uint32_t max_path_points = 256;
 
@@ -73,6 +77,7 @@ struct EditBudget {
     std::uint32_t blocks = 1024; // blocks of 32 x 32 samples that differ from the pack, 4.2 KB each
     std::uint32_t stamps = 256;  // handed in and not yet applied
     std::uint32_t areas = 256;   // whose coarse errors wait to be measured again; beyond that areas are merged
+    std::uint32_t moving = 4;    // stamps whose ground is on its way (Stamp::morph_s), 42 KB each; 0 to 1,024
 };
 
 using StampId = std::uint64_t; // 0: none
@@ -81,7 +86,8 @@ enum class StampState : std::uint32_t {
     unknown, // never handed in, or so long ago that it is forgotten
     waiting, // in the queue, or held: until the pages that it changes are loaded, or errors around it are measured
     applied,
-    refused // StampResult::status says why
+    refused, // StampResult::status says why
+    moving   // its ground is on its way (Stamp::morph_s)
 };
 struct StampResult {
     StampState state = StampState::unknown;
@@ -112,10 +118,11 @@ Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id);
 
 inline constexpr std::uint32_t unlimited_edit_work = 0xffff'ffff;
 struct EditSettings {
-    // Work items: a piece of 64 x 64 samples of a stamp, or a coarse vertex measured again. A stamp between whose
-    // pieces there would be a cliff that the pack cannot bound is one item.
+    // Work items: a piece of 64 x 64 samples of a stamp, a step of one that moves, or a coarse vertex measured again. A
+    // stamp between whose pieces there would be a cliff that the pack cannot bound is one item.
     std::uint32_t max_work = unlimited_edit_work;
     std::uint32_t max_time_us = 0; // 0: no limit; overrun by one item at most
+    double now_s = 0;              // the host's clock, for Stamp::morph_s; must not run backwards
 };
 
 enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2, edit_budget_blocks = 4 };
@@ -133,6 +140,7 @@ struct EditReport {
     std::uint32_t blocks = 0;     // of EditBudget::blocks in use
     std::uint32_t exhausted = 0;  // EditBudgetBits that ended the call or refused a stamp
     double apply_us = 0, measure_us = 0;
+    std::uint32_t moving = 0; // stamps whose ground is on its way; they are not among the waiting
 };
 // The frame's thread, before update_stream and update_cut: applies stamps, the one nearest to a view first but never
 // before an earlier one that overlaps it; then measures errors again, as far as the settings allow.

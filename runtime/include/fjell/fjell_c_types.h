@@ -647,6 +647,7 @@ typedef struct FjellStamp {
     int32_t columns, rows;
     const float* heights_m;
     const uint8_t* mask;
+    float morph_s;
 } FjellStamp;
 
 #define FJELL_MAX_PATH_POINTS 256
@@ -656,10 +657,17 @@ typedef struct FjellEditBudget {
     uint32_t blocks;
     uint32_t stamps;
     uint32_t areas;
+    uint32_t moving;
 } FjellEditBudget;
 
 typedef uint32_t FjellStampState;
-enum { FJELL_STAMP_STATE_UNKNOWN, FJELL_STAMP_STATE_WAITING, FJELL_STAMP_STATE_APPLIED, FJELL_STAMP_STATE_REFUSED };
+enum {
+    FJELL_STAMP_STATE_UNKNOWN,
+    FJELL_STAMP_STATE_WAITING,
+    FJELL_STAMP_STATE_APPLIED,
+    FJELL_STAMP_STATE_REFUSED,
+    FJELL_STAMP_STATE_MOVING
+};
 
 typedef struct FjellStampResult {
     FjellStampState state;
@@ -672,6 +680,7 @@ typedef struct FjellEditSettings {
     uint64_t struct_size;
     uint32_t max_work;
     uint32_t max_time_us;
+    double now_s;
 } FjellEditSettings;
 
 typedef uint32_t FjellEditBudgetBit;
@@ -689,6 +698,7 @@ typedef struct FjellEditReport {
     uint32_t blocks;
     uint32_t exhausted;
     double apply_us, measure_us;
+    uint32_t moving;
 } FjellEditReport;
 
 typedef struct FjellGroundRect {

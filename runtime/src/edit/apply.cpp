@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "edit/areas.h"
 #include "edit/blocks.h"
@@ -23,13 +24,19 @@ public:
 
     // rect: of the piece and, where pieces after it are not evaluated, one row and column of theirs.
     [[nodiscard]] Change evaluate(const Rect& piece, const Rect& rect, const Rect& places) {
+        return evaluate(piece, rect, places,
+                        [&](SampleIndex at, const Cell& now, Change& change) { return new_steps(at, now, change); });
+    }
+    // make: the steps of a place, from those that it has now.
+    template <typename Make>
+    [[nodiscard]] Change evaluate(const Rect& piece, const Rect& rect, const Rect& places, const Make& make) {
         e_.piece.rect = rect;
         Change change;
         change.pieces = 1;
         for (std::int32_t y = rect.y0; y <= rect.y1; ++y) {
             const Cell* const now = &e_.window.at({rect.x0, y});
             std::int32_t* const to = &e_.piece.at({rect.x0, y});
-            for (std::int32_t k = 0; k < rect.columns(); ++k) to[k] = new_steps({rect.x0 + k, y}, now[k], change);
+            for (std::int32_t k = 0; k < rect.columns(); ++k) to[k] = make(SampleIndex{rect.x0 + k, y}, now[k], change);
             if (y > piece.y1) continue;
             std::int32_t first = INT32_MAX, last = 0;
             for (std::int32_t k = 0; k <= piece.x1 - rect.x0; ++k) {
@@ -135,13 +142,24 @@ Rect next_piece(const TerrainData& t, const Waiting& w, std::uint32_t& n) {
     }
 }
 
+// Blocks that nobody has a claim to.
+std::uint32_t free_blocks(const EditsData& e, const Moving* own) {
+    std::uint32_t taken = e.block_count;
+    for (std::uint32_t i = 0; i < e.moving_count; ++i)
+        if (&e.moving[i] != own) taken += e.moving[i].blocks;
+    return e.budget.blocks - std::min(taken, e.budget.blocks);
+}
+
 // unknown: it has to be looked at again. at_once: not piece by piece.
-Refusal refusal_of(EditsData& e, const Change& change, bool& unknown, bool& at_once) {
+// own: the one that is on its way, if it is; null otherwise.
+Refusal refusal_of(EditsData& e, const Change& change, const Moving* own, bool& unknown, bool& at_once) {
     unknown = at_once = false;
     if (change.no_number) return Refusal::number;
     if (change.samples == 0) return Refusal::none;
-    if (change.blocks > e.budget.blocks - e.block_count) return Refusal::blocks;
-    if (!spans_fit(e, change.places, change.heights, change.before)) return Refusal::span;
+    if (change.blocks > free_blocks(e, own)) return Refusal::blocks;
+    StepRange heights = change.heights;
+    for (std::uint32_t i = 0; i < e.moving_count; ++i) heights.add(e.moving[i].heights); // they may share a page
+    if (!spans_fit(e, change.places, heights, change.before)) return Refusal::span;
     const Fit fit = fits_codes(e, change, at_once);
     unknown = fit == Fit::unknown;
     return fit == Fit::no ? Refusal::bound : Refusal::none;
@@ -203,11 +221,60 @@ bool is_held(const EditsData& e, Waiting& w) {
 
 bool awaits_pages(const EditsData& e, const Rect& places) {
     if (e.awaiting_count == 0) return false;
-    return std::any_of(e.waiting, e.waiting + e.waiting_count,
-                       [&](const Waiting& w) { return w.awaits && w.places.grown(1).meets(places); });
+    const auto awaits = [&](const Waiting& w) { return w.awaits && w.places.grown(1).meets(places); };
+    return std::any_of(e.waiting, e.waiting + e.waiting_count, awaits) ||
+           std::any_of(e.moving, e.moving + e.moving_count, [&](const Moving& m) { return awaits(m.stamp); });
 }
 
-bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samples) {
+namespace {
+
+// From the window to e.piece, which has been looked at. Its pages are awaited until it has come.
+void begin_move(EditsData& e, Waiting& w, const Change& change, double now_s) {
+    w.moves = true;
+    if (!std::exchange(w.awaits, true)) ++e.awaiting_count, ++e.awaits_changes;
+    Moving& m = e.moving[e.moving_count++];
+    m.stamp = w;
+    m.begun_s = now_s, m.share = 0;
+    m.rect = e.piece.rect;
+    m.heights = change.heights;
+    m.heights.add(change.before);
+    m.blocks = change.blocks;
+    for (std::int32_t y = m.rect.y0; y <= m.rect.y1; ++y)
+        for (std::int32_t x = m.rect.x0; x <= m.rect.x1; ++x) {
+            const auto at = static_cast<std::size_t>(&e.piece.at({x, y}) - e.piece.steps);
+            m.from[at] = e.window.at({x, y}).steps, m.to[at] = e.piece.at({x, y});
+        }
+}
+
+} // namespace
+
+bool move_on(EditsData& e, Moving& m, double now_s, std::uint32_t& samples) {
+    if (is_held(e, m.stamp)) return false;
+    const double share = std::clamp((now_s - m.begun_s) / static_cast<double>(m.stamp.stamp.morph_s), m.share, 1.0);
+    read(*e.terrain, m.rect.grown(window_margin), e.window);
+    Change change =
+        Evaluation(e, m.stamp.stamp).evaluate(m.rect, m.rect, m.rect, [&](SampleIndex place, const Cell& now, Change&) {
+            const auto at = static_cast<std::size_t>(&e.piece.at(place) - e.piece.steps);
+            if (!now.loaded || m.from[at] == m.to[at]) return now.steps;
+            return m.from[at] + static_cast<std::int32_t>(std::floor((m.to[at] - m.from[at]) * share + 0.5));
+        });
+    if (change.samples != 0) {
+        change.blocks = missing_blocks(e, change.places);
+        bool unknown = false, at_once = false;
+        if (refusal_of(e, change, &m, unknown, at_once) != Refusal::none || unknown) {
+            m.stamp.wants_rest = true; // others have come beside it: again when all is measured
+            return false;
+        }
+        m.blocks -= std::min(m.blocks, change.blocks);
+        apply(e, change);
+    }
+    m.stamp.wants_rest = false;
+    m.share = share;
+    samples += change.samples;
+    return share == 1;
+}
+
+bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::uint32_t& samples) {
     refusal = Refusal::none;
     const auto look_again = [&] { // when it is held no longer
         w.wants_rest = true;
@@ -229,9 +296,13 @@ bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samp
         if (!w.fits) {
             if (change.samples != 0) change.blocks = missing_blocks(e, change.places);
             w.change.add(change);
-            if (is_only) refusal = refusal_of(e, w.change, unknown, w.at_once);
+            if (is_only) refusal = refusal_of(e, w.change, nullptr, unknown, w.at_once);
             if (unknown) return look_again();
             if (refusal != Refusal::none) return true;
+            if (is_only && w.stamp.morph_s > 0 && change.samples != 0 && e.moving_count < e.budget.moving) {
+                begin_move(e, w, change, now_s);
+                return true;
+            }
         }
         if (!applies) break;
         if (change.samples != 0) apply(e, change);
@@ -239,7 +310,7 @@ bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samp
         if (is_last) return true;
     } while (w.at_once);
     if (w.fits || !is_last) return false;
-    refusal = refusal_of(e, w.change, unknown, w.at_once); // all have been looked at
+    refusal = refusal_of(e, w.change, nullptr, unknown, w.at_once); // all have been looked at
     if (unknown) return look_again();
     w.fits = true;
     w.piece = 0;

@@ -16,7 +16,12 @@ enum class Refusal : std::uint32_t { none, blocks, span, bound, number };
 [[nodiscard]] bool awaits_pages(const EditsData& e, const Rect& places);
 
 // The next piece of a stamp whose pages are loaded. First all are looked at, so that what is refused changes nothing.
-// Returns true when the stamp is done: applied, or refused. samples: grows by those whose heights have changed.
-[[nodiscard]] bool apply_piece(EditsData& e, Waiting& w, Refusal& refusal, std::uint32_t& samples);
+// Returns true when the stamp is done: applied, refused, or on its way (Waiting::moves). samples: grows by those whose
+// heights have changed.
+[[nodiscard]] bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::uint32_t& samples);
+
+// A step of a stamp that is on its way. True: it has come. One that cannot take a step, for its pages or for errors
+// around it, takes it later.
+[[nodiscard]] bool move_on(EditsData& e, Moving& m, double now_s, std::uint32_t& samples);
 
 } // namespace fjell::edit

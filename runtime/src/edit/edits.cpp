@@ -27,7 +27,7 @@ std::uint32_t table_size(const EditBudget& budget) {
 }
 
 struct Layout {
-    std::size_t queue, results, waiting, blocks, table, areas, end;
+    std::size_t queue, results, waiting, moving, blocks, table, areas, end;
 };
 Layout layout_of(const EditBudget& budget) {
     BlockLayout block(sizeof(EditsData));
@@ -35,6 +35,7 @@ Layout layout_of(const EditBudget& budget) {
     l.queue = block.place(queue_cells(budget), sizeof(QueueCell));
     l.results = block.place(2 * queue_cells(budget), sizeof(std::atomic<std::uint64_t>));
     l.waiting = block.place(budget.stamps, sizeof(Waiting));
+    l.moving = block.place(budget.moving, sizeof(Moving));
     l.blocks = block.place(budget.blocks, sizeof(Block));
     l.table = block.place(table_size(budget), sizeof(std::uint32_t));
     l.areas = block.place(budget.areas, sizeof(Area));
@@ -47,6 +48,7 @@ Status check_budget(const EditBudget& budget) {
     if (budget.blocks == 0 || budget.blocks > most) return {StatusCode::out_of_range, "EditBudget::blocks"};
     if (budget.stamps == 0 || budget.stamps > most) return {StatusCode::out_of_range, "EditBudget::stamps"};
     if (budget.areas < 2 || budget.areas > most) return {StatusCode::out_of_range, "EditBudget::areas"};
+    if (budget.moving > 1024) return {StatusCode::out_of_range, "EditBudget::moving"};
     return {};
 }
 
@@ -103,6 +105,7 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     e.results = reinterpret_cast<std::atomic<std::uint64_t>*>(at + l.results);
     for (std::uint64_t i = 0; i < 2 * e.queue_size; ++i) new (&e.results[i]) std::atomic<std::uint64_t>(0);
     e.waiting = reinterpret_cast<Waiting*>(at + l.waiting);
+    e.moving = reinterpret_cast<Moving*>(at + l.moving);
     e.blocks = reinterpret_cast<Block*>(at + l.blocks);
     e.block_table = reinterpret_cast<std::uint32_t*>(at + l.table);
     e.block_table_size = table_size(budget);
@@ -226,6 +229,8 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
         Waiting& w = e.waiting[i];
         bool behind = false;
         for (std::uint32_t k = 0; k < i && !behind; ++k) behind = e.waiting[k].places.grown(1).meets(w.places);
+        for (std::uint32_t k = 0; k < e.moving_count && !behind; ++k)
+            behind = e.moving[k].stamp.places.grown(1).meets(w.places);
         if (behind) continue;
         w.held = is_held(e, w);
         if (w.lacks_pages && !std::exchange(w.awaits, true)) ++e.awaiting_count, ++e.awaits_changes;
@@ -237,23 +242,41 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
     return best;
 }
 
-void apply_stamps(EditsData& e, std::span<const View> views, Budgeted& budget, EditReport& report) {
+// Each that is on its way takes a step.
+void move_stamps(EditsData& e, double now_s, Budgeted& budget, EditReport& report) {
+    for (std::uint32_t i = 0; i < e.moving_count && budget.may_go_on();) {
+        if (!move_on(e, e.moving[i], now_s, report.samples)) {
+            ++i;
+            continue;
+        }
+        set_result(e, e.moving[i].stamp.id, StampState::applied);
+        ++report.applied;
+        --e.awaiting_count, ++e.awaits_changes;
+        std::copy(e.moving + i + 1, e.moving + e.moving_count, e.moving + i);
+        --e.moving_count;
+    }
+}
+
+void apply_stamps(EditsData& e, std::span<const View> views, double now_s, Budgeted& budget, EditReport& report) {
     take_stamps(e);
     while (e.waiting_count != 0) {
         const std::uint32_t i = next_stamp(e, views);
         if (i == no_index || !budget.may_go_on()) return;
         const StampId id = e.waiting[i].id;
         Refusal refusal = Refusal::none;
-        if (!apply_piece(e, e.waiting[i], refusal, report.samples)) continue;
-        const bool refused = refusal != Refusal::none;
-        set_result(e, id, refused ? StampState::refused : StampState::applied,
+        if (!apply_piece(e, e.waiting[i], now_s, refusal, report.samples)) continue;
+        const bool refused = refusal != Refusal::none, moves = e.waiting[i].moves;
+        set_result(e, id,
+                   refused ? StampState::refused
+                   : moves ? StampState::moving
+                           : StampState::applied,
                    !refused                     ? StatusCode::ok
                    : refusal == Refusal::blocks ? StatusCode::out_of_slots
                                                 : StatusCode::out_of_range,
                    static_cast<std::uint32_t>(refusal));
-        ++(refused ? report.refused : report.applied);
+        if (!moves) ++(refused ? report.refused : report.applied);
         if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
-        if (e.waiting[i].awaits) --e.awaiting_count, ++e.awaits_changes;
+        if (e.waiting[i].awaits && !moves) --e.awaiting_count, ++e.awaits_changes;
         std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
         --e.waiting_count;
         take_stamps(e);
@@ -270,9 +293,11 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
         if (Status s = validate(view); !s.ok()) return s;
     report = {};
     Budgeted budget(settings, report);
+    bool moved = false;
     do {
         const auto started = Clock::now();
-        apply_stamps(e, views, budget, report);
+        if (!std::exchange(moved, true)) move_stamps(e, settings.now_s, budget, report);
+        apply_stamps(e, views, settings.now_s, budget, report);
         const auto applied = Clock::now();
         retry_unmeasured(e);
         while (has_area_to_measure(e) && budget.may_go_on()) measure_next(e);
@@ -282,6 +307,7 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
         // What has been measured may be what a stamp has waited for.
     } while ((report.exhausted & (edit_budget_work | edit_budget_time)) == 0 && next_stamp(e, views) != no_index);
     report.waiting = e.waiting_count;
+    report.moving = e.moving_count;
     for (std::uint32_t i = 0; i < e.waiting_count; ++i) report.held += e.waiting[i].held;
     for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);
     report.blocks = e.block_count;

@@ -73,9 +73,20 @@ struct Waiting {
     bool wants_rest = false; // pages around it too, and that all is measured there
     bool fits = false;       // it has been looked at, and is not refused
     bool at_once = false;    // its pieces are one item
+    bool moves = false;      // it has begun to, and waits no more
     std::uint32_t piece = 0; // the next one
     Change change{};         // of what has been looked at
     std::uint64_t page_changes = ~std::uint64_t{0}; // TerrainData::changes when its pages were looked for
+};
+
+// A stamp whose ground is on its way: where it was, where it goes, and how much of the way it has come.
+struct Moving {
+    Waiting stamp;
+    double begun_s, share;
+    Rect rect;            // places
+    StepRange heights;    // of both
+    std::uint32_t blocks; // that it may still need
+    std::int32_t from[largest_piece * largest_piece], to[largest_piece * largest_piece];
 };
 
 // How far, in steps, a sphere may depend on a height: its children's, and those of the vertices that share their codes.
@@ -125,6 +136,8 @@ struct EditsData {
     edit::Waiting* waiting;
     std::uint32_t waiting_count, awaiting_count; // awaiting: those of the waiting that await pages
     std::uint64_t awaits_changes;                // how often stamps began or ceased to
+    edit::Moving* moving;
+    std::uint32_t moving_count;
     edit::Block* blocks;
     std::uint32_t block_count;
     std::uint32_t* block_table; // by hash of their places: number, or no_index

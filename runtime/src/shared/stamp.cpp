@@ -174,6 +174,7 @@ Status check_stamp(const Stamp& s) {
     if (!finite(s.height_m)) return bad("Stamp::height_m");
     if (!finite(s.slope_x)) return bad("Stamp::slope_x");
     if (!finite(s.slope_z)) return bad("Stamp::slope_z");
+    if (!(s.morph_s >= 0) || !finite(s.morph_s)) return bad("Stamp::morph_s");
     if (s.columns < 0 || s.rows < 0 || (s.columns == 0) != (s.rows == 0) || s.columns > std::int32_t{max_columns} ||
         s.rows > std::int32_t{max_columns})
         return bad("Stamp::columns, rows");
