@@ -1,8 +1,9 @@
 """Meshes of one array by Fjell, Martini, Delatin (npm's @mapbox/martini and delatin) and SciPy, within one true error.
 
-    PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS NODE_MODULES
+    PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS... NODE_MODULES
 
-HEIGHTS: a square of 2^n + 1 samples, .npy or what GDAL's Python reads. Each of the others is asked for smaller errors
+HEIGHTS: .npy or what GDAL's Python reads; its largest square of 2^n + 1 samples. FILE@X,Y: 257 x 257 samples from there
+on. Of one the errors are 5 and 20 m; of several 1% of each tile's relief, and the table has a line for each. Each of the others is asked for smaller errors
 until its true one, as NumPy measures it, is no larger than Fjell's. Times are the least of five calls, of that last one
 alone; Node's after it has compiled. Prints a table, and JSON with --json.
 """
@@ -92,9 +93,9 @@ def by_scipy(heights, worst):
         step //= 2
 
 
-def rows(heights, modules):
+def rows(heights, modules, errors):
     folder = tempfile.mkdtemp()
-    for error in (5.0, 20.0):
+    for error in errors:
         made, seconds = by_fjell(heights, error)
         worst, _ = measure(heights, made.vertices, made.triangles)
         yield {"method": "Fjell", "asked_m": error, "true_m": worst, "triangles": len(made.triangles), "ms": seconds * 1000}
@@ -117,25 +118,71 @@ def rows(heights, modules):
             yield row
 
 
-def load(path):
+def load(given):
+    path, _, corner = given.partition("@")
     if path.endswith(".npy"):
-        return np.load(path).astype(np.float32)
-    from osgeo import gdal
+        heights = np.load(path)
+    else:
+        from osgeo import gdal
 
-    return gdal.Open(path).ReadAsArray().astype(np.float32)
+        gdal.UseExceptions()
+        heights = gdal.Open(path).ReadAsArray()
+    if corner:
+        x, y = map(int, corner.split(","))
+        heights = heights[y : y + 257, x : x + 257]
+    side = 1 << (min(heights.shape) - 1).bit_length() - 1
+    return np.ascontiguousarray(heights[: side + 1, : side + 1].astype(np.float32))
+
+
+def of_one(heights, modules):
+    found = list(rows(heights, modules, (5.0, 20.0)))
+    if "--json" in sys.argv:
+        return json.dumps(found, indent=2)
+    side = len(heights)
+    lines = [f"{side} x {side} samples, heights {heights.min():.0f} to {heights.max():.0f} m"]
+    for r in found:
+        lines.append(
+            f"{r['method']:8} asked {r['asked_m']:6.2f} m: true {r['true_m']:6.2f} m, {r['triangles']:7} triangles, {r['ms']:8.1f} ms"
+        )
+    return "\n".join(lines)
+
+
+def of_several(files, modules):
+    """Each method's last row: where its true error is no larger than Fjell's. Martini's first: what it makes of a wish."""
+    tiles = []
+    for file in files:
+        heights = load(file)
+        found = list(rows(heights, modules, (float(heights.max() - heights.min()) / 100,)))
+        of = {r["method"]: r for r in found}
+        first = next(r for r in found if r["method"] == "Martini")
+        name = os.path.basename(file).split(".")[0].split("@")[0] + file[file.find("@") :] * ("@" in file)
+        tiles.append({"tile": name, "over": first["true_m"] / first["asked_m"], **of})
+        print(name, file=sys.stderr)
+    if "--json" in sys.argv:
+        return json.dumps(tiles, indent=2)
+    lines = [
+        "| tile | Martini's error, of what was asked | Fjell: triangles | Martini: triangles | Delatin: triangles "
+        "| Martini: time, of Fjell's | Delatin: time, of Fjell's |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for t in tiles:
+        ours = t["Fjell"]
+        lines.append(
+            f"| {t['tile']} | {t['over']:.2f} | {ours['triangles']:,} | {t['Martini']['triangles']:,} "
+            f"| {t['Delatin']['triangles']:,} | {t['Martini']['ms'] / ours['ms']:.1f} | {t['Delatin']['ms'] / ours['ms']:.1f} |"
+        )
+    for method in ("Martini", "Delatin"):
+        fewer = np.median([t["Fjell"]["triangles"] / t[method]["triangles"] for t in tiles])
+        times = [t[method]["ms"] / t["Fjell"]["ms"] for t in tiles]
+        lines.append(
+            f"{method}: median of Fjell's triangles over its {fewer:.2f}, of its time over Fjell's {np.median(times):.1f}"
+        )
+    return "\n".join(lines)
 
 
 def main():
-    heights, modules = load(sys.argv[1]), sys.argv[2]
-    side = 1 << (min(heights.shape) - 1).bit_length() - 1
-    heights = np.ascontiguousarray(heights[: side + 1, : side + 1])
-    found = list(rows(heights, modules))
-    if "--json" in sys.argv:
-        print(json.dumps(found, indent=2))
-        return
-    print(f"{side + 1} x {side + 1} samples, heights {heights.min():.0f} to {heights.max():.0f} m")
-    for r in found:
-        print(f"{r['method']:8} asked {r['asked_m']:6.2f} m: true {r['true_m']:6.2f} m, {r['triangles']:7} triangles, {r['ms']:8.1f} ms")
+    *files, modules = [a for a in sys.argv[1:] if a != "--json"]
+    print(of_one(load(files[0]), modules) if len(files) == 1 else of_several(files, modules))
 
 
 if __name__ == "__main__":
