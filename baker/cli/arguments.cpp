@@ -227,6 +227,7 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles->add_flag("!--no-gzip", a.tiles.gzip,
                       "leave tiles uncompressed, for servers that do not send Content-Encoding: gzip");
     add_packing_options(*c.tiles, a.tiles.packing);
+    c.tiles->add_flag("--colours", a.colours, "3dtiles: the pack's colours as textures");
     add_how_options(*c.tiles, a);
     c.tiles->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
@@ -281,6 +282,7 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
                      ".stl: metres from the lowest ground down to the base (default: 1/20 of the longer side)")
         ->check(io::within(0, 1e6));
     add_packing_options(*c.mesh, a.mesh.packing);
+    c.mesh->add_flag("--colours", a.colours, ".glb of a pack: its colours as a texture");
     c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     add_recipe_options(*c.mesh, a.ground, Options::heights);

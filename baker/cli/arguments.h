@@ -47,6 +47,7 @@ struct Arguments {
     std::string terrain_path, dem_path; // synth, heights
 
     std::string tiles_folder; // tiles
+    bool colours = false;     // tiles, mesh
     TilesOptions tiles;
 
     Recipe ground;              // mesh, heights: its inputs and read options

@@ -201,6 +201,7 @@ int run_tiles(Arguments a) {
     a.tiles.threads = a.threads;
     a.tiles.memory_bytes = std::uint64_t{a.memory_mb} << 20;
     a.tiles.progress = std::ref(bar);
+    if (a.colours) a.tiles.colours_of = a.pack;
     const TilesSummary s = write_tiles(PackSource(a.pack), a.pack, a.tiles, a.tiles_folder);
     summary.write(tiles_json(s));
     if (!a.quiet && a.json_path != "-") print_tiles(s, a.tiles_folder);
@@ -238,6 +239,9 @@ int run_mesh(Arguments a) {
     ProgressBar bar(a.quiet);
     a.mesh.threads = a.threads;
     a.mesh.progress = std::ref(bar);
+    if (a.colours && !is_pack(a.ground))
+        throw Failure(2, "--colours takes a pack's; bake the height field first, or leave it out");
+    if (a.colours) a.mesh.colours_of = a.ground.inputs[0];
     const MeshFileSummary s = write_mesh_file(*open_inputs(a.ground), a.mesh, a.mesh_path);
     summary.write({{"columns", s.columns},
                    {"rows", s.rows},

@@ -161,10 +161,10 @@ void add_gltf_mesh(Glb& glb, const GltfMesh& mesh, bool meshopt) {
                 glb, n, meshopt, glb_float, [&mesh](std::size_t i) { return as<float>(mesh.uv(i), 1); });
     }
     Glb::Json surface{{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}};
-    if (mesh.texture_png.empty()) {
+    if (mesh.texture_jpeg.empty()) {
         surface["baseColorFactor"] = {0.5, 0.5, 0.5, 1.0};
     } else {
-        surface["baseColorTexture"]["index"] = glb.add_texture(mesh.name, mesh.texture_png);
+        surface["baseColorTexture"]["index"] = glb.add_texture(mesh.name, mesh.texture_jpeg, "image/jpeg");
     }
     const std::size_t material =
         glb.add("materials", {{"name", "ground"}, {"pbrMetallicRoughness", std::move(surface)}});

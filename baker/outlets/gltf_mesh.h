@@ -34,7 +34,7 @@ struct GltfMesh {
     std::function<std::array<double, 3>(std::size_t vertex)> place{};
     std::function<std::array<double, 3>(std::size_t vertex)> normal{}; // unit; empty: there are none
     std::function<std::array<double, 2>(std::size_t vertex)> uv{};     // 0 to 1; with a texture alone
-    std::vector<std::byte> texture_png{};                              // empty: grey
+    std::vector<std::byte> texture_jpeg{};                             // empty: grey
     std::optional<GltfLattice> lattice{};                              // for places; all of them must fit
 };
 

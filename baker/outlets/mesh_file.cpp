@@ -13,6 +13,7 @@
 
 #include "baker/georeference/crs_label.h"
 #include "baker/outlets/height_mesh.h"
+#include "baker/outlets/pack_colours.h"
 #include "baker/outlets/read_ground.h"
 #include "io/file.h"
 
@@ -131,6 +132,25 @@ void write_glb(const HeightMesh& mesh, const Ground& ground, const std::optional
                                std::lround(static_cast<double>(v[2]) / ground.spacing_m[1])));
     };
     content.lattice = lattice;
+    if (!options.colours_of.empty()) {
+        const double last_column = static_cast<double>(ground.columns - 1),
+                     last_row = static_cast<double>(ground.rows - 1);
+        const double wide_m = last_column * ground.spacing_m[0], high_m = last_row * ground.spacing_m[1];
+        constexpr double most_px = 2048;
+        const double texel_m =
+            std::max({wide_m / most_px, high_m / most_px, std::min(ground.spacing_m[0], ground.spacing_m[1])});
+        const auto side_px = [&](double m) {
+            return static_cast<std::uint32_t>(std::clamp(std::ceil(m / texel_m), 4.0, most_px));
+        };
+        content.uv = [wide_m, high_m, &mesh](std::size_t i) {
+            return std::array{static_cast<double>(mesh.vertices[i][0]) / wide_m,
+                              static_cast<double>(mesh.vertices[i][2]) / high_m};
+        };
+        content.texture_jpeg =
+            PackColours(options.colours_of).picture(side_px(wide_m), side_px(high_m), texel_m, [&](double u, double v) {
+                return std::optional(std::array{u * last_column, v * last_row});
+            });
+    }
     add_gltf_mesh(glb, content, options.packing.meshopt);
     glb.close();
     glb.write([&](std::span<const std::byte> bytes) { out.put(bytes); });
@@ -284,6 +304,8 @@ HeightMesh mesh_of_at_most(std::uint64_t most, const Ground& ground, const MeshF
 
 MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOptions& options, const std::string& path) {
     const MeshFormat format = format_of(path);
+    if (!options.colours_of.empty() && format != MeshFormat::glb)
+        throw Failure(2, fmt::format("{}: --colours is for .glb; leave it out, or give such a name", path));
     if ((options.packing.quantised || options.packing.meshopt) && format != MeshFormat::glb)
         throw Failure(
             2, fmt::format("{}: --quantised and --meshopt are for .glb; leave them out, or give such a name", path));

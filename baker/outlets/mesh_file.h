@@ -25,6 +25,7 @@ struct MeshFileOptions {
     double max_error_m = 1;                     // >= 0
     std::optional<std::uint64_t> max_triangles; // instead: the smallest error found whose mesh has no more
     GltfPacking packing{};                      // of .glb
+    std::string colours_of{};                   // a pack of the same ground, whose colours a .glb gets as its texture
     double base_m = -1; // of .stl: from its lowest ground down to its base; below 0: 1/20 of the longer side
     int threads = 0;    // 0: all cores
     Progress progress{};

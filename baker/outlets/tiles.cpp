@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/georeference/crs_label.h"
+#include "baker/outlets/pack_colours.h"
 #include "baker/outlets/quantized_mesh.h"
 #include "baker/outlets/raster_tiles.h"
 #include "baker/outlets/surface.h"
@@ -99,27 +100,37 @@ private:
     std::ofstream file_;
 };
 
+// What one thread works with at a time.
+struct Tools {
+    explicit Tools(const HeightSource& source, const std::string& colours_of) : finder(source) {
+        if (!colours_of.empty()) colours.emplace(colours_of);
+    }
+    SampleFinder finder;
+    std::optional<PackColours> colours;
+};
+
 // One for each thread, handed out and taken back.
-class Finders {
+class Toolbox {
 public:
-    explicit Finders(const HeightSource& source) : source_(source) {}
+    Toolbox(const HeightSource& source, const std::string& colours_of) : source_(source), colours_of_(colours_of) {}
     template <typename Use>
     void lend(const Use& use) {
-        std::unique_ptr<SampleFinder> finder;
+        std::unique_ptr<Tools> tools;
         {
             const std::lock_guard hold(lock_);
-            if (!free_.empty()) finder = std::move(free_.back()), free_.pop_back();
+            if (!free_.empty()) tools = std::move(free_.back()), free_.pop_back();
         }
-        if (!finder) finder = std::make_unique<SampleFinder>(source_);
-        use(*finder);
+        if (!tools) tools = std::make_unique<Tools>(source_, colours_of_);
+        use(*tools);
         const std::lock_guard hold(lock_);
-        free_.push_back(std::move(finder));
+        free_.push_back(std::move(tools));
     }
 
 private:
     const HeightSource& source_;
+    const std::string& colours_of_;
     std::mutex lock_;
-    std::vector<std::unique_ptr<SampleFinder>> free_;
+    std::vector<std::unique_ptr<Tools>> free_;
 };
 
 double power_of_two_below(double value) {
@@ -156,7 +167,7 @@ public:
     Pyramid(const GroundSurface& surface, const std::string& name, const TilesOptions& options, Tiling tiling,
             const std::string& folder, const std::string& work)
         : surface_(surface), name_(name), options_(options), tiling_(tiling), folder_(folder), work_(work),
-          threads_(resolve_threads(options.threads)), finders_(surface.source()) {}
+          threads_(resolve_threads(options.threads)), toolbox_(surface.source(), options.colours_of) {}
 
     TilesSummary write(int last) {
         last_ = last;
@@ -302,15 +313,16 @@ private:
                 const std::size_t other = neighbour(places, tile.id, side);
                 if (other != nobody) wanted[side] = tiles[other].borders[opposite(side)];
             }
-            finders_.lend([&](const SampleFinder& finder) { write_tile(rules, finder, wanted, tile); });
+            toolbox_.lend([&](Tools& tools) { write_tile(rules, tools, wanted, tile); });
             const std::lock_guard hold(lock);
             journal.add(tile);
             if (options_.progress) options_.progress(stage.c_str(), ++done, due.size());
         });
     }
 
-    void write_tile(const TileRules& rules, const SampleFinder& finder, const BorderVertices& wanted, Tile& tile) {
-        const std::vector<std::byte> bytes = is_raster() ? picture(finder, tile) : meshed(rules, finder, wanted, tile);
+    void write_tile(const TileRules& rules, Tools& tools, const BorderVertices& wanted, Tile& tile) {
+        const std::vector<std::byte> bytes =
+            is_raster() ? picture(tools.finder, tile) : meshed(rules, tools, wanted, tile);
         const std::string path = path_of(tile.id), folder = fs::path(path).parent_path().string();
         std::error_code error;
         fs::create_directories(folder, error);
@@ -333,16 +345,29 @@ private:
         return std::move(made.png);
     }
 
-    [[nodiscard]] std::vector<std::byte> meshed(const TileRules& rules, const SampleFinder& finder,
-                                                const BorderVertices& wanted, Tile& tile) const {
-        TileMesh mesh = make_tile_mesh(surface_, finder, box_of(tiling_, tile.id), rules, wanted);
+    [[nodiscard]] std::vector<std::byte> meshed(const TileRules& rules, Tools& tools, const BorderVertices& wanted,
+                                                Tile& tile) const {
+        TileMesh mesh = make_tile_mesh(surface_, tools.finder, box_of(tiling_, tile.id), rules, wanted);
         std::vector<GlobePlace> normals;
-        if (options_.normals) normals = normals_of(mesh, finder, tile.id.level);
+        if (options_.normals) normals = normals_of(mesh, tools.finder, tile.id.level);
         tile.made = {
             mesh.error_m, 0, 0, mesh.vertices.size(), mesh.triangles.size(), 0, mesh.error_m > rules.tolerance_m};
-        std::vector<std::byte> bytes = encode(tile.id, rules, mesh, normals, tile.made);
+        std::vector<std::byte> bytes = encode(tile.id, rules, mesh, normals, tools, tile.made);
         tile.borders = std::move(mesh.borders);
         return bytes;
+    }
+
+    [[nodiscard]] std::vector<std::byte> texture_of(const DegreeBox& box, int level, Tools& tools) const {
+        if (!tools.colours) return {};
+        constexpr std::uint32_t side_px = 256;
+        const double texel_m = tile_m(tiling_, level) / side_px;
+        return tools.colours->picture(
+            side_px, side_px, texel_m, [&](double u, double v) -> std::optional<std::array<double, 2>> {
+                double column = 0, row = 0;
+                const LonLat at{box.west + (box.east - box.west) * u, box.north + (box.south - box.north) * v};
+                if (!tools.finder.find(at, column, row)) return std::nullopt;
+                return std::array{column, row};
+            });
     }
 
     // What goes wrong says of what.
@@ -356,12 +381,13 @@ private:
     }
 
     [[nodiscard]] std::vector<std::byte> encode(TileId id, const TileRules& rules, const TileMesh& mesh,
-                                                std::span<const GlobePlace> normals, Made& made) const {
+                                                std::span<const GlobePlace> normals, Tools& tools, Made& made) const {
         if (is_tileset()) {
             // Beside a tile of the next coarser level: its own error, and that one's, which is twice as large.
             constexpr double diagonal = 1.5; // with walls
             const double size_m = diagonal * tile_m(tiling_, id.level) + relief_m();
-            GltfTile tile = encode_gltf_tile(mesh, {rules.tolerance_m, size_m, options_.packing}, normals);
+            GltfTile tile = encode_gltf_tile(mesh, {rules.tolerance_m, size_m, options_.packing}, normals,
+                                             texture_of(mesh.box, id.level, tools));
             made.error_m = tile.error_m;
             made.low_m = tile.low_m, made.high_m = tile.high_m;
             return std::move(tile.bytes);
@@ -519,7 +545,7 @@ private:
     const Tiling tiling_;
     const std::string &folder_, &work_;
     const int threads_;
-    Finders finders_;
+    Toolbox toolbox_;
     json available_ = json::array();
     DegreeBox bounds_;
     int last_ = 0;
@@ -529,15 +555,17 @@ private:
 // What the bytes depend on.
 std::string job_of(const HeightSource& source, const TilesOptions& options, Tiling tiling, Archive archive) {
     return fmt::format("fjell tiles 3\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\nquantised {}\n"
-                       "meshopt {}\npixels {}\narchive {}\n",
+                       "meshopt {}\npixels {}\ncolours {}\narchive {}\n",
                        source.identity(), static_cast<int>(options.format), static_cast<int>(tiling), options.max_level,
                        options.normals, options.gzip, options.packing.quantised, options.packing.meshopt,
-                       options.side_px, static_cast<int>(archive));
+                       options.side_px, !options.colours_of.empty(), static_cast<int>(archive));
 }
 
 void check(const TilesOptions& options, Tiling tiling, Archive archive, const std::string& path) {
     if ((options.packing.quantised || options.packing.meshopt) && options.format != TilesFormat::tiles_3d)
         throw Failure(2, "--quantised and --meshopt are for --format 3dtiles; leave them out, or add it");
+    if (!options.colours_of.empty() && options.format != TilesFormat::tiles_3d)
+        throw Failure(2, "--colours is for --format 3dtiles; leave it out, or add that");
     if (is_raster(options.format) && tiling != Tiling::mercator)
         throw Failure(2, "--tiling geographic: pictures of heights are in Web Mercator alone; leave it out");
     if (archive != Archive::folder && options.format == TilesFormat::tiles_3d)
@@ -560,6 +588,7 @@ TilesSummary write_tiles(const HeightSource& source, const std::string& name, co
     const Tiling tiling = options.tiling.value_or(is_raster(options.format) ? Tiling::mercator : Tiling::geographic);
     const Archive archive = archive_of(out);
     check(options, tiling, archive, out);
+    if (!options.colours_of.empty()) (void)PackColours(options.colours_of); // it has some
     const int last = last_level(source, name, options, tiling);
     const std::string job = job_of(source, options, tiling, archive), job_file = out + ".work/job";
     std::error_code none;

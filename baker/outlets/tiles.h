@@ -29,6 +29,7 @@ struct TilesOptions {
     int side_px = 512;                // of pictures
     bool normals = true, gzip = true; // gzip: of quantized-mesh alone
     GltfPacking packing;              // of 3D Tiles alone
+    std::string colours_of{};         // a pack whose colours tiles get as textures; of 3D Tiles alone
     int threads = 0;                  // 0: all cores
     std::uint64_t memory_bytes = std::uint64_t{512} << 20; // for heights: what is larger lies in the work folder
     Progress progress;

@@ -17,6 +17,7 @@ using nlohmann::ordered_json;
 
 struct GltfPlaces {
     std::vector<std::array<double, 3>> places, normals; // as glTF turns them
+    std::vector<std::array<double, 2>> uv;              // from the north-west
     std::vector<std::array<std::uint32_t, 3>> triangles;
     double low_m = HUGE_VAL, high_m = -HUGE_VAL;
 
@@ -77,6 +78,7 @@ void hang_walls(const TileMesh& mesh, const GlobePlace& middle, double skirt_m, 
             const std::uint32_t top = along[k].second, foot = static_cast<std::uint32_t>(to.places.size());
             to.add(middle, mesh.place(mesh.vertices[top]), mesh.vertices[top].height_m - skirt_m);
             if (!to.normals.empty()) to.normals.push_back(to.normals[top]);
+            to.uv.push_back(to.uv[top]);
             if (k > 0) {
                 const std::uint32_t last = along[k - 1].second;
                 to.triangles.push_back({last, before, foot}), to.triangles.push_back({last, foot, top});
@@ -160,10 +162,14 @@ GlobePlace tile_middle(const DegreeBox& box) {
     return on_globe(box.middle(), 0);
 }
 
-GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std::span<const GlobePlace> normals) {
+GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std::span<const GlobePlace> normals,
+                          std::vector<std::byte> texture_jpeg) {
     const GlobePlace middle = tile_middle(mesh.box);
     GltfPlaces g;
-    for (const TileMesh::Vertex& v : mesh.vertices) g.add(middle, mesh.place(v), v.height_m);
+    for (const TileMesh::Vertex& v : mesh.vertices) {
+        g.add(middle, mesh.place(v), v.height_m);
+        g.uv.push_back({static_cast<double>(v.at.column) / tile_grid, 1 - static_cast<double>(v.at.row) / tile_grid});
+    }
     for (const GlobePlace& n : normals) g.normals.push_back({n[0], n[2], -n[1]});
     g.triangles = mesh.triangles;
     const double skirt_m = 3 * std::max(rules.least_error_m, mesh.error_m);
@@ -171,6 +177,8 @@ GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std:
     GltfMesh content{"ground", g.places.size(), g.triangles};
     content.place = [&](std::size_t i) { return g.places[i]; };
     if (!g.normals.empty()) content.normal = [&](std::size_t i) { return g.normals[i]; };
+    if (!texture_jpeg.empty()) content.uv = [&](std::size_t i) { return g.uv[i]; };
+    content.texture_jpeg = std::move(texture_jpeg);
     GltfTile tile{{}, mesh.error_m, g.low_m - g.sag_m(), g.high_m};
     if (rules.packing.quantised) {
         content.lattice = tile_lattice(g, middle, rules.size_m);

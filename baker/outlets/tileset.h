@@ -27,7 +27,7 @@ struct GltfTileRules {
     GltfPacking packing;
 };
 [[nodiscard]] GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules,
-                                        std::span<const GlobePlace> normals);
+                                        std::span<const GlobePlace> normals, std::vector<std::byte> texture_jpeg);
 [[nodiscard]] GlobePlace tile_middle(const DegreeBox& box);
 
 struct TilesetTile {

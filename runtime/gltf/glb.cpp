@@ -20,20 +20,30 @@ constexpr std::uint64_t padded(std::uint64_t bytes) {
     return (bytes + 3) / 4 * 4;
 }
 
-// stb hands over the whole file in one call; nothing may be thrown through its C frames.
-struct PngSink {
+// stb hands over a file in one call or many; nothing may be thrown through its C frames.
+struct ImageSink {
     std::vector<std::byte> bytes;
     std::exception_ptr failure;
 };
 
 void receive(void* context, void* data, int size) {
-    auto& sink = *static_cast<PngSink*>(context);
+    auto& sink = *static_cast<ImageSink*>(context);
     try {
         const auto* begin = static_cast<const std::byte*>(data);
-        sink.bytes.insert(sink.bytes.end(), begin, begin + size);
+        if (!sink.failure) sink.bytes.insert(sink.bytes.end(), begin, begin + size);
     } catch (...) {
         sink.failure = std::current_exception();
     }
+}
+
+// encode(sink): what stb returns, 0 when it fails.
+template <typename Encode>
+std::vector<std::byte> encoded_image(const Encode& encode) {
+    ImageSink sink;
+    const int written = encode(&sink);
+    if (sink.failure) std::rethrow_exception(sink.failure);
+    if (!written) throw io::Failure(3, "not enough memory to encode a picture; ask for smaller textures");
+    return std::move(sink.bytes);
 }
 
 } // namespace
@@ -99,16 +109,16 @@ std::size_t Glb::add_indices(std::size_t view, std::size_t count, std::size_t ve
                              {"type", "SCALAR"}});
 }
 
-std::size_t Glb::add_texture(const std::string& name, std::vector<std::byte> png) {
+std::size_t Glb::add_texture(const std::string& name, std::vector<std::byte> image, const char* mime_type) {
     constexpr int linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071;
     if (!json.contains("samplers"))
         add("samplers", {{"magFilter", linear},
                          {"minFilter", linear_mipmap_linear},
                          {"wrapS", clamp_to_edge},
                          {"wrapT", clamp_to_edge}});
-    const std::size_t view = add_view(std::move(png), GlbTarget::none);
-    const std::size_t image = add("images", {{"name", name}, {"mimeType", "image/png"}, {"bufferView", view}});
-    return add("textures", {{"sampler", 0}, {"source", image}});
+    const std::size_t view = add_view(std::move(image), GlbTarget::none);
+    const std::size_t source = add("images", {{"name", name}, {"mimeType", mime_type}, {"bufferView", view}});
+    return add("textures", {{"sampler", 0}, {"source", source}});
 }
 
 void Glb::require_extension(const std::string& name) {
@@ -170,12 +180,17 @@ std::vector<std::byte> index_bytes(std::span<const std::uint32_t> indices, std::
 }
 
 std::vector<std::byte> encode_png(std::uint32_t columns, std::uint32_t rows, std::span<const std::byte> rgb) {
-    PngSink sink;
-    const int width = static_cast<int>(columns);
-    const int written = stbi_write_png_to_func(receive, &sink, width, static_cast<int>(rows), 3, rgb.data(), width * 3);
-    if (sink.failure) std::rethrow_exception(sink.failure);
-    if (!written) throw io::Failure(3, "not enough memory to encode a picture as PNG; ask for smaller textures");
-    return std::move(sink.bytes);
+    const int width = static_cast<int>(columns), height = static_cast<int>(rows);
+    return encoded_image([&](ImageSink* sink) {
+        return stbi_write_png_to_func(receive, sink, width, height, 3, rgb.data(), width * 3);
+    });
+}
+
+std::vector<std::byte> encode_jpeg(std::uint32_t columns, std::uint32_t rows, std::span<const std::byte> rgb) {
+    constexpr int quality = 90;
+    const int width = static_cast<int>(columns), height = static_cast<int>(rows);
+    return encoded_image(
+        [&](ImageSink* sink) { return stbi_write_jpg_to_func(receive, sink, width, height, 3, rgb.data(), quality); });
 }
 
 } // namespace fjell::gltf

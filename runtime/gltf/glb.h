@@ -44,7 +44,7 @@ public:
                                     std::size_t stride);
     // 16 bits wide where so many vertices allow it. The view is the caller's.
     std::size_t add_indices(std::size_t view, std::size_t count, std::size_t vertices);
-    std::size_t add_texture(const std::string& name, std::vector<std::byte> png);
+    std::size_t add_texture(const std::string& name, std::vector<std::byte> image, const char* mime_type);
     // It may have been added already.
     void require_extension(const std::string& name);
 
@@ -72,9 +72,11 @@ private:
 // As bytes of the width that add_indices() chooses.
 [[nodiscard]] std::vector<std::byte> index_bytes(std::span<const std::uint32_t> indices, std::size_t vertices);
 
-// Rows of 8-bit RGB from the top. Throws io::Failure 3: too little memory.
+// Rows of 8-bit RGB from the top. Throw io::Failure 3: too little memory.
 [[nodiscard]] std::vector<std::byte> encode_png(std::uint32_t columns, std::uint32_t rows,
                                                 std::span<const std::byte> rgb);
+[[nodiscard]] std::vector<std::byte> encode_jpeg(std::uint32_t columns, std::uint32_t rows,
+                                                 std::span<const std::byte> rgb);
 
 } // namespace fjell::gltf
 FJELL_API_END

@@ -36,7 +36,7 @@ std::vector<double> quaternion(Vec3 right, Vec3 up, Vec3 back) {
 } // namespace
 
 int SceneBuilder::add_texture(const std::string& name, std::uint32_t side_px, std::span<const std::byte> rgb) {
-    return static_cast<int>(glb_.add_texture(name, encode_png(side_px, side_px, rgb)));
+    return static_cast<int>(glb_.add_texture(name, encode_png(side_px, side_px, rgb), "image/png"));
 }
 
 std::size_t SceneBuilder::add_material(const std::string& name, TileTextures textures) {

@@ -11,7 +11,8 @@ def must(true, text):
 
 
 class Glb:
-    """gltf: the JSON. places, normals (or None), triangles: of the scene. scale: of the lattice, where there is one."""
+    """gltf: the JSON. places, normals (or None), triangles: of the scene. scale: of the lattice, where there is one. uv,
+    image: of the texture and its bytes, where there is one."""
 
     def __init__(self, data):
         magic, version, length = struct.unpack_from("<4sII", data)
@@ -42,6 +43,15 @@ class Glb:
             must(all(abs(math.hypot(*n) - 1) < 1e-4 for n in self.normals), "a normal that is no unit vector")
             turned = [[q / s for q, s in zip(n, scale)] for n in self.normals]
             self.normals = [tuple(q / math.hypot(*n) for q in n) for n in turned]
+
+        if "TEXCOORD_0" in primitive["attributes"]:
+            self.uv = self.accessor(primitive["attributes"]["TEXCOORD_0"])
+            must(all(0 <= q <= 1 for uv in self.uv for q in uv), "a place beside the texture")
+            material = self.gltf["materials"][primitive["material"]]["pbrMetallicRoughness"]
+            image = self.gltf["images"][self.gltf["textures"][material["baseColorTexture"]["index"]]["source"]]
+            view = self.gltf["bufferViews"][image["bufferView"]]
+            self.image = self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+            must(image["mimeType"] == "image/jpeg" and self.image[:2] == b"\xff\xd8", "no JPEG")
 
     def accessor(self, i):
         a = self.gltf["accessors"][i]

@@ -226,3 +226,26 @@ TEST_CASE("one file has the tiles that a folder has, whatever interrupted its wr
     refused(folder, tiles("new", "--format terrarium --tiling geographic"), 2, "leave it out");
     refused(folder, tiles("new", "--format terrarium --tile-px 300"), 2, "--tile-px");
 }
+
+TEST_CASE("tiles and meshes have the colours of the pack where it has them") {
+    const TemporaryFolder folder;
+    bake_at(folder, {"a fjord", "EPSG:32632", 46, 34, 30, 430000, 6790000});
+    refused(folder, bake + "tiles placed.tif -o out --format 3dtiles --colours", 1, "placed.tif");
+    spit(folder / "red.json",
+         R"({"stops": [{"height_m": 600, "rgb": [0, 0, 0]}, {"height_m": 1300, "rgb": [255, 0, 0]}]})");
+    output_of(folder, bake + "placed.tif -o red.fjell --quiet --crs none --ramp red.json");
+    const auto right = [&](const std::string& what) {
+        const json found = json::parse(output_of(
+            folder, "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check_colours.py " + what + " 600 1300"));
+        CAPTURE(what, found.dump());
+        CHECK(found["coloured"] > 300);
+        CHECK(found["right"].get<double>() > 0.9 * found["coloured"].get<double>());
+    };
+    output_of(folder, bake + "tiles red.fjell -o out --format 3dtiles --colours --quiet");
+    right("out");
+    output_of(folder, bake + "mesh red.fjell -o red.glb --max-error-m 5 --colours --quantised");
+    right("red.glb");
+    refused(folder, bake + "mesh placed.tif -o new.glb --max-error-m 5 --colours", 2, "takes a pack's");
+    refused(folder, bake + "mesh red.fjell -o new.ply --max-error-m 5 --colours", 2, "is for .glb");
+    refused(folder, bake + "tiles red.fjell -o new --colours", 2, "is for --format 3dtiles");
+}

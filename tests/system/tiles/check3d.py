@@ -225,4 +225,5 @@ def main():
     print(json.dumps(total))
 
 
-main()
+if __name__ == "__main__":
+    main()

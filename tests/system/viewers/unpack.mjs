@@ -15,11 +15,12 @@ function unpacked(data) {
   let at = 0
   for (const view of gltf.bufferViews) {
     const packed = view.extensions?.[extension]
-    if (!packed) throw new Error('a view that is not compressed')
-    const { byteOffset, byteLength, count, byteStride, mode, filter } = packed
-    const bytes = new Uint8Array(Math.ceil(count * byteStride / 4) * 4)
-    MeshoptDecoder.decodeGltfBuffer(bytes.subarray(0, count * byteStride), count, byteStride,
-      binary.subarray(byteOffset, byteOffset + byteLength), mode, filter)
+    const { byteOffset, byteLength, count, byteStride, mode, filter } = packed ?? view
+    const from = binary.subarray(byteOffset, byteOffset + byteLength)
+    const size = packed ? count * byteStride : byteLength
+    const bytes = new Uint8Array(Math.ceil(size / 4) * 4)
+    if (packed) MeshoptDecoder.decodeGltfBuffer(bytes.subarray(0, size), count, byteStride, from, mode, filter)
+    else bytes.set(from) // a picture
     Object.assign(view, { buffer: 0, byteOffset: at })
     delete view.extensions
     pieces.push(bytes)
