@@ -38,11 +38,13 @@ json node(const TemporaryFolder& folder, const std::string& script) {
 
 // Mountains in Norway, made up.
 void bake_mountains(const TemporaryFolder& folder) {
-    output_of(folder, bake +
-                          "synth " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o dem.tif --quiet && "
-                          "gdal_translate -q -a_srs EPSG:32632 -a_ullr 430000 6800000 460780 6769220 dem.tif "
-                          "placed.tif && " +
-                          bake + "placed.tif -o pack.fjell --quiet");
+    output_of(
+        folder,
+        bake +
+            "synth " FJELL_SOURCE_DIR "/content/terrain/mountains-small.json -o dem.tif --quiet && "
+            "gdal_translate -q -srcwin 100 100 257 257 -a_srs EPSG:32632 -a_ullr 430000 6800000 445420 6784580 dem.tif "
+            "placed.tif && " +
+            bake + "placed.tif -o pack.fjell --quiet");
     write_points(folder, "EPSG:32632");
 }
 
@@ -88,7 +90,7 @@ TEST_CASE("CesiumJS and three.js show tiles without a gap and no farther from th
         if (viewer.program == "three" && !viewer.way.ends_with("12")) output_of(folder, "mv out plain");
     }
     // Compressed, the last is the second with rounded places.
-    CHECK(node(folder, "unpack.mjs out")["files"] > 100);
+    CHECK(node(folder, "unpack.mjs out")["files"] > 30);
     output_of(folder, "shuf -n 9000 --random-source=points.txt points.txt >few.txt && python3 " FJELL_SOURCE_DIR
                       "/tests/system/tiles/check3d.py out few.txt plain");
 }
