@@ -3,9 +3,9 @@
     PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS... NODE_MODULES
 
 HEIGHTS: .npy or what GDAL's Python reads; its largest square of 2^n + 1 samples. FILE@X,Y: 257 x 257 samples from there
-on. Of one the errors are 5 and 20 m; of several 1% of each tile's relief, and the table has a line for each. Each of the others is asked for smaller errors
-until its true one, as NumPy measures it, is no larger than Fjell's. Times are the least of five calls, of that last one
-alone; Node's after it has compiled. Prints a table, and JSON with --json.
+on. Of one the errors are 5 and 20 m; of several 1% of each tile's relief, and the table has a line for each. Each of the
+others is asked for smaller errors until its true one, as NumPy measures it, is no larger than Fjell's. Times are the
+least of five calls, of that last one alone; Node's after it has compiled. Prints a table, and JSON with --json.
 """
 
 import json
