@@ -150,7 +150,7 @@ void list_ranges(Ground& g, std::span<const TileRange> tiles) {
 void open_stream(Ground& g, std::uint32_t pages, std::uint32_t maps, double map_bytes) {
     StreamBudget stream;
     stream.page_requests = pages, stream.map_requests = maps;
-    stream.tail_log2 = map_bytes > 0 ? tail_log2_of(g.pack.header, map_bytes) : 2;
+    if (map_bytes > 0) stream.tail_log2 = tail_log2_of(g.pack.header, map_bytes);
     // Maps stay in the size of the tail: a layer for each tile, and no other.
     StreamBudget all = stream;
     all.map_bytes = std::uint64_t{1} << 40;
@@ -229,7 +229,8 @@ FJELL_CALL Ground* ground_index(const std::byte* index, std::size_t bytes, doubl
 // numbers: page slots (0: all pages), vertices, triangles, views, requests of pages, of maps, bytes of maps in RGBA (0:
 // none), blocks of edits (0: none). Afterwards: bytes allocated, log2 of the maps' texels a side, of colour and normal.
 FJELL_CALL void ground_open(Ground* g, const std::byte* corners, std::size_t bytes, bool whole) {
-    const PackHeader& h = g->pack.header;
+    PackHeader& h = g->pack.header;
+    if (numbers[6] == 0) h.colour_log2 = h.normal_log2 = 0; // so that no map is read
     const auto count = [](int i) { return static_cast<std::uint32_t>(numbers[i]); };
     const std::uint64_t pages = tiles_of(h) * std::uint64_t{pages_per_tile(h)};
     const TerrainBudget slots{count(0) == 0 ? 0 : static_cast<std::uint32_t>(std::min<std::uint64_t>(count(0), pages))};

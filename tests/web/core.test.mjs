@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile, stat } from "node:fs/promises";
 import test from "node:test";
 
-import { makeView, mesh, ready, Terrain, version } from "fjell";
+import { heightsOfTile, makeView, mesh, ready, Terrain, version } from "fjell";
 import validator from "gltf-validator";
 
 import { fly } from "./flight.mjs";
@@ -78,6 +78,29 @@ test("what is no mesh is an error that begins with the argument's name", async (
   for (const maxError of [-1, NaN, Infinity, "1 m"]) await refused("maxError", ten, { width: 10, height: 10, maxError });
   for (const spacing of [0, [1, -1], NaN, "wide", [1]]) await refused("spacing", ten, { width: 10, height: 10, spacing });
   assert.equal((await mesh(ten, { width: 10, height: 10 })).triangles.length, 6, "a refusal leaves nothing behind");
+});
+
+test("tiles of maps are heights", () => {
+  assert.deepEqual([...heightsOfTile([128, 0, 0, 255, 128, 1, 128, 255, 0, 0, 0, 0])], [0, 1.5, NaN]);
+  const [low, high] = heightsOfTile(Uint8ClampedArray.of(0, 0, 0, 255, 1, 134, 160, 255), "mapbox");
+  assert.ok(low === -10000 && Math.abs(high) < 1e-3);
+  assert.throws(() => heightsOfTile([1, 2, 3]), /^RangeError: rgba/);
+  assert.throws(() => heightsOfTile([1, 2, 3, 4], "png"), /^RangeError: encoding/);
+});
+
+test("a refusal frees what the call has taken", async () => {
+  const held = async () => {
+    for (let i = 0; i < 5; ++i) { // what a promise holds goes one turn later
+      globalThis.gc();
+      await new Promise((resolve) => setTimeout(resolve, 1));
+    }
+    return process.memoryUsage().external;
+  };
+  await mesh(new Float32Array(4), { width: 2, height: 2 });
+  const before = await held();
+  await assert.rejects(mesh(new Float32Array(2048 * 2048).fill(NaN), { width: 2048, height: 2048 }), /^Error: heights/);
+  const after = await held();
+  assert.ok(after - before < 8e6, `${after - before} bytes are held`);
 });
 
 test("the golden flight is that of the library, to the bit, with SIMD and without", async () => {
@@ -184,7 +207,17 @@ test("a snapshot is valid glTF, with the triangles of the frame", async () => {
   const report = await validator.validateBytes(file);
   assert.deepEqual(report.issues.messages.filter(({ severity }) => severity < 2), []);
   const text = new TextDecoder().decode(file.subarray(20, 20 + new DataView(file.buffer).getUint32(12, true)));
-  const { fjell } = JSON.parse(text).scenes[0].extras;
+  const { scenes: [{ extras: { fjell } }], nodes, meshes, accessors, bufferViews } = JSON.parse(text);
+  assert.deepEqual(nodes.map(({ name }) => name).sort().slice(0, 2), ["tile 0 0", "tile 0 1"]);
+  const start = 28 + new DataView(file.buffer).getUint32(12, true), body = file.slice(start).buffer;
+  for (const { primitives: [{ attributes: { POSITION }, indices }] } of meshes) {
+    const part = (i, Type, width) => new Type(body, bufferViews[accessors[i].bufferView].byteOffset, width * accessors[i].count);
+    const p = part(POSITION, Float32Array, 3), t = part(indices, Uint32Array, 1);
+    for (let i = 0; i < t.length; i += 3) {
+      const [a, b, c] = [t[i], t[i + 1], t[i + 2]].map((v) => [p[3 * v], p[3 * v + 2]]);
+      assert.ok((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]) < 0, "counter-clockwise from above, and no line");
+    }
+  }
   assert.equal(fjell.triangles, terrain.frame.trianglesDrawn);
   assert.ok(fjell.converged && fjell.error_px_effective <= 3);
 });

@@ -43,12 +43,13 @@ async function open({ name, url }, keepCamera = false) {
     const [wide, deep] = terrain.extent, high = terrain.heightRange[1];
     camera.far = 3 * Math.hypot(wide, deep);
     scene.fog = new THREE.Fog(sky, 0.06 * wide, 0.8 * wide);
+    state.middle = null;
+    state.speed = wide / 180;
     if (!keepCamera) {
       camera.position.set(wide * 0.5, high + 0.03 * wide, deep * 0.8);
       state.heading = 0;
       state.pitch = -0.25;
     }
-    state.speed = wide / 90;
     sun.position.set(-0.6 * wide, 0.5 * wide, -0.35 * wide);
     say("");
   } catch (error) {
@@ -57,6 +58,20 @@ async function open({ name, url }, keepCamera = false) {
 }
 
 // --- moving
+
+/** The highest of some places, away from the rim: what the flight goes around. */
+function findMiddle(place) {
+  const { terrain } = state, [wide, deep] = terrain.extent, cells = 32;
+  let best = -Infinity;
+  state.middle = [wide / 2, deep / 2];
+  for (let i = 0; i < cells * cells; ++i) {
+    const at = [wide * (0.2 + 0.6 * (i % cells) / cells), deep * (0.25 + 0.5 * Math.floor(i / cells) / cells)];
+    const height = terrain.height(...at);
+    if (height > best) [best, state.middle] = [height, at];
+  }
+  if (!place) return;
+  camera.position.set(state.middle[0], best + 0.02 * wide, state.middle[1] + 0.08 * wide);
+}
 
 function move(seconds) {
   const { terrain } = state, [wide, deep] = terrain.extent;
@@ -71,9 +86,9 @@ function move(seconds) {
   state.heading += turn * 0.9 * seconds;
   if ($("fly").checked) {
     state.distance += state.speed * seconds;
-    const t = state.distance / wide; // an eight over the middle
-    const x = wide * (0.5 + 0.3 * Math.sin(t * 2)), z = deep * (0.5 + 0.3 * Math.sin(t * 4) / 1.6);
-    const ahead = [wide * (0.5 + 0.3 * Math.sin((t + 0.02) * 2)), deep * (0.5 + 0.3 * Math.sin((t + 0.02) * 4) / 1.6)];
+    const [x0, z0] = state.middle ?? [wide / 2, deep / 2], reach = 0.15 * Math.min(wide, deep);
+    const eight = (t) => [x0 + reach * Math.sin(t), z0 + reach * 0.6 * Math.sin(2 * t)];
+    const t = state.distance / reach, [x, z] = eight(t), ahead = eight(t + 0.04);
     const ground = Math.max(terrain.height(x, z) || -Infinity, terrain.height(...ahead) || -Infinity, terrain.heightRange[0]);
     const wanted = ground + 0.012 * wide;
     p.set(x, p.y + (wanted - p.y) * Math.min(1, seconds * 0.8), z);
@@ -194,6 +209,8 @@ renderer.setAnimationLoop((now) => {
   if (!state.terrain) return renderer.render(scene, camera);
   const seconds = Math.min(frameMs / 1e3, 0.1); // a tab that was hidden does not jump
   Object.assign(state.terrain.settings, { maxError: 2 ** Number($("threshold").value), maxMs: Number($("time").value), morph: "time" });
+  const [across, down] = state.terrain.tiles;
+  if (!state.middle && state.terrain.frame.pagesLoaded >= across * down) findMiddle(state.frames < 100 && $("fly").checked);
   move(seconds);
   state.ground.wireframe = $("wire").checked;
   if (!$("hold").checked || state.frames === 0) state.ground.update(camera, renderer, now / 1e3);

@@ -26,9 +26,7 @@ export function writeGlb(terrain, tiles, view, at) {
     const numberOf = new Map(), indices = [], slots = [];
     for (const { first, count } of tile.ranges)
       for (let i = first; i + 2 < first + count; i += 3) {
-        const corners = terrain.indexSlots.subarray(i, i + 3);
-        if (isDegenerate(terrain, corners)) continue;
-        for (const slot of corners) {
+        for (const slot of terrain.indexSlots.subarray(i, i + 3)) {
           let number = numberOf.get(slot);
           if (number === undefined) {
             number = slots.length;
@@ -76,12 +74,6 @@ export function writeGlb(terrain, tiles, view, at) {
   };
   if (nodes.length === 0) throw new Error("snapshot: the last update draws nothing; update the terrain for a view that sees it");
   return assemble(document, parts, bytes);
-}
-
-function isDegenerate(terrain, [a, b, c]) { // two corners at one sample: beyond the terrain's rim
-  const { vertexSlots: v, columns, rows } = terrain;
-  const same = (p, q) => Math.min(v[3 * p], columns - 1) === Math.min(v[3 * q], columns - 1) && Math.min(v[3 * p + 1], rows - 1) === Math.min(v[3 * q + 1], rows - 1);
-  return same(a, b) || same(b, c) || same(c, a);
 }
 
 function assemble(document, parts, bytes) {

@@ -32,6 +32,12 @@ export interface Mesh {
  */
 export function mesh(heights: Heights, options: MeshOptions): Promise<Mesh>;
 
+/**
+ * Heights of a raster tile, as maps have them: "terrarium", or "mapbox" (Terrain-RGB). rgba: the data of an ImageData. A
+ * transparent texel is NaN.
+ */
+export function heightsOfTile(rgba: ArrayLike<number>, encoding?: "terrarium" | "mapbox"): Float32Array;
+
 export interface ReadyOptions {
   /** The WebAssembly: its place, or its bytes. By default it lies beside this file. */
   wasm?: string | URL | BufferSource;

@@ -4,7 +4,7 @@ import { compile, Instance } from "./instance.js";
 import { sourceOf } from "./source.js";
 
 export const defaults = Object.freeze({
-  pageSlots: 4096, vertices: 1 << 17, triangles: 1 << 18, views: 1, pageRequests: 16, mapRequests: 4,
+  pageSlots: 4096, vertices: 1 << 17, triangles: 1 << 18, views: 1, pageRequests: 64, mapRequests: 16,
   mapBytes: 64 << 20, editBlocks: 0, whole: false, maps: false,
 });
 

@@ -208,13 +208,13 @@ export class TerrainObject extends THREE.Mesh {
   #takeChanges() {
     const { terrain, geometry } = this, changes = terrain.takeChanges();
     const position = geometry.attributes.position, to = position.array, from = terrain.vertexSlots, heights = terrain.heightSlots;
-    const [dx, dz] = terrain.spacing, lastColumn = terrain.columns - 1, lastRow = terrain.rows - 1;
+    const [dx, dz] = terrain.spacing;
     for (let i = 0; i < changes.vertexRunCount; ++i) {
       const end = 3 * (changes.vertexRuns[2 * i] + changes.vertexRuns[2 * i + 1]);
-      for (let k = 3 * changes.vertexRuns[2 * i]; k < end; k += 3) { // beyond the rim a vertex stands at the rim
-        to[k] = Math.min(from[k], lastColumn) * dx;
+      for (let k = 3 * changes.vertexRuns[2 * i]; k < end; k += 3) {
+        to[k] = from[k] * dx;
         to[k + 1] = heights[k + 2];
-        to[k + 2] = Math.min(from[k + 1], lastRow) * dz;
+        to[k + 2] = from[k + 1] * dz;
       }
     }
     mark(position, changes.vertexRuns, changes.vertexRunCount, 3);
