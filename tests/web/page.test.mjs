@@ -31,7 +31,7 @@ async function visit(path, viewport = { width: 640, height: 360 }) {
   const page = await browser.newPage({ viewport });
   page.said = [];
   page.on("pageerror", (error) => page.said.push(error.message));
-  page.on("console", (message) => { if (message.type() === "error" && !/favicon/.test(message.location().url)) page.said.push(message.text()); });
+  page.on("console", (message) => { if (message.type() === "error") page.said.push(message.text()); });
   await page.goto(home + path);
   return page;
 }
