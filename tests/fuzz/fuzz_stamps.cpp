@@ -42,7 +42,7 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
     }
     for (int call = 0; call < 10'000 && done < few; ++call) {
         EditReport report;
-        must(update_edits(edits, {}, {.max_work = 64}, report).ok(), "edits go on");
+        must(update_edits(edits, {}, {.max_work = 64, .now_s = call * 1e6}, report).ok(), "edits go on");
         must(report.held == 0, "no stamp waits for pages that are there");
         done += report.applied + report.refused;
     }

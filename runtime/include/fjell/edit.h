@@ -67,7 +67,8 @@ struct Stamp {
     const std::uint8_t* mask = nullptr; // any shape: 255 applies it wholly, 0 not at all; null: wholly
     // Seconds of EditSettings::now_s in which the ground moves to what the stamp makes of it; 0: it does at once. All
     // that speaks of the ground speaks of where it is by then. Only a stamp that fits into 72 x 72 samples moves, and
-    // EditBudget::moving of them at a time; others come at once.
+    // EditBudget::moving of them at a time; others come at once. Refused on its way, because stamps beside it have
+    // taken the codes that it needs, it leaves the ground where it is.
     float morph_s = 0;
 };
 inline constexpr std::uint32_t max_path_points = 256;

@@ -248,7 +248,8 @@ void begin_move(EditsData& e, Waiting& w, const Change& change, double now_s) {
 
 } // namespace
 
-bool move_on(EditsData& e, Moving& m, double now_s, std::uint32_t& samples) {
+bool move_on(EditsData& e, Moving& m, double now_s, Refusal& refusal, std::uint32_t& samples) {
+    refusal = Refusal::none;
     if (is_held(e, m.stamp)) return false;
     const double share = std::clamp((now_s - m.begun_s) / static_cast<double>(m.stamp.stamp.morph_s), m.share, 1.0);
     read(*e.terrain, m.rect.grown(window_margin), e.window);
@@ -261,9 +262,11 @@ bool move_on(EditsData& e, Moving& m, double now_s, std::uint32_t& samples) {
     if (change.samples != 0) {
         change.blocks = missing_blocks(e, change.places);
         bool unknown = false, at_once = false;
-        if (refusal_of(e, change, &m, unknown, at_once) != Refusal::none || unknown) {
-            m.stamp.wants_rest = true; // others have come beside it: again when all is measured
-            return false;
+        refusal = refusal_of(e, change, &m, unknown, at_once);
+        if (refusal != Refusal::none || unknown) { // others have come beside it: again when all is measured
+            const bool never = share == 1 && !unknown && std::exchange(m.stamp.wants_rest, true);
+            if (!never) refusal = Refusal::none;
+            return never;
         }
         m.blocks -= std::min(m.blocks, change.blocks);
         apply(e, change);

@@ -21,7 +21,8 @@ enum class Refusal : std::uint32_t { none, blocks, span, bound, number };
 [[nodiscard]] bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::uint32_t& samples);
 
 // A step of a stamp that is on its way. True: it has come. One that cannot take a step, for its pages or for errors
-// around it, takes it later.
-[[nodiscard]] bool move_on(EditsData& e, Moving& m, double now_s, std::uint32_t& samples);
+// around it, takes it later. If its last step has no codes even then, because others have come beside it, it stays
+// where it is, and that is the refusal.
+[[nodiscard]] bool move_on(EditsData& e, Moving& m, double now_s, Refusal& refusal, std::uint32_t& samples);
 
 } // namespace fjell::edit

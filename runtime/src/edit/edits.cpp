@@ -242,15 +242,27 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
     return best;
 }
 
+// It is applied, or refused.
+void finish(EditsData& e, StampId id, Refusal refusal, EditReport& report) {
+    const bool refused = refusal != Refusal::none;
+    set_result(e, id, refused ? StampState::refused : StampState::applied,
+               !refused                     ? StatusCode::ok
+               : refusal == Refusal::blocks ? StatusCode::out_of_slots
+                                            : StatusCode::out_of_range,
+               static_cast<std::uint32_t>(refusal));
+    ++(refused ? report.refused : report.applied);
+    if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+}
+
 // Each that is on its way takes a step.
 void move_stamps(EditsData& e, double now_s, Budgeted& budget, EditReport& report) {
     for (std::uint32_t i = 0; i < e.moving_count && budget.may_go_on();) {
-        if (!move_on(e, e.moving[i], now_s, report.samples)) {
+        Refusal refusal = Refusal::none;
+        if (!move_on(e, e.moving[i], now_s, refusal, report.samples)) {
             ++i;
             continue;
         }
-        set_result(e, e.moving[i].stamp.id, StampState::applied);
-        ++report.applied;
+        finish(e, e.moving[i].stamp.id, refusal, report);
         --e.awaiting_count, ++e.awaits_changes;
         std::copy(e.moving + i + 1, e.moving + e.moving_count, e.moving + i);
         --e.moving_count;
@@ -265,17 +277,11 @@ void apply_stamps(EditsData& e, std::span<const View> views, double now_s, Budge
         const StampId id = e.waiting[i].id;
         Refusal refusal = Refusal::none;
         if (!apply_piece(e, e.waiting[i], now_s, refusal, report.samples)) continue;
-        const bool refused = refusal != Refusal::none, moves = e.waiting[i].moves;
-        set_result(e, id,
-                   refused ? StampState::refused
-                   : moves ? StampState::moving
-                           : StampState::applied,
-                   !refused                     ? StatusCode::ok
-                   : refusal == Refusal::blocks ? StatusCode::out_of_slots
-                                                : StatusCode::out_of_range,
-                   static_cast<std::uint32_t>(refusal));
-        if (!moves) ++(refused ? report.refused : report.applied);
-        if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+        const bool moves = e.waiting[i].moves;
+        if (moves)
+            set_result(e, id, StampState::moving);
+        else
+            finish(e, id, refusal, report);
         if (e.waiting[i].awaits && !moves) --e.awaiting_count, ++e.awaits_changes;
         std::copy(e.waiting + i + 1, e.waiting + e.waiting_count, e.waiting + i);
         --e.waiting_count;
