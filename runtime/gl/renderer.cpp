@@ -482,7 +482,7 @@ void Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
     if (!s.options.morph) fail("a live cut needs RendererOptions::morph");
     if (mesh.vertices.size() > s.options.vertices || mesh.indices.size() > s.options.indices)
         fail("the cut has more slots than RendererOptions::vertices or ::indices: give them the cut's budget");
-    if (cut.morph.size() != mesh.vertices.size())
+    if (!cut.morph.empty() && cut.morph.size() != mesh.vertices.size())
         fail("the cut's morph vertices are not one for one with its vertices");
     s.begin_frame();
     const Stopwatch watch(s.stats.upload_us);
@@ -490,7 +490,7 @@ void Renderer::upload(const CutMesh& cut, const CutChanges& changes) {
     const bool other_indices = std::exchange(s.kept_indices, mesh.indices.data()) != mesh.indices.data();
     if (s.begin_upload(mesh) || other_indices) { // three calls; the driver keeps its own copy
         write_buffer(s.mesh.vertices, 0, mesh.vertices.size_bytes(), mesh.vertices.data());
-        write_buffer(s.mesh.morph, 0, cut.morph.size_bytes(), cut.morph.data());
+        if (!cut.morph.empty()) write_buffer(s.mesh.morph, 0, cut.morph.size_bytes(), cut.morph.data());
         write_buffer(s.mesh.indices, 0, mesh.indices.size_bytes(), mesh.indices.data());
         s.stats.bytes_uploaded += mesh.vertices.size_bytes() + cut.morph.size_bytes() + mesh.indices.size_bytes();
     } else {

@@ -132,7 +132,7 @@ std::uint64_t scatter(const Scatter& shaders, Ring& ring, const CutMesh& cut, co
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, second_binding, to.morph.get());
     for_each_run(changes.vertex_bits, changes.vertex_words, [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t slot = first; slot < first + count; ++slot)
-            vertices.put({slot, cut.mesh.vertices[slot], cut.morph[slot]});
+            vertices.put({slot, cut.mesh.vertices[slot], cut.morph.empty() ? MorphVertex{} : cut.morph[slot]});
     });
     vertices.send();
     Sender<TriangleSlotRecord> triangles(shaders.triangles, shaders.lanes, ring, triangle_count);

@@ -370,6 +370,45 @@ TEST_CASE("cut_bytes() is what create_cut() takes, and one byte less is refused"
     }
 }
 
+TEST_CASE("a cut that cannot morph takes less memory, has the same mesh, and refuses to morph") {
+    Random random(151);
+    for (int round = 0; round < rounds(20, 100); ++round) {
+        const auto pack = rich_terrain(random, pick(random, 20, 200), pick(random, 3, 6));
+        const Terrain& terrain = pack.terrain;
+        CutBudget budget = ample_cut(terrain);
+        budget.vertices &= ~63u; // so that no part is rounded up
+        budget.morph = false;
+        CutBudget morphing = budget;
+        morphing.morph = true;
+        CHECK(cut_bytes(terrain, morphing) - cut_bytes(terrain, budget) ==
+              std::size_t{budget.vertices} * cut_morph_bytes);
+        Cut plain(terrain, budget), other(terrain, morphing);
+        CutSettings settings;
+        View view = random_view(random, terrain);
+        for (int frame = 0; frame < 12; ++frame) {
+            settings.max_error_px = random_threshold(random);
+            const bool rebuild = pick(random, 0, 5) == 0;
+            settings.max_work = rebuild || pick(random, 0, 1) ? unlimited_work : 200;
+            if (pick(random, 0, 1)) view = random_view(random, terrain);
+            for (Cut* cut : {&plain, &other}) {
+                const CutReport report =
+                    rebuild ? cut->rebuild({&view, 1}, settings) : cut->update({&view, 1}, settings);
+                const std::string wrong = check_frame(*cut, terrain, report, settings);
+                CAPTURE(round, frame, wrong);
+                REQUIRE(wrong.empty());
+            }
+            const CutMesh a = cut_mesh(plain.cut), b = cut_mesh(other.cut);
+            REQUIRE(a.morph.empty());
+            REQUIRE(triangles_of(a.mesh) == triangles_of(b.mesh));
+        }
+        settings.morph = Morph::error;
+        CutReport report;
+        const Status refused = update_cut(plain.cut, {&view, 1}, settings, report);
+        CHECK(refused.code == StatusCode::not_supported);
+        CHECK(std::string(refused.field).rfind("CutSettings::morph", 0) == 0);
+    }
+}
+
 TEST_CASE("an absurd budget is refused by the field's name before anything is asked of memory") {
     Random random(146);
     const auto pack = rich_terrain(random, 65, 4);

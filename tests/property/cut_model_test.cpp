@@ -25,6 +25,7 @@ struct Wishes {
     const Terrain& terrain;
     std::vector<View> views;
     CutSettings settings;
+    bool may_morph = true;
 
     [[nodiscard]] std::uint32_t limit(int most) {
         return pick(random, 0, 2) ? unlimited_work : static_cast<std::uint32_t>(pick(random, 0, most));
@@ -48,6 +49,7 @@ struct Wishes {
         if (pick(random, 0, 14) == 0) settings.corner_safe = !settings.corner_safe;
         if (pick(random, 0, 14) == 0) settings.offscreen_factor = pick(random, 0, 1) ? uniform(random, 1, 20) : 1;
         if (pick(random, 0, 11) == 0) settings.morph = static_cast<Morph>(pick(random, 0, 2));
+        if (!may_morph) settings.morph = Morph::none;
         settings.jobs = pick(random, 0, 1) ? JobSystem{&run_backwards, nullptr} : JobSystem{};
     }
     // Nothing that what was before can show in.
@@ -69,12 +71,13 @@ void live(Random& random, bool large, bool abrupt, Met& met) {
     CutBudget budget = ample_cut(pack.terrain, 2);
     budget.workers = 3;
     budget.views = 3;
+    budget.morph = pick(random, 0, 3) != 0;
     const bool scarce = pick(random, 0, 3) == 0;
     if (scarce) budget.vertices = std::max(budget.vertices / 8, pack.terrain.tile_count() * 4 + 100);
     Cut cut(paged.terrain, budget);
     Host host{random, pack.pack, paged.terrain, cut, abrupt, {}, {}};
     host.load_all();
-    Wishes wishes{random, pack.terrain, {random_view(random, pack.terrain)}, {}};
+    Wishes wishes{random, pack.terrain, {random_view(random, pack.terrain)}, {}, budget.morph};
     wishes.settings.max_error_px = random_threshold(random);
     for (int leg = 0; leg < 3; ++leg) {
         for (int frame = 0; frame < 20; ++frame) {

@@ -355,6 +355,7 @@ void dig_while_pages_leave(Random& random, const io::LoadedPack& pack, int frame
     Editor editor(paged.terrain), other(still.terrain); // the same stamps where nothing leaves
     CutBudget budget = ample_cut(paged.terrain);
     budget.views = 2;
+    budget.morph = pick(random, 0, 1) != 0;
     Cut cut(paged.terrain, budget), cut_of_still(still.terrain, ample_cut(still.terrain));
     Host host{random, pack.pack, paged.terrain, cut, false, {}, {}};
     Host loader{random, pack.pack, still.terrain, cut_of_still, false, {}, {}};

@@ -87,7 +87,7 @@ inline CutReport settle(Cut& cut, std::span<const View> views, const CutSettings
 // As the vertex shader places them.
 [[nodiscard]] inline std::vector<MeshVertex> drawn_vertices(const Terrain& terrain, const CutMesh& live) {
     std::vector<MeshVertex> drawn(live.mesh.vertices.begin(), live.mesh.vertices.end());
-    for (std::size_t i = 0; i < drawn.size(); ++i)
+    for (std::size_t i = 0; i < live.morph.size(); ++i)
         drawn[i].height_m = morphed_height_m(terrain, live.mesh.vertices[i], live.morph[i], live.frame);
     return drawn;
 }

@@ -13,8 +13,9 @@
 using namespace pictures;
 
 TEST_CASE("the live cut gives the picture of the recursive method, bit for bit", "[picture]") {
+    const bool morphs = GENERATE(true, false); // CutBudget::morph
     Scene scene(mountains(513), 6);
-    scene.make_cut();
+    scene.make_cut(morphs);
     bool from_nothing = true;
     for (const View& view : {scene.camera(0.5, 0.9, 150, 0, -5), scene.camera(0.3, 0.6, 3000, 40, -45)})
         for (const gl::DrawOptions& drawing :
@@ -24,6 +25,7 @@ TEST_CASE("the live cut gives the picture of the recursive method, bit for bit",
             const CutMesh mesh = cut_mesh(scene.cut);
             REQUIRE(report.tiles_drawn > 1);
             REQUIRE(mesh.mesh.tiles.size() > report.tiles_drawn); // tiles of several ranges
+            REQUIRE(mesh.morph.empty() == !morphs);
             const Picture live = scene.draw(mesh, view, drawing);
             CHECK(scene.renderer->stats().tiles == report.tiles_drawn);
             CHECK(scene.renderer->stats().triangles == report.triangles_drawn);

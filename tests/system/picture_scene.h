@@ -171,12 +171,13 @@ struct Scene {
         return cut_mesh(cut);
     }
 
-    void make_cut() {
+    void make_cut(bool morph = true) {
         const Terrain& terrain = loaded.terrain;
         CutBudget budget;
         budget.vertices = terrain.tile_count() * data_of(terrain).pages.tile_vertices() + 1024;
         budget.triangles = chunks(terrain) * segment_triangles;
         budget.segment_triangles = segment_triangles;
+        budget.morph = morph;
         const std::size_t bytes = cut_bytes(terrain, budget);
         cut_memory = io::allocate(bytes);
         REQUIRE(create_cut(terrain, budget, {cut_memory.get(), bytes}, cut).ok());

@@ -39,7 +39,7 @@ inline constexpr float compact_steps_s = 64;                        // 65,536 st
 inline constexpr float compact_late_s = 0x1p-5f;
 static_assert(morph_clock_s * compact_steps_s == 65536);
 
-// Converts the slots of a run: the same part of CutMesh::mesh.vertices and of CutMesh::morph.
+// Converts the slots of a run: the same part of CutMesh::mesh.vertices and of CutMesh::morph, which may be empty.
 void compact_vertices(std::span<const MeshVertex> vertices, std::span<const MorphVertex> morphs,
                       std::span<CompactVertex> to);
 

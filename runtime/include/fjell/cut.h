@@ -52,11 +52,14 @@ struct CutBudget {
     // Jobs that a build may run side by side when CutSettings::jobs are given, 1 to max_cut_workers. Each takes some 20
     // KB for each level of a tile.
     std::uint32_t workers = 1;
+    // Vertices may morph. False: CutSettings::morph can only be none, CutMesh::morph is empty, and a vertex slot takes
+    // cut_morph_bytes less.
+    bool morph = true;
 };
-// What cut_bytes() takes for a vertex slot, a triangle slot, a page slot of the terrain (TerrainBudget::page_slots) and
-// a page state. Some bits of bookkeeping are not counted.
-inline constexpr std::size_t cut_vertex_bytes = 57, cut_triangle_bytes = 12, cut_page_slot_bytes = 28,
-                             cut_page_bytes = 19'716;
+// What cut_bytes() takes for a vertex slot, how much of it is for morphing, and what it takes for a triangle slot, a
+// page slot of the terrain (TerrainBudget::page_slots) and a page state. Some bits of bookkeeping are not counted.
+inline constexpr std::size_t cut_vertex_bytes = 57, cut_morph_bytes = 24, cut_triangle_bytes = 12,
+                             cut_page_slot_bytes = 28, cut_page_bytes = 19'716;
 // How many pages may have a state at a time. A page has a state while one of its vertices may become active; the
 // coarsest page of a tile always has one. As measured, a page holds 100 to 280 active vertices. page_slots, tiles:
 // those of the terrain.
@@ -254,7 +257,7 @@ struct MorphFrame {
 // All that a renderer needs of a cut. The spans point into the cut and are valid until its next update.
 struct CutMesh {
     MeshView mesh;                      // all slots; the ranges are of the tiles that some view may see
-    std::span<const MorphVertex> morph; // one for each vertex slot
+    std::span<const MorphVertex> morph; // one for each vertex slot, or none (CutBudget::morph)
     MorphFrame frame;                   // the shader's other inputs
 };
 // The mesh of the last update. Empty for a handle that is refused. O(1).

@@ -289,9 +289,11 @@ typedef struct FjellCutBudget {
     uint32_t segment_triangles;
     uint32_t views;
     uint32_t workers;
+    bool morph;
 } FjellCutBudget;
 
 #define FJELL_CUT_VERTEX_BYTES 57
+#define FJELL_CUT_MORPH_BYTES 24
 #define FJELL_CUT_TRIANGLE_BYTES 12
 #define FJELL_CUT_PAGE_SLOT_BYTES 28
 #define FJELL_CUT_PAGE_BYTES 19716

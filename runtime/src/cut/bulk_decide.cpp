@@ -255,6 +255,10 @@ void leave_triangles(const Pages& pages, const GroupShape& row, std::uint32_t ac
     }
 }
 
+MorphVertex* morph_at(const Mesh& mesh, std::uint32_t slot) {
+    return mesh.morph == nullptr ? nullptr : mesh.morph + slot;
+}
+
 // Writes a page's vertices, as the pass numbers them.
 class Placer {
 public:
@@ -277,7 +281,7 @@ public:
         if (direct != 0) {
             PickedLanes whole = lanes;
             whole.count = direct;
-            place_picked(views_.criterion, whole, mesh_.vertices + slots_[number], mesh_.morph + slots_[number]);
+            place_picked(views_.criterion, whole, mesh_.vertices + slots_[number], morph_at(mesh_, slots_[number]));
         }
         for (std::uint32_t first = direct; first < count; first += group_lanes)
             scatter(lanes, first, std::min(count - first, group_lanes), number + first);
@@ -295,10 +299,10 @@ private:
         MorphVertex morph[group_lanes];
         lanes.picked += first;
         lanes.count = count;
-        place_picked(views_.criterion, lanes, vertices, morph);
+        place_picked(views_.criterion, lanes, vertices, mesh_.morph != nullptr ? morph : nullptr);
         for (std::uint32_t n = 0; n < count; ++n) {
             mesh_.vertices[slots_[number + n]] = vertices[n];
-            mesh_.morph[slots_[number + n]] = morph[n];
+            if (mesh_.morph != nullptr) mesh_.morph[slots_[number + n]] = morph[n];
         }
     }
 
@@ -346,7 +350,7 @@ std::uint32_t place_whole(const BulkPass& bulk, Mesh& mesh, const Views& views, 
         static_assert(hole_bit == 1);
         std::uint8_t* const holes = mesh.hole + slot + placed;
         const std::uint32_t more = place_rows(views.criterion, of, count, mesh.vertices + slot + placed,
-                                              mesh.morph + slot + placed, mesh.some_hidden ? holes : nullptr);
+                                              morph_at(mesh, slot + placed), mesh.some_hidden ? holes : nullptr);
         if (!mesh.some_hidden) std::fill_n(holes, more, std::uint8_t{0});
         placed += more;
     };

@@ -165,7 +165,7 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
     const SampleIndex at = s.pages.grid.terrain->tree.sample(site_coord(site));
     s.mesh.vertices[slot] = {at.column, at.row, v.y};
     s.mesh.hole[slot] = is_void(record_of(s.pages, vertex));
-    s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, activated_long_ago_s};
+    if (s.mesh.morph != nullptr) s.mesh.morph[slot] = {v.y, v.error_m, v.radius_m, activated_long_ago_s};
     if (morphing) {
         s.mesh.morph[slot].morph_from_m = flat_height(s.pages.grid, s.mesh, slot, site_coord(site), site.z,
                                                       site.kind == VertexKind::centre, ends[0], ends[1]);

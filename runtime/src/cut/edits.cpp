@@ -42,7 +42,7 @@ void refresh_corner(CutState& s, SampleIndex v) {
     const float height_m = s.pages.grid.terrain->height_m(v);
     if (s.mesh.vertices[slot].height_m == height_m) return;
     s.mesh.vertices[slot].height_m = height_m;
-    s.mesh.morph[slot].morph_from_m = height_m;
+    if (s.mesh.morph != nullptr) s.mesh.morph[slot].morph_from_m = height_m;
     s.mesh.dirty_vertices.mark(slot);
 }
 
@@ -51,6 +51,11 @@ void refresh_vertex(CutState& s, std::uint32_t vertex, SampleIndex v) {
     const TerrainData::Vertex now = s.pages.grid.terrain->vertex(v);
     const std::uint32_t slot = s.pages.vertex_slot[vertex];
     MeshVertex& drawn = s.mesh.vertices[slot];
+    if (s.mesh.morph == nullptr) {
+        if (drawn.height_m == now.height_m) return;
+        drawn.height_m = now.height_m;
+        return s.mesh.dirty_vertices.mark(slot);
+    }
     MorphVertex& morph = s.mesh.morph[slot];
     if (drawn.height_m == now.height_m && morph.error_m == now.error_m && morph.radius_m == now.radius_m) return;
     if (morph.morph_from_m == drawn.height_m) morph.morph_from_m = now.height_m; // where nothing morphs, or at the rim
@@ -62,6 +67,7 @@ void refresh_vertex(CutState& s, std::uint32_t vertex, SampleIndex v) {
 
 // And where it starts: on the edge that it splits.
 void refresh_start(CutState& s, std::uint32_t vertex, SampleIndex v) {
+    if (s.mesh.morph == nullptr) return;
     const Pages& pages = s.pages;
     const std::uint32_t slot = pages.vertex_slot[vertex];
     const Diamond d = diamond(pages.grid.terrain->tree, v);

@@ -347,8 +347,9 @@ void place_picked_lanes(const Criterion& c, const PickedLanes& b, MeshVertex* ve
             auto height = hn::Undefined(d), error = height, radius = height;
             read_picked(c, b, lane, x, y, record, error_code, height, error, radius);
             hn::StoreInterleaved3(x, y, hn::BitCast(di, height), di, words + std::size_t{lane} * 3);
-            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d,
-                                  floats + std::size_t{lane} * 4);
+            if (morph != nullptr)
+                hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d,
+                                      floats + std::size_t{lane} * 4);
         }
 }
 
@@ -412,11 +413,13 @@ std::uint32_t place_whole_rows(const Criterion& c, const PageRows* planes, std::
         read_record(d, c, hn::Load(di, all.record + n), planes[0].base, planes[0].unit_m, error_code, height, error,
                     radius);
         hn::StoreInterleaved3(hn::Load(di, all.x + n), hn::Load(di, all.y + n), hn::BitCast(di, height), di, words);
-        hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d, floats);
+        if (floats != nullptr)
+            hn::StoreInterleaved4(hn::Zero(d), error, radius, hn::Set(d, activated_long_ago_s), d, floats);
     };
     std::uint32_t n = 0;
     for (; n + lanes <= all.count; n += lanes)
-        place(n, reinterpret_cast<std::int32_t*>(vertices + n), reinterpret_cast<float*>(morph + n));
+        place(n, reinterpret_cast<std::int32_t*>(vertices + n),
+              morph != nullptr ? reinterpret_cast<float*>(morph + n) : nullptr);
     if (n != all.count) { // what follows in their slots is others'
         // Codes of nothing are codes still, but for what was there before.
         hn::StoreU(hn::Zero(di), di, all.record + all.count);
@@ -424,7 +427,7 @@ std::uint32_t place_whole_rows(const Criterion& c, const PageRows* planes, std::
         MorphVertex last_morph[group_lanes];
         place(n, reinterpret_cast<std::int32_t*>(last_vertices), reinterpret_cast<float*>(last_morph));
         std::copy_n(last_vertices, all.count - n, vertices + n);
-        std::copy_n(last_morph, all.count - n, morph + n);
+        if (morph != nullptr) std::copy_n(last_morph, all.count - n, morph + n);
     }
     for (n = 0; voids != nullptr && n < all.count; ++n) {
         VertexRecord record;

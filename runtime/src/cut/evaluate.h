@@ -52,7 +52,7 @@ struct PickedAnswers {
 // As evaluate() does for lanes that are not active.
 void evaluate_picked(const Criterion& decision, const PickedLanes& lanes, float ticks_a_metre, PickedAnswers& answers);
 // Writes them, one after the other, as they are before anything is known of the edges that they split. Both must have
-// room for a multiple of group_lanes.
+// room for a multiple of group_lanes; morph may be null.
 void place_picked(const Criterion& decision, const PickedLanes& lanes, MeshVertex* vertices, MorphVertex* morph);
 
 // Rows of one plane of a full page, in planar order: lane n of row j stands 2n steps east and 2j steps south of the

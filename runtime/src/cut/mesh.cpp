@@ -21,7 +21,7 @@ CutMesh cut_mesh(LiveCut cut) {
                 {s.mesh.ranges, s.mesh.range_count},
                 0,
                 s.mesh.capacity};
-    out.morph = {s.mesh.morph, s.mesh.capacity};
+    if (s.mesh.morph != nullptr) out.morph = {s.mesh.morph, s.mesh.capacity};
     out.frame = s.morphing.now;
     return out;
 }
@@ -84,10 +84,10 @@ std::uint16_t steps_up(float activated_s) {
 
 void compact_vertices(std::span<const MeshVertex> vertices, std::span<const MorphVertex> morphs,
                       std::span<CompactVertex> to) {
-    const std::size_t count = std::min({vertices.size(), morphs.size(), to.size()});
+    const std::size_t count = std::min({vertices.size(), morphs.empty() ? vertices.size() : morphs.size(), to.size()});
     for (std::size_t i = 0; i < count; ++i) {
         const MeshVertex& vertex = vertices[i];
-        const MorphVertex& morph = morphs[i];
+        const MorphVertex morph = morphs.empty() ? MorphVertex{vertex.height_m, 0, 0, activated_long_ago_s} : morphs[i];
         to[i] = {static_cast<std::uint16_t>(vertex.column),
                  static_cast<std::uint16_t>(vertex.row),
                  vertex.height_m,

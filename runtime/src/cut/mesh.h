@@ -85,7 +85,7 @@ struct Mesh {
     // Vertex slots. The corners of all tiles have the first.
     std::uint32_t capacity, corner_count;
     MeshVertex* vertices;
-    MorphVertex* morph;
+    MorphVertex* morph;           // null: CutBudget::morph is false
     std::uint32_t* triangle_of;   // by key: its slot, or no_index
     std::uint8_t* hole;           // 1 a vertex slot: hole_bit, morphs_out_bit
     std::uint32_t* free_vertices; // a stack of given-back slots; those from fresh_vertex on were never taken

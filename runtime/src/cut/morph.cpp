@@ -108,7 +108,9 @@ void advance_clock(Morphing& morphing, const Frame& frame, bool first) {
 void retire_times(Mesh& mesh, const Morphing& morphing, std::int64_t ticks_before) {
     constexpr std::int64_t round = clock_ticks / 2;
     const std::int64_t now = morphing.clock.ticks;
-    if (now == ticks_before || ticks_before - morphing.clock.timed_ticks > round + longest_gap_ticks) return;
+    if (mesh.morph == nullptr || now == ticks_before ||
+        ticks_before - morphing.clock.timed_ticks > round + longest_gap_ticks)
+        return;
     const auto cursor = [&](std::int64_t ticks) {
         return static_cast<std::uint32_t>(ticks % round * static_cast<std::int64_t>(mesh.capacity) / round);
     };

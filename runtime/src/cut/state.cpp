@@ -32,8 +32,9 @@ std::uint32_t pages_of(const TerrainData& t, const CutBudget& b) {
     return cut_pages(b, t.slot_count, t.tile_count());
 }
 
-static_assert(cut_vertex_bytes == sizeof(MeshVertex) + sizeof(MorphVertex) + 4 * 4 + 1 + 3 * 4 &&
-                  cut_triangle_bytes == 3 * 4 && cut_page_slot_bytes == sizeof(LoadedPage) &&
+static_assert(cut_vertex_bytes == sizeof(MeshVertex) + 4 * 4 + 1 + 4 + cut_morph_bytes &&
+                  cut_morph_bytes == sizeof(MorphVertex) + 2 * 4 && cut_triangle_bytes == 3 * 4 &&
+                  cut_page_slot_bytes == sizeof(LoadedPage) &&
                   cut_page_bytes == max_page_groups * (sizeof(GroupState) + sizeof(QueueNode) + group_lanes * 4) +
                                         sizeof(PageState) + page_ticks * 2 + sizeof(PageSchedule) + sizeof(AwakePage) +
                                         sizeof(HiddenBound) + sizeof(BulkPage) + 7 * 4,
@@ -47,7 +48,8 @@ std::size_t lay_out(const TerrainData& t, const CutBudget& b, std::byte* at, Cut
         if (at != nullptr) pointer = reinterpret_cast<T*>(at + offset);
     };
     const std::uint64_t pages = pages_of(t, b), groups = pages * max_page_groups, vertices = b.vertices;
-    const std::uint64_t segments = segments_of(b), triangles = segments * b.segment_triangles;
+    const std::uint64_t segments = segments_of(b), triangles = segments * b.segment_triangles,
+                        morphing = b.morph ? vertices : 0;
     part(s.pages.page_groups, t.page_count());
     part(s.pages.loaded, t.slot_count);
     part(s.pages.groups, groups);
@@ -63,7 +65,7 @@ std::size_t lay_out(const TerrainData& t, const CutBudget& b, std::byte* at, Cut
     part(s.work.schedule.bounds, pages);
     part(s.work.schedule.next_due, pages);
     part(s.mesh.vertices, vertices);
-    part(s.mesh.morph, vertices);
+    if (b.morph) part(s.mesh.morph, vertices); // otherwise it stays null
     part(s.mesh.triangle_of, vertices * 4);
     part(s.mesh.hole, vertices);
     part(s.mesh.free_vertices, vertices);
@@ -88,8 +90,8 @@ std::size_t lay_out(const TerrainData& t, const CutBudget& b, std::byte* at, Cut
     part(grids, std::uint64_t{steps} * b.workers);
     for (std::uint32_t worker = 0; at != nullptr && worker < b.workers; ++worker)
         s.bulk.descents[worker].grids = grids + std::size_t{steps} * worker;
-    part(s.morphing.late_s, vertices);
-    part(s.morphing.out, vertices);
+    part(s.morphing.late_s, morphing);
+    part(s.morphing.out, morphing);
     part(s.bulk.pages, pages);
     part(s.bulk.visited, pages);
     part(s.bulk.listed[0], pages);
@@ -183,7 +185,7 @@ void make_corners(const Grid& grid, Mesh& mesh) {
         const std::uint32_t stored = t.corners[slot];
         const float height_m = t.height_scale.height_m(corner_steps(stored));
         mesh.vertices[slot] = {at.column, at.row, height_m};
-        mesh.morph[slot] = {height_m, 0, 0, activated_long_ago_s};
+        if (mesh.morph != nullptr) mesh.morph[slot] = {height_m, 0, 0, activated_long_ago_s};
         mesh.hole[slot] = t.has_voids() && (stored & corner_void_bit) != 0;
         mesh.dirty_vertices.mark(slot);
     };

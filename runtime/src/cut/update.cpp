@@ -266,7 +266,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
+    if (Status v = validate(views, settings, s.budget); !v.ok()) return v;
     const std::int64_t ticks_before = s.morphing.clock.ticks;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     retire_times(s.mesh, s.morphing, ticks_before);
@@ -331,7 +331,7 @@ Status rebuild_cut(LiveCut cut, std::span<const View> views, const CutSettings& 
     CutState* const found = find_cut(cut);
     if (found == nullptr) return no_cut;
     CutState& s = *found;
-    if (Status v = validate(views, settings, s.budget.views); !v.ok()) return v;
+    if (Status v = validate(views, settings, s.budget); !v.ok()) return v;
     begin_frame(s.mesh, s.morphing, s.frame, settings);
     s.frame.item_limit = s.frame.settings.visits = unlimited_work;
     s.frame.settings.max_time_us = 0;

@@ -23,10 +23,13 @@ Status validate(const CutSettings& c) {
     return {};
 }
 
-Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views) {
-    if (views.empty() || views.size() > most_views) return {StatusCode::out_of_range, "views (1 to CutBudget::views)"};
+Status validate(std::span<const View> views, const CutSettings& settings, const CutBudget& budget) {
+    if (views.empty() || views.size() > budget.views)
+        return {StatusCode::out_of_range, "views (1 to CutBudget::views)"};
     for (const View& view : views)
         if (Status v = validate(view); !v.ok()) return v;
+    if (settings.morph != Morph::none && !budget.morph)
+        return {StatusCode::not_supported, "CutSettings::morph (CutBudget::morph is false)"};
     return validate(settings);
 }
 

@@ -63,7 +63,7 @@ struct Views {
 }
 
 // Of an update, of the cut or of a stream beside it.
-[[nodiscard]] Status validate(std::span<const View> views, const CutSettings& settings, std::uint32_t most_views);
+[[nodiscard]] Status validate(std::span<const View> views, const CutSettings& settings, const CutBudget& budget);
 
 // Takes the views. threshold_px: the effective one, of those without one of their own.
 void take_views(const Grid& grid, Views& views, Morphing& morphing, const Frame& frame, std::span<const View> taken,

@@ -38,6 +38,7 @@ struct CutVertices {
         return true;
     }
     [[nodiscard]] double drawn_m(std::uint32_t slot, double /*full_m*/) const {
+        if (mesh.morph == nullptr) return static_cast<double>(mesh.vertices[slot].height_m);
         return static_cast<double>(morphed_height_m(pages.grid.handle, mesh.vertices[slot], mesh.morph[slot], frame));
     }
 };

@@ -215,7 +215,9 @@ using Clock = std::chrono::steady_clock; // CLOCK_MONOTONIC: read without a syst
 
 Status check(std::span<const View> views, const CutSettings& cut, const StreamSettings& c) {
     if (views.empty() || views.size() > max_cut_views) return {StatusCode::out_of_range, "views (1 to 8)"};
-    if (Status v = validate(views, cut, max_cut_views); !v.ok()) return v;
+    CutBudget any;
+    any.views = max_cut_views;
+    if (Status v = validate(views, cut, any); !v.ok()) return v;
     if (!(c.texel_px >= 0.1 && c.texel_px <= 100))
         return {StatusCode::out_of_range, "StreamSettings::texel_px (0.1 to 100)"};
     if (!(c.lookahead_s >= 0 && c.lookahead_s <= 60))
