@@ -270,7 +270,7 @@ private:
         const auto with = some(morphs);
         const auto into = some(to);
         compact_vertices(from, with, into);
-        const std::size_t written = std::min({from.size(), with.size(), into.size()});
+        const std::size_t written = std::min({from.size(), with.empty() ? from.size() : with.size(), into.size()});
         for (std::size_t i = 0; i < to.size(); ++i) {
             const float height_m = i < written ? vertices[i].height_m : untouched.height_m;
             REQUIRE(std::memcmp(&to[i].height_m, &height_m, sizeof height_m) == 0); // exact, also where it is NaN
