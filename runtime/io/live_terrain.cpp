@@ -10,6 +10,7 @@
 #include "fjell/pages.h"
 #include "io/file.h"
 #include "io/pack_stream.h"
+#include "io/quiet.h"
 
 namespace fjell::io {
 
@@ -19,13 +20,6 @@ void tell_once([[maybe_unused]] const char* line) {
 #ifndef NDEBUG
     std::fputs(line, stderr);
 #endif
-}
-
-bool nothing_to_do(const CutReport& c, const StreamReport& s, const EditReport& e) {
-    return e.waiting == e.held && e.moving == 0 && e.loose == 0 && e.samples == 0 && s.in_flight == 0 &&
-           s.pages_left == 0 && s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 &&
-           s.pages_evicting == 0 && (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 &&
-           c.activations == 0 && c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
 }
 
 } // namespace
@@ -100,10 +94,7 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
         throw Failure(1, std::string(s.field) + ": " + message(s.code));
     frame_.mesh = cut_mesh(cut_);
     frame_.converged = frame_.cut.converged && frame_.stream.converged && frame_.stream.maps_converged;
-    quiet_ = nothing_to_do(frame_.cut, frame_.stream, frame_.edits) ? quiet_ + 1 : 0;
-    // twice: what an update requests it may find out in the next one
-    const bool moving = frame_.edits.waiting + frame_.edits.moving != 0 || frame_.edits.loose != 0;
-    frame_.settled = (frame_.converged && !moving) || quiet_ > 1;
+    frame_.settled = is_settled(frame_.converged, frame_.cut, frame_.stream, frame_.edits, quiet_);
     name_what_is_short();
     return frame_;
 }

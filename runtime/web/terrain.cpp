@@ -11,6 +11,7 @@
 
 #include "calls.h"
 #include "fjell/fjell.h"
+#include "io/quiet.h"
 
 namespace fjell::web {
 
@@ -168,16 +169,6 @@ void open_stream(Ground& g, std::uint32_t pages, std::uint32_t maps, double map_
     g.texels.resize(7 * std::size_t{side} * side); // RGBA, and then what it was decoded to
 }
 
-bool nothing_to_do(const Ground& g) { // as in runtime/io/live_terrain.cpp
-    const CutReport& c = g.report;
-    const StreamReport& s = g.stream_report;
-    const EditReport& e = g.edit_report;
-    return e.waiting == e.held && e.loose == 0 && e.samples == 0 && s.in_flight == 0 && s.pages_left == 0 &&
-           s.mips_left == 0 && s.pages_inserted == 0 && s.mips_uploaded == 0 && s.pages_evicting == 0 &&
-           (s.exhausted & stream_tests) == 0 && c.waiting == c.blocked && c.morphing == 0 && c.activations == 0 &&
-           c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0);
-}
-
 } // namespace
 
 // --- opening. header: the first 512 bytes of the file.
@@ -282,15 +273,15 @@ FJELL_CALL void ground_update(Ground* g, std::uint32_t views, double now_s) {
     if (g->stream_block.bytes != 0)
         require(update_stream(g->stream, seen, c, g->stream_settings, g->stream_report), "update");
     require(update_cut(g->cut, seen, c, g->report), "update");
-    g->quiet = nothing_to_do(*g) ? g->quiet + 1 : 0;
     const CutMesh mesh = cut_mesh(g->cut);
     list_ranges(*g, mesh.mesh.tiles);
     const CutReport& r = g->report;
     const StreamReport& s = g->stream_report;
     const bool converged = r.converged && (s.converged || g->stream_block.bytes == 0);
+    const bool settled = io::is_settled(converged, r, s, g->edit_report, g->quiet);
     const double report[] = {static_cast<double>(g->ranges.size() / 2),
                              converged ? 1.0 : 0.0,
-                             (converged && g->edit_report.waiting == 0) || g->quiet > 1 ? 1.0 : 0.0,
+                             settled ? 1.0 : 0.0,
                              static_cast<double>(r.vertices),
                              static_cast<double>(r.triangles),
                              static_cast<double>(r.triangles_drawn),
