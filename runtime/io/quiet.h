@@ -16,8 +16,8 @@ namespace fjell::io {
            c.activations == 0 && c.deactivations == 0 && (s.maps_converged || s.missing_mips > 0); // or mips fade in
 }
 
-// After each update: whether another one with the same views would change nothing. converged: all that the views want is
-// loaded and drawn. quiet: how many updates in a row found nothing to do; kept by the caller.
+// After each update: whether another one with the same views would change nothing. converged: all that the views want
+// is loaded and drawn. quiet: how many updates in a row found nothing to do; kept by the caller.
 [[nodiscard]] inline bool is_settled(bool converged, const CutReport& c, const StreamReport& s, const EditReport& e,
                                      std::uint32_t& quiet) {
     quiet = nothing_to_do(c, s, e) ? quiet + 1 : 0;

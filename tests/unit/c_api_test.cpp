@@ -129,7 +129,14 @@ TEST_CASE("a host in C streams a pack as a client of its own, and ends where one
 TEST_CASE("the defaults of C are those of C++, and so are all messages and names of fields") {
     check_defaults(fjell_terrain_budget_default(), TerrainBudget{});
     check_defaults(fjell_view_default(), View{});
-    check_defaults(fjell_cut_budget_default(), CutBudget{});
+    const FjellCutBudget cut_budget = fjell_cut_budget_default();
+    CHECK(cut_budget.struct_size == sizeof cut_budget);
+    CHECK(cut_budget.vertices == CutBudget{}.vertices);
+    CHECK(cut_budget.triangles == CutBudget{}.triangles);
+    CHECK(cut_budget.segment_triangles == CutBudget{}.segment_triangles);
+    CHECK(cut_budget.views == CutBudget{}.views);
+    CHECK(cut_budget.workers == CutBudget{}.workers);
+    CHECK(cut_budget.morph == CutBudget{}.morph);
     check_defaults(fjell_recursive_budget_default(), RecursiveBudget{});
     const FjellCutSettings cut = fjell_cut_settings_default();
     CHECK(cut.struct_size == sizeof cut);

@@ -30,7 +30,8 @@ io::KeptStamp any_stamp(Random& random, const Terrain& terrain) {
     const auto place = [&](double wide) { return uniform(random, -0.1, 1.1) * wide; };
     const auto height = [&] { return static_cast<float>(uniform(random, h.min_m, h.max_m)); };
     if (s.shape == StampShape::heights) {
-        s.first = {pick(random, 0, terrain.columns() - 2), pick(random, 0, terrain.rows() - 2)};
+        const auto columns = static_cast<int>(terrain.columns()), rows = static_cast<int>(terrain.rows());
+        s.first = {pick(random, 0, columns - 2), pick(random, 0, rows - 2)};
         s.columns = pick(random, 1, 20), s.rows = pick(random, 1, 20);
         for (int i = 0; i < s.columns * s.rows; ++i)
             kept.heights_m.push_back(pick(random, 0, 3) ? height() : std::numeric_limits<float>::quiet_NaN());
