@@ -24,8 +24,12 @@ std::unique_ptr<HeightSource> open_unedited(const Recipe& recipe) {
 } // namespace
 
 std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
-    std::unique_ptr<HeightSource> source = open_unedited(recipe);
-    return recipe.edits ? edited_source(std::move(source), *recipe.edits) : std::move(source);
+    return edited_source(open_unedited(recipe), recipe);
+}
+
+std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source, const Recipe& recipe) {
+    if (!recipe.edits) return source;
+    return edited_source(std::move(source), *recipe.edits);
 }
 
 } // namespace fjell::baker

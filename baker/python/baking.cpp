@@ -69,7 +69,7 @@ struct Given {
         ArrayPlace place{{spacing[0], spacing[1]}, {origin[0], origin[1]}, recipe.crs.value_or("")};
         Recipe reading = recipe;
         reading.crs.reset();
-        return array_source(*array, place, read_options(reading));
+        return edited_source(array_source(*array, place, read_options(reading)), recipe);
     }
 };
 

@@ -77,6 +77,19 @@ class Bakes(unittest.TestCase):
             if name not in ("inputs", "output"):
                 self.assertIn("--" + name.replace("_", "-"), options)
 
+    def test_stamps_change_an_array_and_a_file_alike(self):
+        heights = np.rint(10 * terrain(90, 120)).astype(np.int16)
+        stamps, array, again = (self.path(name) for name in ("stamps.json", "array.fjell", "again.fjell"))
+        with open(stamps, "w") as file:
+            file.write('{"stamps": [{"shape": "crater", "at": [1200, 900], "radius_m": 200, "amount_m": 50}]}')
+        fjell.bake(heights, array, spacing=20)
+        fjell.bake(array, again, edits=stamps)
+        fjell.bake(heights, array, spacing=20, edits=stamps)
+        with fjell.Terrain(array) as a, fjell.Terrain(again) as b:
+            self.assertAlmostEqual(a.height(1200, 900), float(heights[45, 60]) - 50, delta=0.6)
+            self.assertLess(np.abs(a.samples() - b.samples()).max(), 1.1)
+            self.assertAlmostEqual(a.height(400, 400), float(heights[20, 20]), delta=0.01)
+
     def test_voids_scales_and_places_of_arrays(self):
         heights = terrain(80, 100).astype(np.float32)
         heights[10:20, 30:40] = -9999
