@@ -355,6 +355,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.synth->add_option("-o,--output", a.dem_path, "the GeoTIFF to write")->required();
     declare_materials(app, a, c);
     declare_shards(app, a, c);
+    c.journals = declare_journals(app, a.journals);
     add_common_options(app, a);
     app.require_subcommand(0, 1);
     return c;

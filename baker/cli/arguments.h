@@ -9,6 +9,7 @@
 
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
+#include "baker/cli/journals.h"
 #include "baker/outlets/height_files.h"
 #include "baker/outlets/mesh_file.h"
 #include "baker/outlets/simulate.h"
@@ -60,6 +61,8 @@ struct Arguments {
     std::string simulate_folder, simulator; // simulate
     SimulateOptions simulate;
 
+    JournalArguments journals; // journal, rebase
+
     std::string recipes_path, materials_path, textures_folder; // materials
     std::uint32_t texels = 512;
 };
@@ -79,6 +82,7 @@ struct Commands {
     CLI::App* shard;
     CLI::App* launch;
     CLI::App* merge;
+    JournalCommands journals;
 };
 
 [[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials. Exit codes:
-// 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials, journal,
+// rebase. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -322,12 +322,12 @@ int run(int argc, char** argv) {
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
     const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
                        commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() ||
-                       commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed();
+                       commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed() ||
+                       commands.journals.journal->parsed() || commands.journals.rebase->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(
-            2,
-            "info, verify, heights, mesh, tiles, split, join, synth and materials bake nothing; leave out the height "
-            "field and -o, or the command");
+        throw Failure(2, "info, verify, heights, mesh, tiles, split, join, synth, materials, journal and rebase bake "
+                         "nothing; leave out "
+                         "the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.verify->parsed()) return run_verify(a);
@@ -339,6 +339,8 @@ int run(int argc, char** argv) {
     if (commands.join->parsed()) return run_join(a);
     if (commands.synth->parsed()) return run_synth(a);
     if (commands.materials->parsed()) return run_materials(a);
+    if (commands.journals.journal->parsed()) return run_journal(a.journals);
+    if (commands.journals.rebase->parsed()) return run_rebase(a.journals);
     if (commands.plan->parsed()) return run_plan(a);
     if (commands.shard->parsed()) return run_shard(a);
     if (commands.launch->parsed()) return run_launch(a);

@@ -13,7 +13,6 @@
 #include <xxhash.h>
 
 #include "baker/read/pack_source.h"
-#include "io/file.h"
 #include "shared/stamp.h"
 
 namespace fjell::baker {
@@ -206,7 +205,12 @@ private:
 } // namespace
 
 std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source, const std::string& path) {
-    return edited_source(std::move(source), io::parse_stamps(io::read_text(path), path), path);
+    const auto* const pack = dynamic_cast<const PackSource*>(source.get());
+    // A journal's places are its pack's: of other heights they would be somewhere else.
+    if (pack == nullptr && io::is_journal(path))
+        throw Failure(1, fmt::format("{}: is a journal, which belongs to a pack; give that as the input", path));
+    std::vector<io::TimedStamp> stamps = io::read_stamps(path, pack != nullptr ? &pack->header() : nullptr);
+    return edited_source(std::move(source), stamps, path);
 }
 
 std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source,

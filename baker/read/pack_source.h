@@ -24,6 +24,7 @@ public:
     [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override;
     [[nodiscard]] std::string identity() const override; // the pack's hash
     [[nodiscard]] HeightScale height_scale() const;
+    [[nodiscard]] const PackHeader& header() const { return file_->pack().header; }
 
 private:
     std::shared_ptr<const io::PackFile> file_;

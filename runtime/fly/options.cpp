@@ -12,6 +12,7 @@
 
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
 #include "fjell/profile/keys.h"
 #include "io/command_line.h"
@@ -66,8 +67,9 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
 }
 
 void declare_edits(CLI::App& app, FlightOptions& o) {
-    auto* const edits = app.add_option("--edits", o.edits_path,
-                                       "stamps that move the ground, each in its frame (content/edits/*.json)");
+    auto* const edits =
+        app.add_option("--edits", o.edits_path,
+                       "stamps that move the ground, each in its frame (content/edits/*.json), or the pack's journal");
     app.add_option("--edit-blocks", o.edit_budget.blocks,
                    "blocks of 32 x 32 samples, 4.2 KB each, that --edits may change (default 1024)")
         ->check(io::whole_within(1, 1u << 24))
@@ -367,7 +369,9 @@ void check_together(const FlightOptions& o) {
 
 // A flight in a window goes on until it is closed, unless its frames are given.
 void read_edits(FlightOptions& o) {
-    o.stamps = io::parse_stamps(io::read_text(o.edits_path), o.edits_path);
+    o.stamps = io::is_journal(o.edits_path) ? io::read_stamps(o.edits_path, &io::PackFile(o.pack).pack().header)
+                                            : io::read_stamps(o.edits_path);
+    if (o.stamps.empty()) return;
     const std::size_t frames = o.frames ? o.frames : default_frames;
     if ((o.headless || o.frames) && o.stamps.back().frame >= frames)
         throw Failure(1, fmt::format("{}: a stamp is pushed in frame {}, and the flight has frames 0 to {}; raise "

@@ -4,8 +4,10 @@
 #include <bit>
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/load.h"
 #include "fjell/pages.h"
 #include "io/file.h"
@@ -29,6 +31,10 @@ struct LiveTerrain::Block {
     [[nodiscard]] std::span<std::byte> all() const { return {memory.get(), bytes}; }
     std::size_t bytes;
     AlignedMemory memory;
+};
+struct LiveTerrain::Kept {
+    std::vector<KeptStamp> stamps;
+    std::size_t next = 0;
 };
 
 CutBudget suited(CutBudget budget, const Terrain& terrain) {
@@ -64,6 +70,12 @@ void LiveTerrain::begin(const std::string& name) {
         edits_block_ = std::make_unique<Block>(edits_bytes(h, *options_.edits));
         require(create_edits(terrain_, *options_.edits, edits_block_->all(), edits_), name);
     }
+    if (!options_.journal.empty()) {
+        if (!options_.edits)
+            throw Failure(1, "LiveOptions::journal: needs LiveOptions::edits, which says what it may use");
+        kept_ = std::make_unique<Kept>();
+        kept_->stamps = Journal(options_.journal, h, JournalAccess::read).stamps();
+    }
     options_.cut = suited(options_.cut, terrain_);
     cut_block_ = std::make_unique<Block>(cut_bytes(terrain_, options_.cut));
     require(create_cut(terrain_, options_.cut, cut_block_->all(), cut_), name);
@@ -73,6 +85,14 @@ void LiveTerrain::begin(const std::string& name) {
 
 LiveTerrain::~LiveTerrain() = default;
 
+// As many as the queue takes. They stay, because they are pointed to until they are applied.
+void LiveTerrain::push_kept() {
+    for (; kept_->next < kept_->stamps.size(); ++kept_->next) {
+        StampId id = 0;
+        if (!push_stamp(edits_, kept_->stamps[kept_->next].stamp(), id).ok()) return;
+    }
+}
+
 const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) {
     settings.cut.now_s = settings.stream.now_s = settings.edits.now_s = now_s;
     if (!commands_taken_ && (frame_.forgotten & live_map_commands) == 0) {
@@ -80,6 +100,7 @@ const LiveFrame& LiveTerrain::update(std::span<const View> views, double now_s) 
         tell_once("fjell: map commands were not taken before the next update, so maps show wrongly: "
                   "LiveTerrain::take_map_commands()\n");
     }
+    if (kept_) push_kept();
     if (edits_block_)
         if (const Status s = update_edits(edits_, views, settings.edits, frame_.edits); !s.ok())
             throw Failure(1, std::string(s.field) + ": " + message(s.code));

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
+#include "io/file.h"
 #include "io/json.h"
 
 namespace fjell::io {
@@ -49,6 +52,7 @@ constexpr NumberOf numbers[] = {
     {"height_m", &Stamp::height_m, -largest, largest, bits(StampShape::level), bits(StampShape::level)},
     {"slope_x", &Stamp::slope_x, -largest, largest, bits(StampShape::level), 0},
     {"slope_z", &Stamp::slope_z, -largest, largest, bits(StampShape::level), 0},
+    {"strength", &Stamp::strength, 0, 1, 0xff, 0},
     {"morph_s", &Stamp::morph_s, 0, largest, by_centre | by_line | by_rectangle, 0},
     {"wavelength_m", &Stamp::wavelength_m, smallest, largest, bits(StampShape::noise), bits(StampShape::noise)},
 };
@@ -141,15 +145,6 @@ constexpr std::size_t most_stamps = 1'000'000, most_frame = 10'000'000;
 
 } // namespace
 
-Stamp KeptStamp::stamp() const {
-    Stamp stamp = plain;
-    stamp.points = points.empty() ? nullptr : points.data();
-    stamp.point_count = static_cast<std::uint32_t>(points.size());
-    stamp.heights_m = heights_m.empty() ? nullptr : heights_m.data();
-    stamp.mask = mask.empty() ? nullptr : mask.data();
-    return stamp;
-}
-
 KeptStamp stamp_of(const json& object) {
     if (!object.is_object()) unfit("must be an object { ... }");
     KeptStamp kept;
@@ -229,6 +224,17 @@ std::vector<TimedStamp> parse_stamps(std::string_view text, const std::string& n
         stamps.push_back(std::move(timed));
     }
     std::ranges::stable_sort(stamps, {}, &TimedStamp::frame);
+    return stamps;
+}
+
+std::vector<TimedStamp> read_stamps(const std::string& path, const PackHeader* pack) {
+    if (!is_journal(path)) return parse_stamps(read_text(path), path);
+    const Journal journal = pack != nullptr ? Journal(path, *pack, JournalAccess::read) : Journal(path);
+    if (journal.dropped_bytes() != 0)
+        std::fprintf(stderr, "%s: left out %llu bytes of an incomplete record at its end\n", path.c_str(),
+                     static_cast<unsigned long long>(journal.dropped_bytes()));
+    std::vector<TimedStamp> stamps;
+    for (KeptStamp& stamp : journal.stamps()) stamps.push_back({0, std::move(stamp)});
     return stamps;
 }
 

@@ -14,18 +14,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "fjell/edit.h"
+#include "fjell/io/journal.h"
 
 namespace fjell::io {
-
-// A stamp with what it points to.
-struct KeptStamp {
-    Stamp plain; // without its pointers
-    std::vector<StampPoint> points;
-    std::vector<float> heights_m;
-    std::vector<std::uint8_t> mask;
-    // Points into this object.
-    [[nodiscard]] Stamp stamp() const;
-};
 
 struct TimedStamp {
     std::size_t frame = 0; // in which it is pushed
@@ -34,6 +25,9 @@ struct TimedStamp {
 
 // By frame; those of one frame in the order of the text.
 [[nodiscard]] std::vector<TimedStamp> parse_stamps(std::string_view text, const std::string& name);
+// Of a file of stamps, or of a journal (fjell/io/journal.h), whose stamps all come in frame 0. pack: the header of the
+// pack that a journal must belong to; null: of any.
+[[nodiscard]] std::vector<TimedStamp> read_stamps(const std::string& path, const PackHeader* pack = nullptr);
 // As parse_stamps() reads it.
 [[nodiscard]] std::string write_stamps(const std::vector<TimedStamp>& stamps);
 

@@ -41,6 +41,9 @@ int close_file(int fd) noexcept; // an error
 // All of the bytes, however many calls it takes, from several threads at once. EIO: the file ends before.
 [[nodiscard]] int read_at(int fd, std::uint64_t offset, std::span<std::byte> to) noexcept;
 [[nodiscard]] int write_at(int fd, std::uint64_t offset, std::span<const std::byte> bytes) noexcept;
+// An existing file, to be read and written, alone: EBUSY where another program has it so.
+[[nodiscard]] int open_to_extend(const std::string& path) noexcept;
+[[nodiscard]] int cut_to(int fd, std::uint64_t bytes) noexcept; // its length; an error
 void drop_cache(int fd) noexcept; // what the system keeps of the file, if it listens
 
 extern const int stale_error; // for a file that is another than it was: ESTALE, where there is that

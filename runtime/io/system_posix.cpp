@@ -116,6 +116,18 @@ int write_at(int fd, std::uint64_t offset, std::span<const std::byte> bytes) noe
     return 0;
 }
 
+int open_to_extend(const std::string& path) noexcept {
+    const int fd = uninterrupted([&] { return open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK); });
+    if (fd < 0 || (lock(fd) && is_at(fd, path))) return fd; // it has not been replaced in between
+    close(fd);
+    errno = EBUSY;
+    return -1;
+}
+
+int cut_to(int fd, std::uint64_t bytes) noexcept {
+    return uninterrupted([&] { return ftruncate(fd, static_cast<off_t>(bytes)); }) == 0 ? 0 : errno;
+}
+
 void drop_cache([[maybe_unused]] int fd) noexcept {
 #if defined(POSIX_FADV_DONTNEED)
     (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED);

@@ -152,6 +152,18 @@ int write_at(int fd, std::uint64_t offset, std::span<const std::byte> bytes) noe
     return 0;
 }
 
+int open_to_extend(const std::string& path) noexcept {
+    const int fd = open_file(path, GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ, OPEN_EXISTING);
+    if (fd < 0 && errno == EACCES && GetLastError() == ERROR_SHARING_VIOLATION) errno = EBUSY;
+    return fd;
+}
+
+int cut_to(int fd, std::uint64_t bytes) noexcept {
+    FILE_END_OF_FILE_INFO end{};
+    end.EndOfFile.QuadPart = static_cast<LONGLONG>(bytes);
+    return SetFileInformationByHandle(handle_of(fd), FileEndOfFileInfo, &end, sizeof end) ? 0 : last_error();
+}
+
 void drop_cache(int) noexcept {}
 
 Folder::~Folder() = default;

@@ -22,9 +22,11 @@
 #include "baker/bake/checkpoint.h"
 #include "baker/materials/encode.h"
 #include "baker/pack/write_set.h"
+#include "fjell/io/journal.h"
 #include "input.h"
 #include "io/file.h"
 #include "io/set_file.h"
+#include "io/stamps.h"
 #include "session/record.h"
 #include "support/terrain_fixture.h"
 
@@ -341,6 +343,38 @@ void make_materials(const std::filesystem::path& folder) {
     write_text(folder / "hash_fits", 'a' + bytes); // 1 of 4
 }
 
+// A journal's records without what fuzz_journal puts in: a byte for the kind, two for the length, the payload.
+void make_journal(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    const std::string path = (folder / "all").string();
+    std::filesystem::remove(path);
+    {
+        PackHeader pack{};
+        io::Journal journal(path, pack);
+        const std::uint32_t low = journal.add_layer("low"), high = journal.add_layer("high");
+        const std::string stamps = (std::filesystem::path(FJELL_SOURCE_DIR) / "content/edits/craters.json").string();
+        std::vector<std::uint64_t> ids;
+        for (const io::TimedStamp& stamp : io::read_stamps(stamps)) ids.push_back(journal.add_stamp(low, stamp.what));
+        journal.set_layer({high, "higher", false, 0.5f, {}}, 0);
+        journal.remove_stamps(std::span(ids).first(2));
+        journal.remove_layer(high);
+    }
+    const std::vector<std::byte> file = io::read_file(path);
+    std::string records;
+    std::uint32_t head_bytes = 0;
+    std::memcpy(&head_bytes, file.data() + 12, sizeof head_bytes);
+    for (std::size_t at = head_bytes; at < file.size();) {
+        std::uint32_t kind = 0;
+        std::uint64_t bytes = 0;
+        std::memcpy(&kind, file.data() + at + 4, sizeof kind);
+        std::memcpy(&bytes, file.data() + at + 16, sizeof bytes);
+        records += {static_cast<char>(kind), static_cast<char>(bytes & 0xff), static_cast<char>(bytes >> 8)};
+        records.append(reinterpret_cast<const char*>(file.data() + at + 32), bytes);
+        at += 32 + (bytes + 7) / 8 * 8;
+    }
+    write_text(folder / "all", records);
+}
+
 void make_seeds(const std::filesystem::path& folder) {
     make_recordings(folder / "record");
     make_recipes(folder / "recipe");
@@ -358,6 +392,7 @@ void make_seeds(const std::filesystem::path& folder) {
 {"frame": 2, "shape": "path", "radius_m": 30, "falloff_m": 20, "points": [[0, 0, 40], [400, 300, 90], [900, 100, 80]]},
 {"frame": 1, "shape": "smooth", "at": [400, 400], "radius_m": 100}, {"frame": 3, "shape": "restore", "at": [400, 400],
 "radius_m": 50, "falloff_m": 50}, {"shape": "level", "at": [100, 600], "radius_m": 70, "height_m": 50}]})");
+    make_journal(folder / "journal");
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");
     make_materials(folder / "materials");

@@ -19,6 +19,7 @@
 // Each target's function; where libFuzzer explores, CMake calls it LLVMFuzzerTestOneInput.
 #define FUZZ_TARGETS(X)                                                                                                \
     X(fuzz_checkpoint)                                                                                                 \
+    X(fuzz_journal)                                                                                                    \
     X(fuzz_materials)                                                                                                  \
     X(fuzz_netcdf)                                                                                                     \
     X(fuzz_pack)                                                                                                       \

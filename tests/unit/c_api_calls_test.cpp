@@ -330,6 +330,7 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     CHECK(fjell_stamp_state(c_edits, 0).state == FJELL_STAMP_STATE_UNKNOWN);
     c_crater.amount_m = std::numeric_limits<float>::quiet_NaN();
     const FjellStatus refused = fjell_push_stamp(c_edits, &c_crater, &c_id);
+    CHECK(std::string_view(fjell_check_stamp(&c_crater).field) == refused.field);
     CHECK((refused.code == FJELL_OUT_OF_RANGE && std::string_view(refused.field) == "Stamp::amount_m"));
     c_crater.struct_size = sizeof c_crater + 8;
     CHECK(std::string_view(fjell_push_stamp(c_edits, &c_crater, &c_id).field) == "struct_size");

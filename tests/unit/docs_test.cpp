@@ -208,8 +208,9 @@ const std::set<std::string>& flags_of(const std::string& program) {
     return at->second;
 }
 
-const std::vector<std::string> subcommands{"info", "verify", "heights", "split", "join",     "synth", "materials",
-                                           "plan", "shard",  "launch",  "merge", "simulate", "tiles", "mesh"};
+const std::vector<std::string> subcommands{"info",      "verify", "heights", "split",  "join",  "synth",
+                                           "materials", "plan",   "shard",   "launch", "merge", "simulate",
+                                           "tiles",     "mesh",   "journal", "rebase"};
 
 // "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.
 std::string program_of(const std::string& command) {

@@ -51,6 +51,11 @@ TEST_CASE("the examples of the public headers compile, run and do what they say"
     CHECK(pushed.ok());
     CHECK(fjell::stamp_state(edits, id).state == fjell::StampState::waiting);
     changing.update({&view, 1}, now_s);
+    fjell::io::Journal journal(fjell::io::journal_path(path), changing.pack().header);
+    const std::uint32_t layer = journal.layers().empty() ? journal.add_layer("digging") : journal.layers()[0].id;
+    journal.add_stamp(layer, fjell::io::KeptStamp(crater));
+    journal.commit();
+    CHECK(fjell::io::Journal(journal.path()).stamps().size() == 1);
     std::uint64_t cursor = 0; // a consumer's own
     bool lost = false;
     fjell::GroundRect changed[16];

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/io/load.h"
 #include "fjell/pages.h"
@@ -195,6 +196,42 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
     CHECK((short_of_blocks && stamp_state(terrain.edits(), id).state == StampState::refused));
     options.edits = EditBudget{.blocks = 0};
     CHECK(has_part(opening_refusal(place.pack, options), "EditBudget::blocks"));
+}
+
+TEST_CASE("a terrain that is opened with a journal has the ground that was left, however many stamps that took") {
+    const LivePlace place;
+    io::LiveOptions options = live_options(place.profile);
+    options.edits = EditBudget{.stamps = 2}; // fewer than the journal has
+    const std::string path = io::journal_path(place.pack);
+    std::filesystem::remove(path);
+    double x_m = 0, z_m = 0;
+    View view;
+    const auto height = [&] {
+        io::LiveTerrain terrain(place.pack, options);
+        const Terrain& t = terrain.terrain();
+        x_m = t.extent_x_m() / 2, z_m = t.extent_z_m() / 2;
+        view = make_view({x_m, terrain.pack().header.max_m + 20 * t.spacing_x_m(), z_m}, {0, -1, 0.1}, {0, 1, 0}, 1,
+                         640, 480, 1, 1e6);
+        terrain.settings.cut.max_error_px = 0.1;
+        double now_s = 0;
+        (void)settle(terrain, view, now_s);
+        CHECK(terrain.frame().edits.waiting == 0);
+        return ground_height(t, x_m, z_m).height_m;
+    };
+    const double before_m = height();
+    {
+        io::Journal journal(path, io::PackFile(place.pack).pack().header);
+        Stamp raise;
+        raise.x_m = x_m, raise.z_m = z_m, raise.radius_m = 100, raise.falloff_m = 100, raise.amount_m = 2;
+        const std::uint32_t layer = journal.add_layer("hill");
+        for (int i = 0; i < 7; ++i) (void)journal.add_stamp(layer, io::KeptStamp(raise));
+    }
+    options.journal = path;
+    CHECK(height() == Approx(before_m + 14).margin(0.5));
+    options.edits.reset();
+    CHECK(has_part(opening_refusal(place.pack, options), "LiveOptions::edits"));
+    options.edits = EditBudget{}, options.journal = place.pack;
+    CHECK(has_part(opening_refusal(place.pack, options), "is no journal"));
 }
 
 TEST_CASE("what changes far away is seen from there: its pages are loaded, though no view wants them") {

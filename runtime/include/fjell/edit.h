@@ -70,6 +70,7 @@ struct Stamp {
     // EditBudget::moving of them at a time; others come at once. Refused on its way, because stamps beside it have
     // taken the codes that it needs, it leaves the ground where it is.
     float morph_s = 0;
+    float strength = 1; // 0 to 1: the share of all this that happens
 };
 inline constexpr std::uint32_t max_path_points = 256;
 
@@ -103,8 +104,10 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
 // The ground stays as it is edited, as long as its pages stay loaded.
 Status destroy_edits(const Edits& edits);
 
-// Any thread, O(1). Checks the stamp's numbers: out_of_range with the field's name, nothing changed. out_of_slots: the
-// queue is full (EditBudget::stamps).
+// Any thread. What push_stamp() says of a stamp's numbers: out_of_range with the field's name.
+[[nodiscard]] Status check_stamp(const Stamp& stamp);
+// Any thread, O(1). Refuses what check_stamp() refuses, and changes nothing. out_of_slots: the queue is full
+// (EditBudget::stamps).
 // Example:
 //     fjell::Stamp crater;
 //     crater.shape = fjell::StampShape::crater;

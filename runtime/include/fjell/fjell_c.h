@@ -225,6 +225,7 @@ size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* b
 FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budget, void* memory, size_t memory_bytes,
                                FjellEdits* edits);
 FjellStatus fjell_destroy_edits(FjellEdits edits);
+FjellStatus fjell_check_stamp(const FjellStamp* stamp);
 FjellStatus fjell_push_stamp(FjellEdits edits, const FjellStamp* stamp, uint64_t* id);
 FjellStampResult fjell_stamp_state(FjellEdits edits, uint64_t id);
 FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t view_count,

@@ -650,6 +650,7 @@ typedef struct FjellStamp {
     const float* heights_m;
     const uint8_t* mask;
     float morph_s;
+    float strength;
 } FjellStamp;
 
 #define FJELL_MAX_PATH_POINTS 256

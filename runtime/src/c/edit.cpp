@@ -28,6 +28,10 @@ FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budg
 FjellStatus fjell_destroy_edits(FjellEdits edits) {
     return to_c(destroy_edits(to_cpp(edits)));
 }
+FjellStatus fjell_check_stamp(const FjellStamp* stamp) {
+    const In in(stamp);
+    return in.ok ? to_c(check_stamp(in.value)) : refused(struct_size);
+}
 FjellStatus fjell_push_stamp(FjellEdits edits, const FjellStamp* stamp, uint64_t* id) {
     const In in(stamp);
     if (!in.ok) return refused(struct_size);

@@ -115,12 +115,12 @@ bool may_change(const StampGrid& grid, const Stamp& stamp, const Rect& samples) 
 
 double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
     const double x = sample.column * grid.spacing_m[0], z = sample.row * grid.spacing_m[1];
-    double weight = 1, path_m = 0;
+    double weight = stamp.strength, path_m = 0;
     if (stamp.columns > 0 && stamp.mask != nullptr) {
         const std::size_t at =
             static_cast<std::size_t>(sample.row - stamp.first.row) * static_cast<std::size_t>(stamp.columns) +
             static_cast<std::size_t>(sample.column - stamp.first.column);
-        weight = stamp.mask[at] / 255.0;
+        weight *= stamp.mask[at] / 255.0;
     }
     double away_m = 0;
     if (stamp.shape == StampShape::path) {
@@ -161,6 +161,10 @@ double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, 
     return weight == 1 ? now.pack_m : towards(now.pack_m);
 }
 
+} // namespace fjell::edit
+
+namespace fjell {
+
 Status check_stamp(const Stamp& s) {
     const auto bad = [](const char* field) { return Status{StatusCode::out_of_range, field}; };
     const auto finite = [](double v) { return std::abs(v) < 1e9; };
@@ -175,6 +179,7 @@ Status check_stamp(const Stamp& s) {
     if (!finite(s.slope_x)) return bad("Stamp::slope_x");
     if (!finite(s.slope_z)) return bad("Stamp::slope_z");
     if (!(s.morph_s >= 0) || !finite(s.morph_s)) return bad("Stamp::morph_s");
+    if (!(s.strength >= 0 && s.strength <= 1)) return bad("Stamp::strength");
     if (s.columns < 0 || s.rows < 0 || (s.columns == 0) != (s.rows == 0) || s.columns > std::int32_t{max_columns} ||
         s.rows > std::int32_t{max_columns})
         return bad("Stamp::columns, rows");
@@ -202,4 +207,4 @@ Status check_stamp(const Stamp& s) {
     return {};
 }
 
-} // namespace fjell::edit
+} // namespace fjell

@@ -56,6 +56,4 @@ struct Surroundings {
 // The new height in metres; NaN: as it is.
 [[nodiscard]] double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now);
 
-[[nodiscard]] Status check_stamp(const Stamp& stamp);
-
 } // namespace fjell::edit

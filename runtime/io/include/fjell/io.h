@@ -4,6 +4,7 @@
 #include "fjell/fjell.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/heights.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/io/load.h"
 #include "fjell/io/materials.h"

@@ -8,7 +8,8 @@
 //     for (const char* field : frame.short_of) std::printf("raise %s\n", field);
 //
 // Ground that moves: set LiveOptions::edits, and push stamps to edits() (fjell/edit.h), from any thread. update()
-// applies them before it updates pages and mesh. take_ground_changes(edits(), ...) says what has changed.
+// applies them before it updates pages and mesh. take_ground_changes(edits(), ...) says what has changed. With
+// LiveOptions::journal the ground is the one that was left.
 //
 // Memory: all of it is allocated at opening: memory_bytes(), and some 16 KB for each file. update() is for the frame:
 // it does not allocate, lock or enter the kernel.
@@ -56,6 +57,9 @@ struct LiveOptions {
     LiveSettings settings{}; // the first settings
     // Set: the ground can be changed, and this is what changes may use. Refused for a terrain that lacks tiles.
     std::optional<EditBudget> edits{};
+    // A journal of the pack (fjell/io/journal.h), whose stamps are applied from the first update on. Needs `edits`.
+    // What it says later is not followed: push those stamps too. Empty: none.
+    std::string journal{};
 };
 
 // Bits of LiveFrame::forgotten: calls that a host that draws has left out. Without them the ground is grey or dark.
@@ -123,7 +127,9 @@ public:
 
 private:
     struct Block; // memory of one part
+    struct Kept;  // a journal's stamps
     void begin(const std::string& name);
+    void push_kept();
     void name_what_is_short();
 
     LiveOptions options_;
@@ -132,6 +138,7 @@ private:
     std::unique_ptr<Block> terrain_block_, edits_block_, cut_block_;
     Terrain terrain_;
     Edits edits_;
+    std::unique_ptr<Kept> kept_;
     LiveCut cut_;
     LiveFrame frame_;
     std::array<const char*, 13> short_of_{};
