@@ -21,6 +21,7 @@ MapPlan plan_maps(const BakeContext& context, const CheckpointState& found) {
     const double least_m = static_cast<double>(heights.least_m), most_m = static_cast<double>(heights.most_m);
     maps.ramp = path.empty() ? default_ramp(least_m, most_m) : absolute(read_ramp(path), least_m, most_m);
     maps.image = context.image.get();
+    maps.paint = context.source.paint();
     maps.smooth = smooth_ground(context.tree.columns(), context.tree.rows(), maps.spacing_m, found.native_quantum_m,
                                 found.heights);
     return maps;

@@ -8,13 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "baker/maps/base_mip.h"
-#include "baker/maps/blocks.h"
-#include "baker/maps/splat.h"
 #include "fjell/pack.h"
 #include "fjell/texture.h"
+#include "shared/block_codes.h"
 #include "shared/compiler.h"
+#include "shared/paint.h"
 
 namespace fjell::baker {
 
@@ -146,7 +147,7 @@ Buffer<std::byte> splat_texels(const TexelPlanes& planes, const Window& tile) {
         for (std::int32_t x = tile.x; x < tile.x + tile.columns; ++x, to += splat_texel_bytes) {
             for (std::size_t c = 0; c < max_splat_names; ++c)
                 shares[c] = planes.row(static_cast<int>(c), y)[x - planes.at.x];
-            store_splat_texel(shares, to);
+            edit::store_splat_texel(shares, to);
         }
     return texels;
 }
@@ -204,10 +205,44 @@ TexelPlanes loaded(MapKind kind, const Texels& texels, const Window& window) {
     return planes;
 }
 
+void lay(const edit::PaintedColour& painted, TexelPlanes& planes, std::size_t at) {
+    for (std::size_t c = 0; c < 3; ++c)
+        planes.channel[c][at] = painted.light[c] + std::max(1 - painted.share, 0.0f) * planes.channel[c][at];
+}
+void lay(const edit::PaintedMaterials& painted, TexelPlanes& planes, std::size_t at) {
+    for (std::size_t c = 0; c < max_splat_names; ++c)
+        planes.channel[c][at] = painted.of[c] + std::max(1 - painted.share, 0.0f) * planes.channel[c][at];
+}
+
+// Paint over texels of mip 0, as the runtime puts it over the pack's.
+template <typename Painted>
+void lay_paint(const MapPlan& plan, MapKind kind, TexelPlanes& planes) {
+    const std::uint32_t log2 = plan.log2_side(kind);
+    const edit::PaintGrid grid(plan.tree.tile_log2, {plan.tree.columns() - 1, plan.tree.rows() - 1}, log2, log2,
+                               {0, 0});
+    const auto sums = std::make_unique<Painted[]>(edit::painted_side * edit::painted_side);
+    const Window& w = planes.at;
+    for (std::int32_t y = 0; y < w.rows; y += edit::painted_side)
+        for (std::int32_t x = 0; x < w.columns; x += edit::painted_side) {
+            const edit::PaintedTexels group{w.x + x, w.y + y, std::min(edit::painted_side, w.columns - x),
+                                            std::min(edit::painted_side, w.rows - y)};
+            if (!edit::sum_paint(*plan.paint, grid, group, sums.get())) continue;
+            for (std::int32_t j = 0; j < group.rows; ++j)
+                for (std::int32_t i = 0; i < group.columns; ++i)
+                    if (const Painted& painted = sums[static_cast<std::size_t>(j * edit::painted_side + i)];
+                        painted.share > 0)
+                        lay(painted, planes,
+                            static_cast<std::size_t>(y + j) * static_cast<std::size_t>(w.columns) +
+                                static_cast<std::size_t>(x + i));
+        }
+}
+
 // All near mips of a kind, from the texels of mip 0.
 std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint32_t tile,
                                     const std::vector<Window>& windows, TexelPlanes planes) {
     std::vector<MipTexels> mips(windows.size());
+    if (plan.paint != nullptr && kind == MapKind::colour) lay_paint<edit::PaintedColour>(plan, kind, planes);
+    if (plan.paint != nullptr && kind == MapKind::splat) lay_paint<edit::PaintedMaterials>(plan, kind, planes);
     for (std::uint32_t m = 0; m < mips.size(); ++m) {
         if (m > 0) planes = coarser(mip_axes(plan, kind, m), planes, windows[m]);
         const Window own = plan.texels(kind, m, tile);

@@ -39,9 +39,10 @@ struct MapPlan {
     double spacing_m[2] = {1, 1};
     // Texels a side of mip 0, at least 2; 0: none.
     std::uint32_t colour_log2 = 0, normal_log2 = 0, horizon_log2 = 0, splat_log2 = 0;
-    std::optional<Ramp> ramp;           // in metres; also where the image has no pixels
-    const ImageSource* image = nullptr; // or none
-    SmoothGround smooth;                // what normals and steepness are taken from; levels 0: the heights themselves
+    std::optional<Ramp> ramp;                 // in metres; also where the image has no pixels
+    const ImageSource* image = nullptr;       // or none
+    const edit::PaintSource* paint = nullptr; // over colours and materials, or none
+    SmoothGround smooth; // what normals and steepness are taken from; levels 0: the heights themselves
 
     [[nodiscard]] std::uint32_t log2_side(MapKind kind) const;
     // Horizons and shares of materials are computed at every (1 << this)-th sample: as far apart as texels of mip 0, or

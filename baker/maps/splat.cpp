@@ -395,40 +395,6 @@ SplatImages open_splat_images(const SplatPlan& plan, const Frame& ground) {
     return images;
 }
 
-void store_splat_texel(const float (&shares)[max_splat_names], std::byte* to) {
-    std::size_t best[splat_layers];
-    float all = 0, kept = 0;
-    for (const float share : shares) all += std::max(share, 0.0f);
-    bool taken[max_splat_names] = {};
-    for (std::size_t k = 0; k < splat_layers; ++k) {
-        std::size_t most = 0;
-        while (taken[most]) ++most;
-        for (std::size_t i = most + 1; i < max_splat_names; ++i)
-            if (!taken[i] && shares[i] > shares[most]) most = i;
-        taken[most] = true;
-        best[k] = most;
-        kept += std::max(shares[most], 0.0f);
-    }
-    // Rounded so that the sum is what it should be, and the order stays: what is missing goes to the largest, what is
-    // too much is the smallest's.
-    const float scale = kept > 0 ? 255 * std::min(all, 1.0f) / kept : 0;
-    int weight[splat_layers], sum = 0;
-    for (std::size_t k = 0; k < splat_layers; ++k) {
-        weight[k] = static_cast<int>(std::max(shares[best[k]], 0.0f) * scale + 0.5f);
-        sum += weight[k];
-    }
-    const int wanted = static_cast<int>(std::min(all, 1.0f) * 255 + 0.5f);
-    weight[0] += std::max(wanted - sum, 0);
-    for (std::size_t k = splat_layers; sum > wanted; --sum) {
-        while (weight[k - 1] == 0) --k;
-        --weight[k - 1];
-    }
-    for (std::size_t k = 0; k < splat_layers; ++k) {
-        to[2 * k] = static_cast<std::byte>(weight[k]);
-        to[2 * k + 1] = static_cast<std::byte>(weight[k] == 0 ? 0 : best[k]);
-    }
-}
-
 // The rules of splat maps from JSON.
 
 namespace {

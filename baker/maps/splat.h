@@ -107,8 +107,4 @@ struct SplatInput {
 // Noise from 0 to 1 at a place in metres, with patches of about that wavelength.
 [[nodiscard]] float splat_noise(double east_m, double south_m, double wavelength_m);
 
-// The four largest of shares that add up to 1 at most, as fjell/texture.h has them: 8 bytes. What the others would have
-// shown goes to these in proportion.
-void store_splat_texel(const float (&shares)[max_splat_names], std::byte* to);
-
 } // namespace fjell::baker

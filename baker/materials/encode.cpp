@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 
 #include "baker/check/picture.h"
-#include "baker/maps/blocks.h"
 #include "baker/maps/colour.h"
 #include "baker/materials/canvas.h"
 #include "baker/materials/images.h"
 #include "baker/store/parallel.h"
 #include "io/file.h"
+#include "shared/block_codes.h"
 
 namespace fjell::baker {
 

@@ -13,12 +13,14 @@
 #include <xxhash.h>
 
 #include "baker/read/pack_source.h"
+#include "shared/paint.h"
 #include "shared/stamp.h"
 
 namespace fjell::baker {
 
 namespace {
 
+using edit::paints;
 using edit::Rect;
 
 constexpr std::int32_t block_side = 64;
@@ -31,6 +33,7 @@ public:
           grid_(source.columns, source.rows, source.spacing_m) {}
 
     void apply(const Stamp& stamp) {
+        if (paints(stamp.shape)) return paint(stamp);
         const Rect all = edit::samples_of(grid_, stamp);
         // All blocks are evaluated on the ground as it was before any of them changes.
         std::vector<std::pair<std::vector<float>*, std::vector<float>>> changed;
@@ -49,6 +52,8 @@ public:
             }
         for (auto& [before, after] : changed) *before = std::move(after);
     }
+
+    [[nodiscard]] const edit::PaintSource* paint() const { return painted_.empty() ? nullptr : &paint_; }
 
     // Of a window that was read from the source: puts in what stamps have made of it.
     void put(const Window& window, float* heights_m, ReadStatistics& statistics) const {
@@ -100,6 +105,32 @@ private:
         return blocks_.emplace(key(bx, by), read_block(samples_of_block(bx, by))).first->second;
     }
 
+    // As the runtime does (edit/paint.cpp).
+    void paint(const Stamp& stamp) {
+        const Rect all = edit::samples_of(grid_, stamp);
+        for (std::int32_t by = all.y0 >> edit::paint_log2; !all.empty() && by <= all.y1 >> edit::paint_log2; ++by)
+            for (std::int32_t bx = all.x0 >> edit::paint_log2; bx <= all.x1 >> edit::paint_log2; ++bx) {
+                const std::int32_t x = bx * edit::paint_side, y = by * edit::paint_side;
+                if (!edit::may_change(grid_, stamp, {x, y, x + edit::paint_side - 1, y + edit::paint_side - 1}))
+                    continue;
+                if (stamp.shape == StampShape::unpaint && !painted_.contains(key(bx, by))) continue;
+                if ((painted_.size() + 1) * edit::paint_side * edit::paint_side > most_edited_samples)
+                    throw Failure(1, fmt::format("{}: paints more than {} million samples; bake it in parts", path_,
+                                                 most_edited_samples >> 20));
+                std::unique_ptr<edit::PaintBlock>& block = painted_[key(bx, by)];
+                if (!block) {
+                    block = std::make_unique<edit::PaintBlock>();
+                    block->x = bx, block->y = by;
+                }
+                (void)edit::paint_block(grid_, stamp, *block);
+            }
+    }
+    static const edit::PaintBlock* find_painted(const void* overlay, std::int32_t x, std::int32_t y) {
+        const auto& painted = static_cast<const Overlay*>(overlay)->painted_;
+        const auto found = painted.find(key(x, y));
+        return found == painted.end() ? nullptr : found->second.get();
+    }
+
     [[nodiscard]] double rounded(double height_m) const {
         if (!scale_) return height_m;
         const double base = scale_->base_m, step = scale_->quantum_m;
@@ -145,6 +176,8 @@ private:
     std::unique_ptr<HeightReader> reader_;
     edit::StampGrid grid_;
     std::unordered_map<std::uint64_t, std::vector<float>> blocks_; // whose references stay when others come
+    std::unordered_map<std::uint64_t, std::unique_ptr<edit::PaintBlock>> painted_;
+    edit::PaintSource paint_{this, find_painted};
 };
 
 class EditedReader final : public HeightReader {
@@ -191,6 +224,7 @@ public:
         if (!scale_) all.native_quantum_m = 0; // stamps know no step
         return all;
     }
+    [[nodiscard]] const edit::PaintSource* paint() const override { return overlay_->paint(); }
     [[nodiscard]] std::string identity() const override {
         return fmt::format("{}\nedits {:016x}", source_->identity(), hash_);
     }

@@ -1,4 +1,5 @@
-// Heights that stamps have changed (fjell/edit.h): the ground that a flight has dug, baked.
+// Heights that stamps have changed (fjell/edit.h): the ground that a flight has dug, baked. And the paint over its
+// maps.
 #pragma once
 
 #include <memory>
@@ -15,8 +16,9 @@ namespace fjell::baker {
 // not. What stamps change is held, 4 bytes a sample; most_edited_samples at most. Voids stay voids.
 inline constexpr std::size_t most_edited_samples = std::size_t{1} << 27;
 
-// path: stamps as JSON (content/README.md), whose frames give the order alone, or the pack's journal. Reads what they lie
-// on. Throws Failure 1: a file that cannot be read, with its line, another pack's journal, or stamps that change too much.
+// path: stamps as JSON (content/README.md), whose frames give the order alone, or the pack's journal. Reads what they
+// lie on. Throws Failure 1: a file that cannot be read, with its line, another pack's journal, or stamps that change
+// too much.
 [[nodiscard]] std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source,
                                                           const std::string& path);
 // The same, of stamps in memory. name: for messages.

@@ -12,6 +12,10 @@
 #include "baker/store/window.h"
 #include "fjell/io/failure.h"
 
+namespace fjell::edit {
+struct PaintSource;
+}
+
 namespace fjell::baker {
 
 using io::Failure;
@@ -99,6 +103,8 @@ public:
     // Everything that the heights depend on, as text: names, sizes and times of files, options. Two sources with equal
     // identities give equal heights; a bake is only resumed with the same one.
     [[nodiscard]] virtual std::string identity() const = 0;
+    // What lies over its colour and splat maps (shared/paint.h); null: nothing.
+    [[nodiscard]] virtual const edit::PaintSource* paint() const { return nullptr; }
 };
 
 } // namespace fjell::baker

@@ -246,6 +246,7 @@ void make_maps(const Pack& pack, const MapLayers (&slots)[map_kinds], const MapO
         check_slots(formats[kind], own, pack_log2[kind], pack.tile_count(), streamed);
         if (kind == 0) maps.rim.resize(pack.tile_count());
         make_arrays(formats[kind], own, pack.tile_count(), streamed, maps.anisotropy, arrays, maps.bytes);
+        arrays.whole = !streamed;
         if (!streamed) load_all(pack, formats[kind], arrays, maps);
     }
 }
@@ -270,12 +271,85 @@ void run_patches(std::span<const MapPatch> patches, const Maps& maps, std::uint6
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     for (const MapPatch& patch : patches) {
         const auto kind = static_cast<std::uint32_t>(patch.map);
-        glCompressedTextureSubImage3D(maps.kind[kind].texture(patch.side_log2), patch.mip, static_cast<GLint>(patch.x),
-                                      static_cast<GLint>(patch.y), static_cast<GLint>(patch.layer),
-                                      static_cast<GLsizei>(patch.columns), static_cast<GLsizei>(patch.rows), 1,
-                                      formats[kind].format, static_cast<GLsizei>(patch.blocks.size()),
-                                      patch.blocks.data());
+        if (!has_layer(maps.kind[kind], patch.side_log2, patch.layer)) continue; // of a map that is not drawn
+        const unsigned texture = maps.kind[kind].texture(patch.side_log2);
+        const auto x = static_cast<GLint>(patch.x), y = static_cast<GLint>(patch.y),
+                   layer = static_cast<GLint>(patch.layer);
+        const auto columns = static_cast<GLsizei>(patch.columns), rows = static_cast<GLsizei>(patch.rows);
+        if (formats[kind].numbers)
+            glTextureSubImage3D(texture, patch.mip, x, y, layer, columns, rows, 1, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT,
+                                patch.blocks.data());
+        else
+            glCompressedTextureSubImage3D(texture, patch.mip, x, y, layer, columns, rows, 1, formats[kind].format,
+                                          static_cast<GLsizei>(patch.blocks.size()), patch.blocks.data());
         bytes += patch.blocks.size();
+    }
+}
+
+namespace {
+
+// All mips of a tile, largest first.
+std::vector<std::byte> read_mips(const Format& format, const MapArrays& arrays, std::uint32_t tile) {
+    const std::uint32_t log2 = arrays.slots.top_log2;
+    const unsigned texture = arrays.texture(log2);
+    const auto layer = static_cast<GLint>(tile);
+    std::vector<std::byte> mips;
+    for (std::uint32_t mip = 0; mip < mip_count(log2); ++mip) {
+        const std::size_t bytes = mip_bytes(format, 1u << (log2 - mip)), at = mips.size();
+        const auto level = static_cast<GLint>(mip), side = static_cast<GLsizei>(1u << (log2 - mip));
+        mips.resize(at + bytes);
+        if (format.numbers)
+            glGetTextureSubImage(texture, level, 0, 0, layer, side, side, 1, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT,
+                                 static_cast<GLsizei>(bytes), mips.data() + at);
+        else
+            glGetCompressedTextureSubImage(texture, level, 0, 0, layer, side, side, 1, static_cast<GLsizei>(bytes),
+                                           mips.data() + at);
+    }
+    return mips;
+}
+
+// Tiles whose texels may take paint of these samples: the widest reach half a tile.
+bool is_near(const PackHeader& h, std::uint32_t tile, std::span<const GroundRect> changed) {
+    const std::int32_t side = std::int32_t{1} << h.tile_log2, reach = side / 2 + 32;
+    const auto x = static_cast<std::int32_t>(tile % h.tiles_x) * side,
+               y = static_cast<std::int32_t>(tile / h.tiles_x) * side;
+    return std::any_of(changed.begin(), changed.end(), [&](const GroundRect& r) {
+        return r.first.column - reach <= x + side && r.last.column + reach >= x && r.first.row - reach <= y + side &&
+               r.last.row + reach >= y;
+    });
+}
+
+} // namespace
+
+void paint_tiles(const Terrain& terrain, std::span<const GroundRect> changed, Maps& maps, std::uint64_t& bytes) {
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    for (const MapKind kind : {MapKind::colour, MapKind::splat}) {
+        const Format& format = formats[static_cast<std::uint32_t>(kind)];
+        MapArrays& arrays = maps.kind[static_cast<std::uint32_t>(kind)];
+        if (!arrays.present() || !arrays.whole) continue;
+        const std::uint32_t log2 = arrays.slots.top_log2;
+        for (std::uint32_t tile = 0; tile < arrays.tiles.size(); ++tile) {
+            if (!is_near(terrain.header(), tile, changed)) continue;
+            const bool was_painted = arrays.unpainted.contains(tile);
+            std::vector<std::byte>& pack = arrays.unpainted[tile];
+            if (!was_painted) pack = read_mips(format, arrays, tile);
+            std::vector<std::byte> mips = pack;
+            std::size_t at = 0;
+            bool any = false;
+            for (std::uint32_t mip = 0; mip < mip_count(log2); ++mip) {
+                const std::uint32_t side = 1u << (log2 - mip);
+                const std::span<std::byte> blocks(mips.data() + at, mip_bytes(format, side));
+                at += blocks.size();
+                bool painted = false;
+                (void)paint_map(terrain, kind, tile, log2 - mip, blocks, painted);
+                any = any || painted;
+                if (!painted && !was_painted) continue;
+                store_mip(format, arrays.texture(log2), mip, tile, 0, side, side, blocks.size(), blocks.data());
+                bytes += blocks.size();
+            }
+            if (!any) arrays.unpainted.erase(tile);
+        }
     }
 }
 

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "fjell/ground_maps.h"
@@ -30,6 +31,10 @@ struct MapArrays {
     Texture array[max_map_sizes];
     std::int32_t array_of[max_texture_log2 + 1]; // by log2 of the side; -1: none
     std::vector<TileMap> tiles;                  // how each is drawn
+    // Of a map that was loaded whole, what the pack has of tiles with paint: mips, largest first. Read from the GPU
+    // when paint comes.
+    bool whole = false;
+    std::unordered_map<std::uint32_t, std::vector<std::byte>> unpainted;
 
     [[nodiscard]] bool present() const { return sizes != 0; }
     [[nodiscard]] unsigned texture(std::uint32_t side_log2) const {
@@ -65,6 +70,9 @@ void run_commands(std::span<const MapCommand> commands, Maps& maps, Ring& ring, 
 
 // The same for patches of moving ground (fjell/ground_maps.h).
 void run_patches(std::span<const MapPatch> patches, const Maps& maps, std::uint64_t& bytes);
+
+// Puts paint (StampShape::paint) over the tiles of maps that were loaded whole, where these samples may matter to them.
+void paint_tiles(const Terrain& terrain, std::span<const GroundRect> changed, Maps& maps, std::uint64_t& bytes);
 
 // Refuses what has no layer. `from`: one a tile.
 void show_maps(std::span<const TileMap> from, MapKind kind, Maps& maps);

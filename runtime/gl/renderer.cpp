@@ -161,7 +161,8 @@ std::unique_ptr<Renderer> Renderer::create(const Terrain& terrain, const Pack& p
     const float anisotropy = is_software() ? 1.0f : options.anisotropy > 0 ? options.anisotropy : 8.0f;
     make_maps(pack, {options.colour, options.normal, options.horizon, options.splat},
               {anisotropy, options.horizons, options.splat_maps}, s.maps);
-    if (s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)].present()) {
+    const auto has = [&](MapKind kind) { return s.maps.kind[static_cast<std::uint32_t>(kind)].present(); };
+    if (has(MapKind::normal) || has(MapKind::colour) || has(MapKind::splat)) {
         const std::size_t bytes = ground_maps_bytes(s.header, options.ground);
         s.ground_memory = io::allocate(bytes);
         if (const Status made =
@@ -520,8 +521,14 @@ void Renderer::show_maps(std::span<const TileMap> colour, std::span<const TileMa
 void Renderer::show_ground() {
     State& s = *state_;
     const MapArrays& normals = s.maps.kind[static_cast<std::uint32_t>(MapKind::normal)];
-    if (!normals.present()) return;
+    if (!s.ground_memory) return; // there are no maps that follow
     const Stopwatch watch(s.stats.upload_us);
+    GroundRect painted[64];
+    for (bool lost = false;;) {
+        const std::uint32_t count = take_paint_changes(s.terrain, s.paint_cursor, painted, lost);
+        if (count == 0) break;
+        paint_tiles(s.terrain, {painted, count}, s.maps, s.stats.map_bytes_uploaded);
+    }
     GroundMapsReport made;
     if (!update_ground_maps(s.ground_maps, normals.tiles, made).ok()) return; // its terrain has been destroyed
     run_patches(ground_map_patches(s.ground_maps), s.maps, s.stats.map_bytes_uploaded);

@@ -45,7 +45,8 @@ struct Renderer::State {
     RendererOptions options;
     Maps maps;
     io::AlignedMemory ground_memory;
-    GroundMaps ground_maps; // if there are normals
+    GroundMaps ground_maps; // if there are normals, colours or splat maps
+    std::uint64_t paint_cursor = 0;
     Residency residency;
     Heights heights;
     Ring ring;

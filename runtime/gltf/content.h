@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "fjell/gltf/snapshot.h"
+#include "fjell/ground_maps.h"
+#include "fjell/io/load.h"
 #include "gltf/geometry.h"
 
 namespace fjell::gltf {
@@ -14,6 +16,8 @@ struct Snapshot::Content {
     SnapshotInfo info;
     PackHeader header; // of the pack that the terrain was loaded from
     std::vector<TileGeometry> tiles;
+    io::AlignedMemory paint_memory;
+    Paint paint; // as it was; empty: there was none
 };
 
 struct SnapshotAccess {

@@ -124,8 +124,8 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotCounts& 
 // The textures of one tile after the other, in buffers that are kept.
 class Textures {
 public:
-    Textures(const Chunks& pack, const SnapshotOptions& options)
-        : pack_(pack), paint_(options.paint), colour_(mip_of(pack.header.colour_log2, options)),
+    Textures(const Chunks& pack, const Paint& stamped, const SnapshotOptions& options)
+        : pack_(pack), stamped_(stamped), paint_(options.paint), colour_(mip_of(pack.header.colour_log2, options)),
           normal_(mip_of(pack.header.normal_log2, options)), horizon_(mip_of(pack.header.horizon_log2, options)) {
         // The texture coordinates are one set, so the textures are of one size.
         side_px_ = colour_.side_px ? colour_.side_px : normal_.side_px ? normal_.side_px : horizon_.side_px;
@@ -180,6 +180,9 @@ private:
         pack_.read({kind, tile, mip.level}, blocks_);
         for (const MovedNormals& m : moved)
             if (m.mip == mip.level) put_over(m, mip.side_px, blocks_);
+        bool painted = false;
+        if (kind == ChunkKind::colour) // without paint it stays as it is
+            (void)paint_map(stamped_, MapKind::colour, tile, pack_.header.colour_log2 - mip.level, blocks_, painted);
         std::vector<std::uint8_t> texels(std::size_t{mip.side_px} * mip.side_px * Channels);
         (void)decode(blocks_, mip.side_px, texels);
         return texels;
@@ -208,6 +211,7 @@ private:
     }
 
     const Chunks& pack_;
+    const Paint& stamped_; // by StampShape::paint
     const std::function<void(const TileTexels&)>& paint_;
     MapMip colour_, normal_, horizon_;
     std::uint32_t side_px_ = 0;
@@ -216,7 +220,7 @@ private:
 
 void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
                SceneBuilder& scene, SnapshotCounts& counts) {
-    Textures textures(pack, options);
+    Textures textures(pack, content.paint, options);
     counts.texture_px = textures.colour_px();
     counts.normal_px = textures.normal_px();
     counts.occlusion_px = textures.occlusion_px();

@@ -70,6 +70,13 @@ void take_moved_normals(const Terrain& terrain, std::vector<TileGeometry>& tiles
     } while (report.waiting != 0);
 }
 
+void take_paint(const Terrain& terrain, Snapshot::Content& content) {
+    const std::size_t bytes = paint_bytes(terrain);
+    if (bytes == 0) return;
+    content.paint_memory = io::allocate(bytes);
+    (void)copy_paint(terrain, {content.paint_memory.get(), bytes}, content.paint);
+}
+
 // take() returns a Snapshot; too little memory for it is a Failure.
 template <typename Take>
 Snapshot with_memory(const Take& take) {
@@ -84,8 +91,9 @@ Snapshot copied(const Terrain& terrain, const MeshView& mesh, std::span<const fl
                 const SnapshotInfo& info) {
     return with_memory([&] {
         check(terrain, info);
-        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging)};
+        Snapshot::Content content{info, terrain.header(), tiles_of(terrain, mesh, drawn_m, info.lagging), {}, {}};
         take_moved_normals(terrain, content.tiles);
+        take_paint(terrain, content);
         return SnapshotAccess::of(std::move(content));
     });
 }

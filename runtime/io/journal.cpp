@@ -106,9 +106,9 @@ void each_field(Archive& archive, AnyStamp& s) {
     archive(s.shape), archive(s.x_m), archive(s.z_m), archive(s.radius_m), archive(s.falloff_m), archive(s.amount_m);
     archive(s.height_m), archive(s.slope_x), archive(s.slope_z), archive(s.wavelength_m), archive(s.seed);
     archive(s.first.column), archive(s.first.row), archive(s.columns), archive(s.rows), archive(s.morph_s);
-    archive(s.strength);
+    archive(s.strength), archive(s.rgb[0]), archive(s.rgb[1]), archive(s.rgb[2]), archive(s.material);
 }
-static_assert(sizeof(Stamp) == 112, "a stamp has another field: write it down in each_field()");
+static_assert(sizeof(Stamp) == 120, "a stamp has another field: write it down in each_field()");
 
 void put(PayloadWriter& to, const KeptStamp& stamp) {
     each_field(to, stamp.plain);

@@ -124,7 +124,8 @@ void LiveTerrain::name_what_is_short() {
     std::size_t count = 0;
     constexpr std::pair<std::uint32_t, const char*> of_edits[] = {{edit_budget_work, "EditSettings::max_work"},
                                                                   {edit_budget_time, "EditSettings::max_time_us"},
-                                                                  {edit_budget_blocks, "EditBudget::blocks"}};
+                                                                  {edit_budget_blocks, "EditBudget::blocks"},
+                                                                  {edit_budget_paint, "EditBudget::paint"}};
     for (const auto& [bit, field] : of_edits)
         if ((frame_.edits.exhausted & bit) != 0) short_of_[count++] = field;
     for (std::uint32_t left = frame_.cut.exhausted; left != 0; left &= left - 1)

@@ -12,6 +12,7 @@
 
 #include "fjell/io/failure.h"
 #include "fjell/pack.h"
+#include "fjell/texture.h"
 #include "io/file.h"
 #include "io/json.h"
 
@@ -21,8 +22,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* shape_names[] = {"raise", "level", "crater", "path", "noise", "smooth", "heights", "restore"};
-static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::restore) + 1,
+constexpr const char* shape_names[] = {"raise",  "level",   "crater",  "path",  "noise",
+                                       "smooth", "heights", "restore", "paint", "unpaint"};
+static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::unpaint) + 1,
               "a shape has a name: add it, and what it reads to the tables below");
 
 constexpr std::uint32_t bit(StampShape shape) {
@@ -34,7 +36,9 @@ constexpr std::uint32_t bits(Shapes... shapes) {
 }
 constexpr std::uint32_t by_rectangle = bit(StampShape::heights);
 constexpr std::uint32_t by_line = bit(StampShape::path);
-constexpr std::uint32_t by_centre = 0xff & ~(by_rectangle | by_line);
+constexpr std::uint32_t painting = bits(StampShape::paint, StampShape::unpaint); // by a centre or by a line
+constexpr std::uint32_t all_shapes = (1u << std::size(shape_names)) - 1;
+constexpr std::uint32_t by_centre = all_shapes & ~(by_rectangle | by_line);
 
 constexpr double largest = 1e8, smallest = 1e-6;
 
@@ -52,8 +56,8 @@ constexpr NumberOf numbers[] = {
     {"height_m", &Stamp::height_m, -largest, largest, bits(StampShape::level), bits(StampShape::level)},
     {"slope_x", &Stamp::slope_x, -largest, largest, bits(StampShape::level), 0},
     {"slope_z", &Stamp::slope_z, -largest, largest, bits(StampShape::level), 0},
-    {"strength", &Stamp::strength, 0, 1, 0xff, 0},
-    {"morph_s", &Stamp::morph_s, 0, largest, by_centre | by_line | by_rectangle, 0},
+    {"strength", &Stamp::strength, 0, 1, all_shapes, 0},
+    {"morph_s", &Stamp::morph_s, 0, largest, all_shapes & ~painting, 0},
     {"wavelength_m", &Stamp::wavelength_m, smallest, largest, bits(StampShape::noise), bits(StampShape::noise)},
 };
 
@@ -89,12 +93,14 @@ StampShape shape_of(const json& object) {
     unfit(fmt::format("\"shape\" must be one of {}", fmt::join(shape_names, ", ")));
 }
 
+// Paint lies at any height.
 void read_points(const json& value, KeptStamp& kept) {
+    const bool flat = kept.plain.shape != StampShape::path;
     for (const json& point : list_of(value, "points", 2, max_path_points)) {
-        list_of(point, "points: [x, z, height]", 3, 3);
+        list_of(point, flat ? "points: [x, z]" : "points: [x, z, height]", flat ? 2 : 3, flat ? 2 : 3);
         kept.points.push_back({within(point[0], "points", -largest, largest),
                                within(point[1], "points", -largest, largest),
-                               static_cast<float>(within(point[2], "points", -largest, largest))});
+                               flat ? 0 : static_cast<float>(within(point[2], "points", -largest, largest))});
     }
 }
 
@@ -128,7 +134,8 @@ bool is_read(std::string_view key, StampShape shape) {
     if (key == "shape" || key == "comment") return true;
     if (key == "first" || key == "columns" || key == "rows" || key == "mask") return true;
     if (key == "at") return (bit(shape) & by_centre) != 0;
-    if (key == "points") return shape == StampShape::path;
+    if (key == "points") return (bit(shape) & (by_line | painting)) != 0;
+    if (key == "rgb" || key == "material") return shape == StampShape::paint;
     if (key == "seed") return shape == StampShape::noise;
     if (key == "heights_m") return shape == StampShape::heights;
     const auto number = std::ranges::find_if(numbers, [&](const NumberOf& n) { return key == n.name; });
@@ -167,11 +174,22 @@ KeptStamp stamp_of(const json& object) {
         const json& at = list_of(object["at"], "at", 2, 2);
         s.x_m = within(at[0], "at", -largest, largest), s.z_m = within(at[1], "at", -largest, largest);
     }
-    if ((bit(s.shape) & by_centre) != 0 && !rectangle) needs("at"), needs("radius_m");
+    const bool by_points = object.contains("points");
+    if (by_points) needs("radius_m");
+    if ((bit(s.shape) & by_centre) != 0 && !rectangle && !by_points) needs("at"), needs("radius_m");
     if (s.shape == StampShape::crater && !(s.radius_m > 0)) unfit("\"radius_m\" of a crater must be above 0");
     if (object.contains("seed"))
         s.seed = static_cast<std::uint32_t>(whole_within(object["seed"], "seed", 0, 0xffff'ffff));
-    if (s.shape == StampShape::path) needs("points"), read_points(object["points"], kept);
+    if (s.shape == StampShape::path) needs("points");
+    if (by_points) read_points(object["points"], kept);
+    if (s.shape == StampShape::paint) {
+        needs("rgb");
+        const json& rgb = list_of(object["rgb"], "rgb", 3, 3);
+        for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<std::uint8_t>(whole_within(rgb[c], "rgb", 0, 255));
+    }
+    if (object.contains("material"))
+        s.material = static_cast<std::uint8_t>(
+            whole_within(object["material"], "material", 0, std::int64_t{max_splat_names} - 1));
     if (s.shape == StampShape::heights) needs("heights_m");
     if (rectangle) read_rectangle(object, kept);
     return kept;
@@ -182,9 +200,15 @@ json stamp_json(const KeptStamp& kept) {
     json object = {{"shape", shape_names[static_cast<std::size_t>(s.shape)]}};
     for (const NumberOf& n : numbers)
         if ((n.read_by & bit(s.shape)) != 0) object[n.name] = s.*n.field;
-    if ((bit(s.shape) & by_centre) != 0) object["at"] = {s.x_m, s.z_m};
+    if ((bit(s.shape) & by_centre) != 0 && kept.points.empty()) object["at"] = {s.x_m, s.z_m};
+    if (s.shape == StampShape::paint) {
+        object["rgb"] = {s.rgb[0], s.rgb[1], s.rgb[2]};
+        if (s.material != no_material) object["material"] = s.material;
+    }
     if (s.shape == StampShape::noise) object["seed"] = s.seed;
-    for (const StampPoint& p : kept.points) object["points"].push_back({p.x_m, p.z_m, p.height_m});
+    for (const StampPoint& p : kept.points)
+        object["points"].push_back(s.shape == StampShape::path ? json({p.x_m, p.z_m, p.height_m})
+                                                               : json({p.x_m, p.z_m}));
     if (s.columns == 0) return object;
     object["first"] = {s.first.column, s.first.row};
     object["columns"] = s.columns;

@@ -195,6 +195,7 @@ void read_head(const json& j, Recording& r) {
     if (j.contains("edits")) { // since version 4
         const json& e = value(j, "edits");
         r.edits = {whole_number_of(e, "blocks"), whole_number_of(e, "stamps"), whole_number_of(e, "areas")};
+        if (e.contains("paint")) r.edits->paint = whole_number_of(e, "paint");
     }
 }
 
@@ -247,7 +248,11 @@ std::string write_recording(const Recording& r) {
                  {"chunk_triangles", r.budget.segment_triangles},
                  {"page_slots", r.page_slots},
                  {"views", r.budget.views}};
-    if (r.edits) head["edits"] = {{"blocks", r.edits->blocks}, {"stamps", r.edits->stamps}, {"areas", r.edits->areas}};
+    if (r.edits)
+        head["edits"] = {{"blocks", r.edits->blocks},
+                         {"stamps", r.edits->stamps},
+                         {"areas", r.edits->areas},
+                         {"paint", r.edits->paint}};
     std::string text = head.dump() + '\n';
     for (const RecordedFrame& f : r.frames) {
         text += frame_json(f).dump();

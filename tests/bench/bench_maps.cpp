@@ -9,9 +9,9 @@
 
 #include <stb_dxt.h>
 
-#include "baker/maps/blocks.h"
 #include "baker/maps/image.h"
 #include "baker/maps/maps.h"
+#include "shared/block_codes.h"
 #include "support/dem.h"
 
 namespace {

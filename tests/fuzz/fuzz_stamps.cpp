@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "fjell/ground_maps.h"
 #include "fjell/io/failure.h"
 #include "fjell/pages.h"
 #include "input.h"
@@ -29,7 +30,7 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
     const io::AlignedMemory memory = io::allocate(terrain_bytes(pack.header));
     Terrain terrain;
     must(load_terrain(pack, {memory.get(), terrain_bytes(pack.header)}, terrain).ok(), "it is loaded");
-    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8};
+    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8, .paint = 6};
     const std::size_t bytes = edits_bytes(pack.header, budget);
     const io::AlignedMemory block = io::allocate(bytes);
     Edits edits;
@@ -51,6 +52,27 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
     for (int row = 0; row < 70; row += 3)
         for (int column = 0; column < 90; column += 3)
             must(std::isfinite(terrain_vertex(terrain, {column, row}).height_m), "ground has a height");
+    // Paint, whatever it is, leaves maps that decode to something, and the pack's once it is gone.
+    const auto mip = [&](std::uint32_t tile) {
+        std::vector<std::byte> blocks(chunk_raw_bytes(pack.header, {ChunkKind::colour, tile, 0}));
+        must(read_chunk(pack, {ChunkKind::colour, tile, 0}, blocks).ok(), "a mip is read");
+        return blocks;
+    };
+    for (int clear = 0; clear < 2; ++clear) {
+        for (std::uint32_t tile = 0; tile < terrain.tile_count(); ++tile) {
+            std::vector<std::byte> blocks = mip(tile);
+            bool changed = false;
+            must(paint_map(terrain, MapKind::colour, tile, pack.header.colour_log2, blocks, changed).ok(),
+                 "a map is painted");
+            must(clear == 0 || (!changed && blocks == mip(tile)), "without paint it is the pack's");
+        }
+        Stamp all;
+        all.shape = StampShape::unpaint, all.radius_m = 1e8f;
+        StampId id = 0;
+        EditReport report;
+        must(push_stamp(edits, all, id).ok() && update_edits(edits, {}, {.now_s = 1e9}, report).ok(), "paint ends");
+        must(report.paint == 0, "and gives its blocks back");
+    }
 }
 
 } // namespace

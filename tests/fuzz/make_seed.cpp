@@ -391,7 +391,9 @@ void make_seeds(const std::filesystem::path& folder) {
 {"shape": "heights", "first": [3, 4], "columns": 2, "rows": 2, "heights_m": [1, null, 3, 4], "mask": [9, 9, 255, 0]},
 {"frame": 2, "shape": "path", "radius_m": 30, "falloff_m": 20, "points": [[0, 0, 40], [400, 300, 90], [900, 100, 80]]},
 {"frame": 1, "shape": "smooth", "at": [400, 400], "radius_m": 100}, {"frame": 3, "shape": "restore", "at": [400, 400],
-"radius_m": 50, "falloff_m": 50}, {"shape": "level", "at": [100, 600], "radius_m": 70, "height_m": 50}]})");
+"radius_m": 50, "falloff_m": 50}, {"shape": "level", "at": [100, 600], "radius_m": 70, "height_m": 50},
+{"shape": "paint", "at": [300, 200], "radius_m": 60, "falloff_m": 20, "rgb": [200, 10, 10], "material": 3, "strength": 0.7},
+{"shape": "unpaint", "points": [[0, 0], [400, 300]], "radius_m": 9}]})");
     make_journal(folder / "journal");
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");

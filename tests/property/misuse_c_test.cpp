@@ -309,6 +309,8 @@ private:
         stamp.radius_m = one_in(4) ? static_cast<float>(odd_number()) : 100;
         stamp.amount_m = one_in(4) ? static_cast<float>(odd_number()) : 10;
         if (one_in(3)) stamp.morph_s = one_in(4) ? static_cast<float>(odd_number()) : 0.1f;
+        if (one_in(3)) stamp.shape = FJELL_STAMP_SHAPE_PAINT, stamp.material = odd_byte();
+        if (one_in(4)) stamp.strength = static_cast<float>(odd_number());
         if (one_in(6)) stamp.point_count = odd_index();                            // of NULL
         if (one_in(6)) stamp.columns = stamp.rows = static_cast<int>(odd_index()); // without heights or mask
         std::uint64_t id = odd_index();
@@ -346,6 +348,17 @@ private:
         made.struct_size = sizeof made;
         count(fjell_update_ground_maps(maps, maybe(normals), shown, odd(&made)));
         REQUIRE((fjell_ground_map_patches(maps, maybe(&shown)) == nullptr || shown < 10'000));
+        std::byte mip[64 * 64];
+        bool changed = false;
+        cursor = odd_index();
+        FjellPaint copy{};
+        count(fjell_paint_map(any().terrain, odd_byte(), odd_index(), odd_index(), maybe(mip),
+                              one_in(2) ? sizeof mip : odd_index() % sizeof mip, maybe(&changed)));
+        sum_ +=
+            fjell_take_paint_changes(any().terrain, maybe(&cursor), maybe(rects), one_in(2) ? 2 : 0, maybe(&changed));
+        sum_ += double(fjell_paint_bytes(any().terrain) % 7);
+        count(fjell_copy_paint(any().terrain, maybe(little.data()), sizeof little, maybe(&copy)));
+        count(fjell_paint_map_of(copy, odd_byte(), odd_index(), odd_index(), maybe(mip), sizeof mip, nullptr));
     }
     void refine() {
         const FjellRecursiveMethod method = any().method;

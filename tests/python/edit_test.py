@@ -55,6 +55,18 @@ class Edits(unittest.TestCase):
             t.edit("restore", at=(145 * SPACING, 120 * SPACING), radius=500)
             np.testing.assert_array_equal(t.samples(), before)
 
+    def test_paint_changes_colours_and_no_height(self):
+        with self.open() as t:
+            before = t.samples()
+            self.assertEqual(t.edit("paint", at=(200, 200), radius=40, rgb=(200, 10, 10), strength=0.5), 0)
+            self.assertEqual(t.edit("paint", points=[(100, 100), (300, 180)], radius=6, rgb=(70, 70, 70)), 0)
+            self.assertEqual(t.edit("unpaint", at=(200, 200), radius=20), 0)
+            np.testing.assert_array_equal(t.samples(), before)
+            with self.assertRaisesRegex(ValueError, "rgb"):
+                t.edit("paint", at=(200, 200), radius=40)
+            with self.assertRaisesRegex(ValueError, "strength"):
+                t.edit("paint", at=(200, 200), radius=40, rgb=(1, 2, 3), strength=2)
+
     def test_a_streamed_terrain_has_the_ground_of_one_that_is_loaded(self):
         stamps = (
             ("crater", {"at": (300, 260), "radius": 40, "falloff": 20, "amount": 15}),

@@ -161,3 +161,35 @@ TEST_CASE("so is the light in the guide's game, which uploads patches itself") {
     CHECK(after < before / 10); // the two cuts differ where a sphere's radius rounds otherwise
     CHECK(context().log().errors == 0);
 }
+
+TEST_CASE("paint shows on the whole maps of a pack, and leaves no trace when it is taken away") {
+    Scene scene(mountains(257), 7);
+    const Terrain& terrain = scene.loaded.terrain;
+    const io::AlignedMemory memory = io::allocate(edits_bytes(terrain.header()));
+    Edits edits;
+    REQUIRE(create_edits(terrain, {}, {memory.get(), edits_bytes(terrain.header())}, edits).ok());
+    const View view = scene.camera(0.52, 0.62, 900, 0, -35);
+    const OwnMesh mesh = full_resolution(terrain);
+    const gl::DrawOptions options{.lit = false};
+    const auto stamped = [&](StampShape shape) {
+        Stamp stamp;
+        stamp.shape = shape;
+        stamp.x_m = terrain.x_m(133), stamp.z_m = terrain.z_m(125), stamp.falloff_m = 200;
+        stamp.radius_m = shape == StampShape::paint ? 900 : 1200; // what has faded out, too
+        stamp.rgb[0] = 250, stamp.rgb[1] = 10, stamp.rgb[2] = 10;
+        StampId id = 0;
+        EditReport report;
+        REQUIRE(push_stamp(edits, stamp, id).ok());
+        REQUIRE(update_edits(edits, {}, {}, report).ok());
+        scene.renderer->show_ground();
+        return scene.draw(mesh.view(), view, options);
+    };
+    const Picture before = scene.draw(mesh.view(), view, options), painted = stamped(StampShape::paint);
+    std::size_t red = 0;
+    for (std::size_t i = 0; i + 2 < painted.colour.rgb.size(); i += 3)
+        red += painted.colour.rgb[i] > 220 && painted.colour.rgb[i + 1] < 40;
+    CHECK(red > painted.colour.rgb.size() / 3 / 20);
+    CHECK(difference(painted, before) > 5);
+    CHECK(difference(stamped(StampShape::unpaint), before) == 0);
+    CHECK(context().log().errors == 0);
+}

@@ -55,10 +55,10 @@ TEST_CASE("the error of a flight over moving ground is measured against the new 
         REQUIRE(r.code == 0);
         const json j = json::parse(r.out), e = j["edits"];
         CHECK(j["frames"] == 6);
-        CHECK((e["stamps"] == 5 && e["refused"] == 0 && e["loose"] == 0));
-        CHECK(e["applied"].get<int>() + e["waiting"].get<int>() == 5);
+        CHECK((e["stamps"] == 10 && e["refused"] == 0 && e["loose"] == 0));
+        CHECK(e["applied"].get<int>() + e["waiting"].get<int>() == 10);
         if (std::string(flags).find("--stream on --profile") == std::string::npos) {
-            CHECK(e["applied"] == 5);
+            CHECK(e["applied"] == 10);
             CHECK(e["samples"].get<int>() > 3000);
             CHECK((e["blocks"].get<int>() > 8 && e["blocks_capacity"] == 1024));
             CHECK((e["apply_us"].get<double>() > 0 && e["measure_us"].get<double>() > 0));
@@ -112,7 +112,7 @@ TEST_CASE("a recorded flight over moving ground is repeated bit for bit") {
         INFO(again.err);
         REQUIRE(again.code == 0);
         const json j = json::parse(again.out);
-        CHECK((j["edits"]["applied"] == 5 && j["verified_ok"] != false));
+        CHECK((j["edits"]["applied"] == 10 && j["verified_ok"] != false));
     }
     std::string text = slurp(edit_place().folder.path / "r.json");
     const std::size_t depth = text.find("\"amount_m\":9.0");

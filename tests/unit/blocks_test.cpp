@@ -9,11 +9,10 @@
 
 #include <stb_dxt.h>
 
-#include "baker/maps/blocks.h"
 #include "fjell/texture.h"
+#include "shared/block_codes.h"
 
 using namespace fjell;
-using namespace fjell::baker;
 
 namespace {
 

@@ -419,6 +419,47 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     CHECK(fjell_destroy_ground_maps(c_maps).code == FJELL_OK);
     CHECK(fjell_destroy_ground_maps(c_maps).code == FJELL_INVALID_HANDLE);
 
+    // Paint: the same stamp, and maps under it.
+    Stamp burnt;
+    burnt.shape = StampShape::paint;
+    burnt.x_m = 400, burnt.z_m = 250, burnt.radius_m = 90, burnt.rgb[0] = 200, burnt.strength = 0.75f;
+    FjellStamp c_burnt = fjell_stamp_default();
+    CHECK((c_burnt.material == FJELL_NO_MATERIAL && c_burnt.strength == 1));
+    c_burnt.shape = FJELL_STAMP_SHAPE_PAINT;
+    c_burnt.x_m = 400, c_burnt.z_m = 250, c_burnt.radius_m = 90, c_burnt.rgb[0] = 200, c_burnt.strength = 0.75f;
+    CHECK(fjell_paint_bytes(terrain) == 0);
+    REQUIRE(push_stamp(edits, burnt, id).ok());
+    REQUIRE(fjell_push_stamp(c_edits, &c_burnt, &c_id).code == FJELL_OK);
+    REQUIRE(update_edits(edits, {}, {}, report).ok());
+    REQUIRE(fjell_update_edits(c_edits, nullptr, 0, nullptr, &c_report).code == FJELL_OK);
+    CHECK((report.paint != 0 && c_report.paint == report.paint));
+    cursor = c_cursor = 0;
+    const std::uint32_t painted = take_paint_changes(ours.terrain, cursor, rects, lost);
+    REQUIRE(fjell_take_paint_changes(terrain, &c_cursor, c_rects, 64, &c_lost) == painted);
+    CHECK((painted != 0 && c_cursor == cursor && !c_lost));
+    CHECK(std::memcmp(rects, c_rects, painted * sizeof *rects) == 0);
+    const std::uint32_t log2 = ours.pack.header.colour_log2;
+    REQUIRE(log2 != 0);
+    std::vector<std::byte> texels(chunk_raw_bytes(ours.pack.header, {ChunkKind::colour, 0, 0})), c_texels, of_copy;
+    REQUIRE(read_chunk(ours.pack, {ChunkKind::colour, 0, 0}, texels).ok());
+    c_texels = of_copy = texels;
+    bool changed = false, c_changed = false;
+    REQUIRE(paint_map(ours.terrain, MapKind::colour, 0, log2, texels, changed).ok());
+    REQUIRE(fjell_paint_map(terrain, FJELL_MAP_COLOUR, 0, log2, c_texels.data(), c_texels.size(), &c_changed).code ==
+            FJELL_OK);
+    CHECK((changed && c_changed && c_texels == texels && texels != of_copy));
+    CHECK(fjell_paint_bytes(terrain) == paint_bytes(ours.terrain));
+    const std::size_t copy_bytes = fjell_paint_bytes(terrain);
+    FjellPaint copy{};
+    REQUIRE(fjell_copy_paint(terrain, Memory::give(&memory, copy_bytes), copy_bytes, &copy).code == FJELL_OK);
+    CHECK(fjell_copy_paint(terrain, nullptr, 0, &copy).code == FJELL_MEMORY_TOO_SMALL);
+    CHECK(fjell_copy_paint(terrain, nullptr, 0, nullptr).code == FJELL_OUT_OF_RANGE);
+    REQUIRE(fjell_paint_map_of(copy, FJELL_MAP_COLOUR, 0, log2, of_copy.data(), of_copy.size(), nullptr).code ==
+            FJELL_OK);
+    CHECK(of_copy == texels);
+    CHECK(fjell_paint_map(terrain, FJELL_MAP_NORMAL, 0, log2, of_copy.data(), of_copy.size(), nullptr).code ==
+          FJELL_OUT_OF_RANGE);
+
     CHECK(fjell_destroy_edits(c_edits).code == FJELL_OK);
     CHECK(fjell_destroy_edits(c_edits).code == FJELL_INVALID_HANDLE);
 }

@@ -49,9 +49,16 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
       // the rectangle alone
       {"frame": 2, "shape": "heights", "first": [-1, 4], "columns": 3, "rows": 2, "heights_m": [1, 2, null, 4, 5, 6],
        "mask": [0, 255, 1, 2, 3, 4]},
-      {"frame": 2, "shape": "restore", "first": [0, 0], "columns": 9, "rows": 9}]})";
+      {"frame": 2, "shape": "restore", "first": [0, 0], "columns": 9, "rows": 9},
+      {"frame": 8, "shape": "paint", "at": [1, 2], "radius_m": 3, "rgb": [255, 0, 7], "material": 15, "strength": 0.5},
+      {"frame": 9, "shape": "unpaint", "points": [[1, 2], [3, 4.5]], "radius_m": 3}]})";
     const std::vector<io::TimedStamp> stamps = io::parse_stamps(text, "s.json");
-    REQUIRE(stamps.size() == 4);
+    REQUIRE(stamps.size() == 6);
+    const Stamp paint = stamps[4].what.stamp(), unpaint = stamps[5].what.stamp();
+    CHECK((paint.rgb[0] == 255 && paint.rgb[1] == 0 && paint.rgb[2] == 7 && paint.material == 15 &&
+           paint.strength == 0.5f));
+    CHECK((unpaint.shape == StampShape::unpaint && unpaint.point_count == 2 && unpaint.points[1].z_m == 4.5));
+    CHECK((unpaint.strength == 1 && unpaint.material == no_material));
     const Stamp level = stamps[0].what.stamp(), heights = stamps[1].what.stamp(), restore = stamps[2].what.stamp(),
                 noise = stamps[3].what.stamp();
     CHECK((stamps[0].frame == 0 && stamps[1].frame == 2 && stamps[2].frame == 2 && stamps[3].frame == 7));
@@ -98,6 +105,16 @@ TEST_CASE("a stamp that cannot be one is refused with its line, its number and t
     refused(R"({"shape": "heights", "first": [0, 0], "columns": 2, "rows": 2, "heights_m": [1, 2, 3]})",
             "\"heights_m\" must be a list of 4");
     refused(R"({"shape": "heights", "first": [0, 0], "columns": 2, "heights_m": [1, 2]})", "\"rows\" is missing");
+    const std::string paint = R"({"shape": "paint", "at": [1, 2], "radius_m": 3, "rgb": )";
+    CHECK(stamp_refusal(paint + "[1, 2, 3]}").empty());
+    refused(R"({"shape": "paint", "at": [1, 2], "radius_m": 3})", "\"rgb\" is missing");
+    refused(paint + "[1, 2]}", "\"rgb\" must be a list of 3");
+    refused(paint + "[1, 2, 256]}", "\"rgb\" must hold whole numbers in 0..255");
+    refused(paint + "[1, 2, 3], \"strength\": 1.1}", "\"strength\" must hold numbers in 0..1");
+    refused(paint + "[1, 2, 3], \"material\": 16}", "\"material\" must hold whole numbers in 0..15");
+    refused(paint + "[1, 2, 3], \"morph_s\": 1}", "\"morph_s\" is no field");
+    refused(R"({"shape": "unpaint", "points": [[1, 2], [3, 4]]})", "\"radius_m\" is missing");
+    refused(R"({"shape": "unpaint", "points": [[1, 2, 3], [3, 4, 5]], "radius_m": 1})", "points: [x, z]");
     refused(R"({"shape": "restore", "first": [0, 0], "columns": 1, "rows": 1, "mask": [256]})", "\"mask\" must hold");
     for (const char* file :
          {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {

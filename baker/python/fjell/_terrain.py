@@ -321,6 +321,9 @@ class Terrain:
         first: Optional[tuple[int, int]] = None,
         heights: Any = None,
         mask: Any = None,
+        rgb: Optional[tuple[int, int, int]] = None,
+        material: Optional[int] = None,
+        strength: float = 1.0,
     ) -> int:
         """Changes the ground, and returns how many samples have another height. Metres, x and z as everywhere.
 
@@ -328,9 +331,12 @@ class Terrain:
             `slope`, metres up a metre east and a metre south; "crater" makes a bowl `amount` deep, with a rim; "path"
             makes a road along `points`, [n, 3] of x, z and height; "noise" adds hills of `amount` and `wavelength`;
             "smooth" takes the mean of a sample and its neighbours; "heights" takes those of an array [rows, columns],
-            NaN leaving a sample as it is; "restore" gives back the pack's.
+            NaN leaving a sample as it is; "restore" gives back the pack's. "paint" shows the colour `rgb` instead of the
+            pack's, and of its splat map the `material` of that number, within a radius, along `points` [n, 2] or by a
+            mask, "unpaint" gives back the pack's. Neither changes a height.
         at: the centre, x and z. radius: within it the shape applies wholly, and fades out over `falloff`; of a path,
             half its width.
+        strength: the share of all this that happens, 0 to 1.
         first: column and row of the array's first sample. mask: uint8 [rows, columns], of any shape; 255 applies it
             wholly, 0 not at all.
 
@@ -352,10 +358,16 @@ class Terrain:
         stamp.update((name, float(value)) for name, value in plain.items() if value is not None)
         optional = {"falloff_m": float(falloff), "slope_x": float(slope[0]), "slope_z": float(slope[1]), "seed": int(seed)}
         stamp.update((name, value) for name, value in optional.items() if value != 0)
+        if strength != 1:
+            stamp["strength"] = float(strength)
         if at is not None:
             stamp["at"] = [float(v) for v in at]
         if points is not None:
             stamp["points"] = np.asarray(points, np.float64).tolist()
+        if rgb is not None:
+            stamp["rgb"] = [int(v) for v in rgb]
+        if material is not None:
+            stamp["material"] = int(material)
         shapes = set()
         if heights is not None:
             values, hidden = heights_of(heights)

@@ -40,13 +40,18 @@ enum class StampShape : std::uint32_t {
     noise,   // smooth noise of +-amount_m, wavelength_m from hill to hill, is added
     smooth,  // to the mean of a sample and its eight neighbours
     heights, // to `heights`, a raster of its own
-    restore  // to the pack's heights
+    restore, // to the pack's heights
+    // Not the heights: the colour map shows `rgb`, and the splat map `material`.
+    paint,
+    unpaint // to the pack's maps, bit for bit where it applies wholly
 };
 
 struct StampPoint {
     double x_m = 0, z_m = 0; // scene axes
     float height_m = 0;
 };
+
+inline constexpr std::uint8_t no_material = 255; // of Stamp::material
 
 // What happens to which samples. The shape applies wholly within radius_m of the centre (of the line, for a path), and
 // fades out over falloff_m beyond; `heights` and `mask` apply to their rectangle. Samples that are holes stay holes.
@@ -59,7 +64,7 @@ struct Stamp {
     float wavelength_m = 0;
     std::uint32_t seed = 0;
     // Pointed to, not copied: they must stay until stamp_state() says that the stamp is done or refused.
-    const StampPoint* points = nullptr; // of a path, in order; 2 to max_path_points
+    const StampPoint* points = nullptr; // of a path, in order, 2 to max_path_points; paint may follow one, too
     std::uint32_t point_count = 0;
     SampleIndex first;                  // of the rectangle
     std::int32_t columns = 0, rows = 0; // of the rectangle; 0: none
@@ -71,6 +76,9 @@ struct Stamp {
     // taken the codes that it needs, it leaves the ground where it is.
     float morph_s = 0;
     float strength = 1; // 0 to 1: the share of all this that happens
+    // Of `paint`, which waits for no pages and comes at once.
+    std::uint8_t rgb[3] = {0, 0, 0};     // sRGB
+    std::uint8_t material = no_material; // the number of a name in the pack's layers; none: the colour map shows
 };
 inline constexpr std::uint32_t max_path_points = 256;
 
@@ -80,6 +88,9 @@ struct EditBudget {
     std::uint32_t stamps = 256;  // handed in and not yet applied
     std::uint32_t areas = 256;   // whose coarse errors wait to be measured again; beyond that areas are merged
     std::uint32_t moving = 4;    // stamps whose ground is on its way (Stamp::morph_s), 42 KB each; 0 to 1,024
+    // Blocks of 32 x 32 samples with paint on them, 11 KB each; 0 to 16,777,216. None are kept for a pack without
+    // colour and splat maps.
+    std::uint32_t paint = 256;
 };
 
 using StampId = std::uint64_t; // 0: none
@@ -101,7 +112,8 @@ struct StampResult {
 // One a terrain, after create_terrain and before its cuts begin to update. memory: at least edits_bytes(), aligned to
 // 64. Fails with not_supported for a sparse terrain, whose missing tiles have no ground to edit.
 Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<std::byte> memory, Edits& edits);
-// The ground stays as it is edited, as long as its pages stay loaded.
+// The ground stays as it is edited, as long as its pages stay loaded; maps stay painted as long as they are shown. No
+// thread may be in stream_provide() or paint_map() of this terrain.
 Status destroy_edits(const Edits& edits);
 
 // Any thread. What push_stamp() says of a stamp's numbers: out_of_range with the field's name.
@@ -129,7 +141,12 @@ struct EditSettings {
     double now_s = 0;              // the host's clock, for Stamp::morph_s; must not run backwards
 };
 
-enum EditBudgetBit : std::uint32_t { edit_budget_work = 1, edit_budget_time = 2, edit_budget_blocks = 4 };
+enum EditBudgetBit : std::uint32_t {
+    edit_budget_work = 1,
+    edit_budget_time = 2,
+    edit_budget_blocks = 4,
+    edit_budget_paint = 8
+};
 
 struct EditReport {
     std::uint32_t applied = 0, refused = 0; // stamps, in this call
@@ -145,6 +162,7 @@ struct EditReport {
     std::uint32_t exhausted = 0;  // EditBudgetBits that ended the call or refused a stamp
     double apply_us = 0, measure_us = 0;
     std::uint32_t moving = 0; // stamps whose ground is on its way; they are not among the waiting
+    std::uint32_t paint = 0;  // of EditBudget::paint in use
 };
 // The frame's thread, before update_stream and update_cut: applies stamps, the one nearest to a view first but never
 // before an earlier one that overlaps it; then measures errors again, as far as the settings allow.

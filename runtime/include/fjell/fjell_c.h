@@ -243,6 +243,15 @@ FjellStatus fjell_note_map_commands(FjellGroundMaps maps, const FjellMapCommand*
 FjellStatus fjell_update_ground_maps(FjellGroundMaps maps, const FjellTileMap* normals, size_t normal_count,
                                      FjellGroundMapsReport* report);
 const FjellMapPatch* fjell_ground_map_patches(FjellGroundMaps maps, size_t* count);
+FjellStatus fjell_paint_map(FjellTerrain terrain, FjellMapKind map, uint32_t tile, uint32_t side_log2, void* blocks,
+                            size_t block_bytes, bool* changed);
+uint32_t fjell_take_paint_changes(FjellTerrain terrain, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
+                                  bool* lost);
+size_t fjell_paint_bytes(FjellTerrain terrain);
+FjellStatus fjell_copy_paint(FjellTerrain terrain, void* memory, size_t memory_bytes, FjellPaint* paint);
+// By a copy: paint_map() with a Paint.
+FjellStatus fjell_paint_map_of(FjellPaint paint, FjellMapKind map, uint32_t tile, uint32_t side_log2, void* blocks,
+                               size_t block_bytes, bool* changed);
 
 // --- defaults of the descriptors ---
 

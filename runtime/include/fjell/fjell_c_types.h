@@ -626,13 +626,17 @@ enum {
     FJELL_STAMP_SHAPE_NOISE,
     FJELL_STAMP_SHAPE_SMOOTH,
     FJELL_STAMP_SHAPE_HEIGHTS,
-    FJELL_STAMP_SHAPE_RESTORE
+    FJELL_STAMP_SHAPE_RESTORE,
+    FJELL_STAMP_SHAPE_PAINT,
+    FJELL_STAMP_SHAPE_UNPAINT
 };
 
 typedef struct FjellStampPoint {
     double x_m, z_m;
     float height_m;
 } FjellStampPoint;
+
+#define FJELL_NO_MATERIAL 255
 
 typedef struct FjellStamp {
     uint64_t struct_size;
@@ -651,6 +655,8 @@ typedef struct FjellStamp {
     const uint8_t* mask;
     float morph_s;
     float strength;
+    uint8_t rgb[3];
+    uint8_t material;
 } FjellStamp;
 
 #define FJELL_MAX_PATH_POINTS 256
@@ -661,6 +667,7 @@ typedef struct FjellEditBudget {
     uint32_t stamps;
     uint32_t areas;
     uint32_t moving;
+    uint32_t paint;
 } FjellEditBudget;
 
 typedef uint32_t FjellStampState;
@@ -687,7 +694,12 @@ typedef struct FjellEditSettings {
 } FjellEditSettings;
 
 typedef uint32_t FjellEditBudgetBit;
-enum { FJELL_EDIT_BUDGET_WORK = 1, FJELL_EDIT_BUDGET_TIME = 2, FJELL_EDIT_BUDGET_BLOCKS = 4 };
+enum {
+    FJELL_EDIT_BUDGET_WORK = 1,
+    FJELL_EDIT_BUDGET_TIME = 2,
+    FJELL_EDIT_BUDGET_BLOCKS = 4,
+    FJELL_EDIT_BUDGET_PAINT = 8
+};
 
 typedef struct FjellEditReport {
     uint64_t struct_size;
@@ -702,6 +714,7 @@ typedef struct FjellEditReport {
     uint32_t exhausted;
     double apply_us, measure_us;
     uint32_t moving;
+    uint32_t paint;
 } FjellEditReport;
 
 typedef struct FjellGroundRect {
@@ -734,10 +747,16 @@ typedef struct FjellMapPatch {
 
 typedef struct FjellGroundMapsReport {
     uint64_t struct_size;
-    uint32_t patches, texels;
+    uint32_t patches;
+    uint32_t texels;
     uint32_t waiting;
     uint32_t coarse;
     double update_us;
 } FjellGroundMapsReport;
+
+typedef struct FjellPaint {
+    void* object;
+    uint64_t identity;
+} FjellPaint;
 
 #endif

@@ -95,6 +95,40 @@ FjellStatus fjell_update_ground_maps(FjellGroundMaps maps, const FjellTileMap* n
     if (status.ok()) write(made, report);
     return to_c(status);
 }
+FjellStatus fjell_paint_map(FjellTerrain terrain, FjellMapKind map, uint32_t tile, uint32_t side_log2, void* blocks,
+                            size_t block_bytes, bool* changed) {
+    bool painted = false;
+    const Status status =
+        paint_map(to_cpp(terrain), static_cast<MapKind>(map), tile, side_log2, span_of(blocks, block_bytes), painted);
+    if (changed != nullptr) *changed = painted;
+    return to_c(status);
+}
+uint32_t fjell_take_paint_changes(FjellTerrain terrain, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
+                                  bool* lost) {
+    std::uint64_t from = cursor == nullptr ? 0 : *cursor;
+    bool missed = false;
+    const std::uint32_t taken =
+        take_paint_changes(to_cpp(terrain), from, span_of(reinterpret_cast<GroundRect*>(rects), rect_count), missed);
+    if (cursor != nullptr) *cursor = from;
+    if (lost != nullptr) *lost = missed;
+    return taken;
+}
+size_t fjell_paint_bytes(FjellTerrain terrain) {
+    return paint_bytes(to_cpp(terrain));
+}
+FjellStatus fjell_copy_paint(FjellTerrain terrain, void* memory, size_t memory_bytes, FjellPaint* paint) {
+    if (paint == nullptr) return refused("paint");
+    Paint made;
+    return give(copy_paint(to_cpp(terrain), span_of(memory, memory_bytes), made), made, paint);
+}
+FjellStatus fjell_paint_map_of(FjellPaint paint, FjellMapKind map, uint32_t tile, uint32_t side_log2, void* blocks,
+                               size_t block_bytes, bool* changed) {
+    bool painted = false;
+    const Status status =
+        paint_map(to_cpp(paint), static_cast<MapKind>(map), tile, side_log2, span_of(blocks, block_bytes), painted);
+    if (changed != nullptr) *changed = painted;
+    return to_c(status);
+}
 const FjellMapPatch* fjell_ground_map_patches(FjellGroundMaps maps, size_t* count) {
     return elements(ground_map_patches(to_cpp(maps)), count);
 }

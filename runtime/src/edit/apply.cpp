@@ -207,6 +207,7 @@ void apply(EditsData& e, const Change& change) {
 
 bool is_held(const EditsData& e, Waiting& w) {
     const TerrainData& t = *e.terrain;
+    if (paints(w.stamp.shape)) return w.lacks_pages = false;
     if (w.page_changes != t.changes) { // not at every item: under a large stamp lie many pages
         w.page_changes = t.changes;
         w.lacks_pages = false;
@@ -219,9 +220,27 @@ bool is_held(const EditsData& e, Waiting& w) {
     return w.lacks_pages || (w.wants_rest && !is_at_rest(e, w.places));
 }
 
-bool awaits_pages(const EditsData& e, const Rect& places) {
+bool awaits_pages(const EditsData& e, const Rect& places, int step_log2) {
     if (e.awaiting_count == 0) return false;
-    const auto awaits = [&](const Waiting& w) { return w.awaits && w.places.grown(1).meets(places); };
+    const TerrainData& t = *e.terrain;
+    // One that waits until all is measured around it needs what is_at_rest() asks for, and what areas there have
+    // lacked.
+    const auto lacked = [&](const Area& area) {
+        for (std::uint32_t i = 0; i < area.missing.count; ++i) {
+            const SampleIndex v = area.missing.at[i];
+            if (Tree::step_log2(v) <= step_log2 && places.contains(v)) return true; // pages above come first
+        }
+        return false;
+    };
+    const auto awaits = [&](const Waiting& w) {
+        if (!w.awaits) return false;
+        if (w.places.grown(1).meets(places)) return true;
+        if (!w.wants_rest) return false;
+        if (w.places.grown(error_reach(VertexKind::centre) << step_log2).meets(places)) return true;
+        return std::any_of(e.areas, e.areas + e.area_count, [&](const Area& area) {
+            return area.places.grown(2 * t.tree.side()).meets(w.places) && lacked(area);
+        });
+    };
     return std::any_of(e.waiting, e.waiting + e.waiting_count, awaits) ||
            std::any_of(e.moving, e.moving + e.moving_count, [&](const Moving& m) { return awaits(m.stamp); });
 }
@@ -264,7 +283,9 @@ bool move_on(EditsData& e, Moving& m, double now_s, Refusal& refusal, std::uint3
         bool unknown = false, at_once = false;
         refusal = refusal_of(e, change, &m, unknown, at_once);
         if (refusal != Refusal::none || unknown) { // others have come beside it: again when all is measured
+            const bool wanted = m.stamp.wants_rest;
             const bool never = share == 1 && !unknown && std::exchange(m.stamp.wants_rest, true);
+            if (m.stamp.wants_rest != wanted) ++e.awaits_changes;
             if (!never) refusal = Refusal::none;
             return never;
         }
@@ -280,7 +301,7 @@ bool move_on(EditsData& e, Moving& m, double now_s, Refusal& refusal, std::uint3
 bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::uint32_t& samples) {
     refusal = Refusal::none;
     const auto look_again = [&] { // when it is held no longer
-        w.wants_rest = true;
+        if (!std::exchange(w.wants_rest, true)) ++e.awaits_changes;
         w.piece = 0;
         w.change = {};
         return false;

@@ -6,14 +6,14 @@
 namespace fjell::edit {
 
 // As `refusals` in edits.cpp names them.
-enum class Refusal : std::uint32_t { none, blocks, span, bound, number };
+enum class Refusal : std::uint32_t { none, blocks, span, bound, number, paint, no_maps };
 
 // Has a stamp to wait: for pages, or until all is measured around it?
 [[nodiscard]] bool is_held(const EditsData& e, Waiting& w);
 
-// Does a stamp await the pages of these places? A stream loads them whether a view wants them or not: from far away
-// none would, and what has changed would never be seen.
-[[nodiscard]] bool awaits_pages(const EditsData& e, const Rect& places);
+// Does a stamp await a page of these places, whose vertices are of this step? A stream loads them whether a view wants
+// them or not: from far away none would, and what has changed would never be seen.
+[[nodiscard]] bool awaits_pages(const EditsData& e, const Rect& places, int step_log2);
 
 // The next piece of a stamp whose pages are loaded. First all are looked at, so that what is refused changes nothing.
 // Returns true when the stamp is done: applied, refused, or on its way (Waiting::moves). samples: grows by those whose

@@ -59,9 +59,10 @@ bool has_area_to_measure(const EditsData& e) {
 
 void measure_next(EditsData& e) {
     const TerrainData& t = *e.terrain;
-    const Ground ground(t, nullptr);
     const std::uint32_t number = first_to_measure(e);
     Area& a = e.areas[number];
+    Ground ground(t, nullptr);
+    ground.missing = &a.missing;
     if (!a.begun) a.begun = true, a.z = a.first_z, a.page_changes = t.changes;
     if (a.radii_z != no_radii) { // of a page that has come back
         if (!nest_radii_of_pages(e, a.places, a.radii_z)) a.missed_radii_z = a.radii_z;
@@ -79,7 +80,9 @@ void measure_next(EditsData& e) {
                                        .unmeasured = true,
                                        .first_z = done.first_z,
                                        .radii_z = done.missed_radii_z,
-                                       .page_changes = done.page_changes};
+                                       .page_changes = done.page_changes,
+                                       .missing = done.missing};
+        if (done.missing.count != 0) ++e.awaits_changes; // by a stamp that waits for it
         return;
     }
     const SampleIndex v = plane.at(square.column, square.row);
@@ -106,7 +109,7 @@ void retry_unmeasured(EditsData& e) {
     for (std::uint32_t i = 0; i < e.area_count; ++i) {
         Area& a = e.areas[i];
         if (a.unmeasured && a.page_changes != e.terrain->changes)
-            a = {.places = a.places, .first_z = a.first_z, .radii_z = a.radii_z};
+            a = {.places = a.places, .first_z = a.first_z, .radii_z = a.radii_z, .missing = a.missing};
     }
 }
 

@@ -9,6 +9,7 @@
 #include "block_layout.h"
 #include "edit/apply.h"
 #include "edit/areas.h"
+#include "edit/paint.h"
 #include "edit/radii.h"
 #include "edit/refuse.h"
 #include "shared/stamp.h"
@@ -27,9 +28,12 @@ std::uint32_t table_size(const EditBudget& budget) {
 }
 
 struct Layout {
-    std::size_t queue, results, waiting, moving, blocks, table, areas, end;
+    std::size_t queue, results, waiting, moving, blocks, table, areas, paint, end;
 };
-Layout layout_of(const EditBudget& budget) {
+bool has_maps(const PackHeader& header) {
+    return header.colour_log2 != 0 || header.splat_log2 != 0;
+}
+Layout layout_of(const PackHeader& header, const EditBudget& budget) {
     BlockLayout block(sizeof(EditsData));
     Layout l{};
     l.queue = block.place(queue_cells(budget), sizeof(QueueCell));
@@ -39,6 +43,7 @@ Layout layout_of(const EditBudget& budget) {
     l.blocks = block.place(budget.blocks, sizeof(Block));
     l.table = block.place(table_size(budget), sizeof(std::uint32_t));
     l.areas = block.place(budget.areas, sizeof(Area));
+    l.paint = block.place(has_maps(header) ? paint_bytes_of(budget.paint) : 0, 1);
     l.end = block.end();
     return l;
 }
@@ -48,6 +53,7 @@ Status check_budget(const EditBudget& budget) {
     if (budget.blocks == 0 || budget.blocks > most) return {StatusCode::out_of_range, "EditBudget::blocks"};
     if (budget.stamps == 0 || budget.stamps > most) return {StatusCode::out_of_range, "EditBudget::stamps"};
     if (budget.areas < 2 || budget.areas > most) return {StatusCode::out_of_range, "EditBudget::areas"};
+    if (budget.paint > most) return {StatusCode::out_of_range, "EditBudget::paint"};
     if (budget.moving > 1024) return {StatusCode::out_of_range, "EditBudget::moving"};
     return {};
 }
@@ -60,9 +66,13 @@ EditsData* find_edits(const Edits& edits) {
 }
 
 // Fields that are to blame for a refusal, by number: results hold no pointer.
-constexpr const char* refusals[] = {
-    "", "EditBudget::blocks", "Stamp (heights span more than 65,535 steps of the height scale within a page)",
-    "Stamp (steeper, or higher, than the pack's codes can bound)", "Stamp (a height that is no number)"};
+constexpr const char* refusals[] = {"",
+                                    "EditBudget::blocks",
+                                    "Stamp (heights span more than 65,535 steps of the height scale within a page)",
+                                    "Stamp (steeper, or higher, than the pack's codes can bound)",
+                                    "Stamp (a height that is no number)",
+                                    "EditBudget::paint",
+                                    "Stamp::shape (the pack has no colour or splat maps)"};
 
 // Unless a later stamp has the place: one may wait for its pages while thousands come and go.
 void set_result(EditsData& e, StampId id, StampState state, StatusCode code = StatusCode::ok, std::uint32_t field = 0) {
@@ -79,7 +89,7 @@ void set_result(EditsData& e, StampId id, StampState state, StatusCode code = St
 
 std::size_t edits_bytes(const PackHeader& header, const EditBudget& budget) {
     if (!check_ranges(header).ok() || !check_budget(budget).ok()) return 0;
-    return layout_of(budget).end;
+    return layout_of(header, budget).end;
 }
 
 Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<std::byte> memory, Edits& edits) {
@@ -88,7 +98,7 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     if (t->is_sparse()) return {StatusCode::not_supported, "terrain (sparse)"};
     if (t->edits != nullptr) return {StatusCode::not_supported, "terrain (it has edits)"};
     if (Status s = check_budget(budget); !s.ok()) return s;
-    const Layout l = layout_of(budget);
+    const Layout l = layout_of(t->header, budget);
     if (memory.size() < l.end) return {StatusCode::memory_too_small, "memory"};
     std::byte* const at = memory.data();
     if (reinterpret_cast<std::uintptr_t>(at) % block_alignment != 0)
@@ -111,10 +121,12 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     e.block_table_size = table_size(budget);
     std::fill_n(e.block_table, e.block_table_size, no_index);
     e.areas = reinterpret_cast<Area*>(at + l.areas);
+    if (has_maps(t->header)) e.paint = make_paint(t->header, budget.paint, at + l.paint);
     e.steepest_m = steepest_of_codes(e);
     HandleAccess::begin(e, edits);
     t->edits = &e;
     t->changed_ground = e.changes;
+    store_release(t->paint, e.paint);
     // What edits before these have changed is not in this log: whoever has not followed it looks at everything.
     if (t->ground_changes != 0) t->ground_changes += ground_change_log + 1;
     return {};
@@ -126,6 +138,7 @@ Status destroy_edits(const Edits& edits) {
     if (TerrainData* const t = find(e->handle)) {
         t->edits = nullptr;
         t->changed_ground = nullptr;
+        store_release(t->paint, static_cast<PaintData*>(nullptr));
     }
     (void)HandleAccess::end(edits);
     return {};
@@ -233,7 +246,7 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
             behind = e.moving[k].stamp.places.grown(1).meets(w.places);
         if (behind) continue;
         w.held = is_held(e, w);
-        if (w.lacks_pages && !std::exchange(w.awaits, true)) ++e.awaiting_count, ++e.awaits_changes;
+        if ((w.lacks_pages || w.wants_rest) && !std::exchange(w.awaits, true)) ++e.awaiting_count, ++e.awaits_changes;
         if (w.held) continue;
         double away = 1e200;
         for (const View& view : views) away = std::min(away, distance_m(*e.terrain, w.places, view));
@@ -246,12 +259,14 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
 void finish(EditsData& e, StampId id, Refusal refusal, EditReport& report) {
     const bool refused = refusal != Refusal::none;
     set_result(e, id, refused ? StampState::refused : StampState::applied,
-               !refused                     ? StatusCode::ok
-               : refusal == Refusal::blocks ? StatusCode::out_of_slots
-                                            : StatusCode::out_of_range,
+               !refused                                                  ? StatusCode::ok
+               : refusal == Refusal::blocks || refusal == Refusal::paint ? StatusCode::out_of_slots
+               : refusal == Refusal::no_maps                             ? StatusCode::not_supported
+                                                                         : StatusCode::out_of_range,
                static_cast<std::uint32_t>(refusal));
     ++(refused ? report.refused : report.applied);
     if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
+    if (refusal == Refusal::paint) report.exhausted |= edit_budget_paint;
 }
 
 // Each that is on its way takes a step.
@@ -276,7 +291,9 @@ void apply_stamps(EditsData& e, std::span<const View> views, double now_s, Budge
         if (i == no_index || !budget.may_go_on()) return;
         const StampId id = e.waiting[i].id;
         Refusal refusal = Refusal::none;
-        if (!apply_piece(e, e.waiting[i], now_s, refusal, report.samples)) continue;
+        Waiting& w = e.waiting[i];
+        if (!(paints(w.stamp.shape) ? paint_piece(e, w, refusal) : apply_piece(e, w, now_s, refusal, report.samples)))
+            continue;
         const bool moves = e.waiting[i].moves;
         if (moves)
             set_result(e, id, StampState::moving);
@@ -317,6 +334,7 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
     for (std::uint32_t i = 0; i < e.waiting_count; ++i) report.held += e.waiting[i].held;
     for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);
     report.blocks = e.block_count;
+    report.paint = e.paint != nullptr ? e.paint->count : 0;
     return {};
 }
 

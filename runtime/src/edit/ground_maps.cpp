@@ -39,6 +39,8 @@ constexpr std::uint32_t least_texels = 256; // that a patch counts as: so many p
 std::uint32_t most_patches(const GroundMapsBudget& budget) {
     return budget.texels / least_texels;
 }
+// And those of a stream: all mips of all its requests.
+constexpr std::uint32_t most_stream_patches = 64 * max_texture_log2;
 
 } // namespace
 
@@ -59,8 +61,8 @@ struct GroundMapsData {
     Work work;
     TileWork tile;
     MapPatch* patches;
-    std::uint32_t patch_count;
-    std::byte* blocks; // of the patches
+    std::uint32_t patch_count, made_patches; // made here: those behind the stream's
+    std::byte* blocks;                       // of the patches
     NormalScratch* scratch;
 };
 
@@ -74,7 +76,7 @@ Layout layout_of(const PackHeader& h, const GroundMapsBudget& budget) {
     Layout l{};
     l.changes = block.place(budget.changes, sizeof(GroundRect));
     l.bits = block.place(4 * (std::uint64_t{tiles_of(h)} / 64 + 1), sizeof(std::uint64_t));
-    l.patches = block.place(most_patches(budget), sizeof(MapPatch));
+    l.patches = block.place(most_patches(budget) + most_stream_patches, sizeof(MapPatch));
     l.blocks = block.place(budget.texels / 16, normal_block_bytes);
     l.scratch = block.place(1, sizeof(NormalScratch));
     l.end = block.end();
@@ -279,12 +281,13 @@ bool make_piece(GroundMapsData& m, std::span<const TileMap> normals, GroundMapsR
                 const std::uint32_t mip_log2 = shown.side_log2 - w.mip;
                 if (!piece_of(texels_over(t, tile, mip_log2, w.rect), most_texels(t, mip_log2), w.piece, piece))
                     continue;
-                if (report.texels + piece.texels() > m.budget.texels || m.patch_count == most_patches(m.budget))
+                if (report.texels + piece.texels() > m.budget.texels || m.made_patches == most_patches(m.budget))
                     return false;
                 std::byte* const blocks = m.blocks + std::size_t{report.texels} / 16 * normal_block_bytes;
                 if (!make_normals(m.handle, t, tile, mip_log2, piece, *m.scratch, blocks) && set(m.coarse, tile))
                     ++m.coarse_count;
                 set(m.made, tile);
+                ++m.made_patches;
                 m.patches[m.patch_count++] = {.map = MapKind::normal,
                                               .side_log2 = shown.side_log2,
                                               .mip = static_cast<std::uint8_t>(w.mip),
@@ -366,7 +369,10 @@ Status update_ground_maps(const GroundMaps& maps, std::span<const TileMap> norma
     if (found == nullptr) return no_maps;
     GroundMapsData& m = *found;
     report = {};
-    m.patch_count = 0;
+    m.patch_count = std::min(m.terrain->map_patch_count, most_stream_patches);
+    m.made_patches = 0;
+    std::copy_n(m.terrain->map_patches, m.patch_count, m.patches);
+    report.patches = m.patch_count;
     if (m.terrain->header.normal_log2 == 0) return {};
     if (normals.size() != m.terrain->tile_count()) return {StatusCode::out_of_range, "normals"};
     take_changes(m);

@@ -107,6 +107,7 @@ struct Area {
     bool missed = false;       // something could not be read
     int missed_radii_z = no_radii;
     std::uint64_t page_changes = 0; // TerrainData::changes when it began
+    Missing missing{};              // what it has lacked: a stream loads it where a stamp waits for the area
 };
 
 // What radii are worked out from: the baker's numbers (baker/heights/scales.h).
@@ -148,6 +149,7 @@ struct EditsData {
     int measured_z;
     double steepest_m; // ground with such steps between neighbours has codes wherever the pack's heights end
     GroundChange changes[ground_change_log];
+    PaintData* paint; // null: the pack has no maps for it
     edit::Window window;
     edit::Piece piece;
 };

@@ -6,7 +6,9 @@
 namespace fjell::edit {
 
 Cell Ground::beyond(SampleIndex v) const {
-    return cell_at(terrain, v);
+    const Cell cell = cell_at(terrain, v);
+    if (!cell.loaded && missing != nullptr) missing->note(v);
+    return cell;
 }
 
 void read(const TerrainData& t, const Rect& rect, Window& window) {

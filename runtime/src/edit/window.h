@@ -28,6 +28,23 @@ struct Window {
     }
 };
 
+// Vertices that were looked for and are not loaded: one of each page, nearly, and the last ones of many.
+struct Missing {
+    static constexpr std::uint32_t most = 32;
+    SampleIndex at[most];
+    std::uint32_t count = 0, next = 0;
+    void note(SampleIndex v) {
+        const int z = Tree::step_log2(v), page_log2 = z + 1 + page_squares_log2;
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (Tree::step_log2(at[i]) == z && (at[i].column ^ v.column) >> page_log2 == 0 &&
+                (at[i].row ^ v.row) >> page_log2 == 0)
+                return;
+        at[next] = v;
+        next = (next + 1) % most;
+        count = std::min(count + 1, most);
+    }
+};
+
 // The terrain, and a window that lies over a part of it: what is read there is the window's, and what is written goes
 // there until write_back().
 class Ground {
@@ -36,6 +53,7 @@ public:
     Ground(const TerrainData& t, Window* window) : terrain(t), tree(t.tree), window_(window) {}
     const TerrainData& terrain;
     const Tree& tree;
+    Missing* missing = nullptr; // notes what is looked for in vain, if it is set
     [[nodiscard]] Window* window() const { return window_; }
 
     [[nodiscard]] Cell at(SampleIndex v) const {

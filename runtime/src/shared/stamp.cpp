@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fjell/texture.h"
+
 namespace fjell::edit {
 
 namespace {
@@ -70,6 +72,9 @@ double crater_m(const Stamp& stamp, double away_m) {
     return depth * rim * weight_at(stamp, away_m);
 }
 
+bool along_path(const Stamp& stamp) {
+    return stamp.shape == StampShape::path || (paints(stamp.shape) && stamp.point_count != 0);
+}
 bool by_distance(const Stamp& stamp) { // otherwise by its rectangle alone
     return stamp.shape != StampShape::heights && !(stamp.columns > 0 && stamp.radius_m == 0);
 }
@@ -83,7 +88,7 @@ Rect samples_of(const StampGrid& grid, const Stamp& stamp) {
                           stamp.first.row + stamp.rows - 1});
     if (!by_distance(stamp)) return all;
     double x0 = stamp.x_m, x1 = stamp.x_m, z0 = stamp.z_m, z1 = stamp.z_m;
-    if (stamp.shape == StampShape::path) {
+    if (along_path(stamp)) {
         x0 = x1 = stamp.points[0].x_m, z0 = z1 = stamp.points[0].z_m;
         for (std::uint32_t k = 1; k < stamp.point_count; ++k) {
             x0 = std::min(x0, stamp.points[k].x_m), x1 = std::max(x1, stamp.points[k].x_m);
@@ -107,10 +112,25 @@ bool may_change(const StampGrid& grid, const Stamp& stamp, const Rect& samples) 
     const double sx = grid.spacing_m[0], sz = grid.spacing_m[1], x = 0.5 * (samples.x0 + samples.x1) * sx,
                  z = 0.5 * (samples.y0 + samples.y1) * sz, half_x = 0.5 * samples.columns() * sx,
                  half_z = 0.5 * samples.rows() * sz;
-    const double away_m = stamp.shape == StampShape::path ? nearest_on_path(stamp, x, z).away_m
-                                                          : std::hypot(x - stamp.x_m, z - stamp.z_m);
+    const double away_m =
+        along_path(stamp) ? nearest_on_path(stamp, x, z).away_m : std::hypot(x - stamp.x_m, z - stamp.z_m);
     return away_m <=
            static_cast<double>(stamp.radius_m) + static_cast<double>(stamp.falloff_m) + std::hypot(half_x, half_z);
+}
+
+double stamp_weight(const StampGrid& grid, const Stamp& stamp, SampleIndex sample) {
+    double weight = stamp.strength;
+    if (stamp.columns > 0 && stamp.mask != nullptr) {
+        const std::size_t at =
+            static_cast<std::size_t>(sample.row - stamp.first.row) * static_cast<std::size_t>(stamp.columns) +
+            static_cast<std::size_t>(sample.column - stamp.first.column);
+        weight *= stamp.mask[at] / 255.0;
+    }
+    if (!by_distance(stamp)) return weight;
+    const double x = sample.column * grid.spacing_m[0], z = sample.row * grid.spacing_m[1];
+    const double dx = x - stamp.x_m, dz = z - stamp.z_m;
+    return weight *
+           weight_at(stamp, along_path(stamp) ? nearest_on_path(stamp, x, z).away_m : std::sqrt(dx * dx + dz * dz));
 }
 
 double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
@@ -156,6 +176,8 @@ double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, 
         const double height_m = stamp.heights_m[at];
         return std::isnan(height_m) ? unchanged : towards(height_m);
     }
+    case StampShape::paint:
+    case StampShape::unpaint: return unchanged;
     case StampShape::restore: break;
     }
     return weight == 1 ? now.pack_m : towards(now.pack_m);
@@ -168,7 +190,7 @@ namespace fjell {
 Status check_stamp(const Stamp& s) {
     const auto bad = [](const char* field) { return Status{StatusCode::out_of_range, field}; };
     const auto finite = [](double v) { return std::abs(v) < 1e9; };
-    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::restore))
+    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::unpaint))
         return bad("Stamp::shape");
     if (!finite(s.x_m)) return bad("Stamp::x_m");
     if (!finite(s.z_m)) return bad("Stamp::z_m");
@@ -196,6 +218,11 @@ Status check_stamp(const Stamp& s) {
     case StampShape::heights:
         if (s.heights_m == nullptr || s.columns == 0) return bad("Stamp::heights_m");
         break;
+    case StampShape::paint:
+    case StampShape::unpaint:
+        if (s.material >= max_splat_names && s.material != no_material) return bad("Stamp::material");
+        if (s.point_count == 0) break;
+        [[fallthrough]];
     case StampShape::path:
         if (s.points == nullptr || s.point_count < 2 || s.point_count > max_path_points) return bad("Stamp::points");
         for (std::uint32_t k = 0; k < s.point_count; ++k)

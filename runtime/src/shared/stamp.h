@@ -56,4 +56,11 @@ struct Surroundings {
 // The new height in metres; NaN: as it is.
 [[nodiscard]] double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now);
 
+// How much of a stamp applies to a sample, 0 to 1: by distance and mask. Not of a crater, whose rim lies outside.
+[[nodiscard]] double stamp_weight(const StampGrid& grid, const Stamp& stamp, SampleIndex sample);
+
+[[nodiscard]] constexpr bool paints(StampShape shape) {
+    return shape == StampShape::paint || shape == StampShape::unpaint;
+}
+
 } // namespace fjell::edit

@@ -45,6 +45,8 @@ struct GroundRange {
 }
 
 struct EditsData; // edit/state.h
+struct PaintData; // edit/paint.h
+struct MapPatch;
 
 FJELL_API_BEGIN // companions are libraries of their own, and read vertices
 
@@ -85,6 +87,10 @@ struct TerrainData {
     EditsData* edits = nullptr;       // of this terrain; they are asked when a page comes
     std::uint64_t ground_changes = 0; // so far; the n-th is changed_ground[n % ground_change_log]
     const GroundChange* changed_ground = nullptr;
+    PaintData* paint = nullptr; // of edits; clients of a stream read it on their threads
+    // Of the stream's last update: mips that were read again because paint has changed on them.
+    const MapPatch* map_patches = nullptr;
+    std::uint32_t map_patch_count = 0;
     // Odd while heights change under queries of other threads; what is read meanwhile may mix ground of before and
     // after, which differ by editing_m at most (query/steady.h).
     std::uint32_t ground_epoch = 0;

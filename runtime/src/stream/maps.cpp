@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/paint.h"
 #include "fjell/texture.h"
 #include "stream/requests.h"
 #include "stream/watch.h"
@@ -145,9 +146,20 @@ std::uint32_t requested_log2(const MapState& m, const Request& r) {
     return m.sizes.top_log2 - r.id.item;
 }
 
+// Bits of the mips that a request for a size brings.
+std::uint32_t sizes_of_request(const MapState& m, std::uint32_t log2) {
+    return log2 == m.sizes.tail_log2 ? (2u << log2) - 1 : 1u << log2;
+}
+
 void end_map_request(StreamState& s, Request& r, bool failed) {
     MapState& m = map_of(s, r);
     MapTile& tile = m.tiles[r.id.tile];
+    if (r.repaints) { // what is shown stays
+        --tile.repaints;
+        if (!failed) tile.repaint |= static_cast<std::uint16_t>(sizes_of_request(m, requested_log2(m, r)));
+        set_phase(r, Phase::vacant);
+        return;
+    }
     tile.in_flight = false;
     tile.failed = failed;
     give_layer(m, requested_log2(m, r), r.layer);
@@ -184,6 +196,31 @@ void show(StreamState& s, Request& r) {
     set_phase(r, Phase::shown);
 }
 
+// Parts of mips that were read again. publish_patches() puts in where they belong by then.
+void show_again(StreamState& s, Request& r) {
+    MapState& m = map_of(s, r);
+    const std::byte* from = r.raw;
+    for (std::uint32_t i = 0; i < r.chunks; ++i) {
+        const edit::MapRect& part = r.parts[i];
+        const std::size_t bytes =
+            std::size_t{part.columns} * part.rows / 16 * block_bytes(static_cast<MapKind>(map_of_chunks(r.id.kind)));
+        if (bytes != 0)
+            s.patches[s.patch_count++] = {.map = static_cast<MapKind>(map_of_chunks(r.id.kind)),
+                                          .side_log2 = static_cast<std::uint8_t>(requested_log2(m, r) - i),
+                                          .mip = 0,
+                                          .tile = r.id.tile,
+                                          .layer = 0,
+                                          .x = part.x,
+                                          .y = part.y,
+                                          .columns = part.columns,
+                                          .rows = part.rows,
+                                          .blocks = {from, bytes}};
+        from += bytes;
+    }
+    --m.tiles[r.id.tile].repaints;
+    set_phase(r, Phase::shown);
+}
+
 } // namespace
 
 void upload_maps(StreamState& s) {
@@ -201,6 +238,7 @@ void upload_maps(StreamState& s) {
         }
     }
     while (Request* const r = best_ready(s, s.budget.page_requests, s.request_count)) {
+        if (r->repaints && s.patch_count + r->chunks > s.patch_room) break; // the next update goes on
         if (s.report.mips_uploaded != 0 && s.report.map_upload_bytes + r->raw_bytes > s.settings.map_bytes) {
             s.report.exhausted |= stream_upload;
             break;
@@ -209,7 +247,7 @@ void upload_maps(StreamState& s) {
         s.report.map_upload_bytes += r->raw_bytes;
         s.bytes_read += r->stored_bytes;
         s.mips_read += r->chunks;
-        show(s, *r);
+        r->repaints ? show_again(s, *r) : show(s, *r);
     }
 }
 
@@ -270,7 +308,8 @@ Request* request_for(StreamState& s, float score) {
     float least_score = score / 2;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         Request& r = s.requests[i];
-        if (phase_of(r) != Phase::queued || r.score.load(std::memory_order_relaxed) >= least_score) continue;
+        if (phase_of(r) != Phase::queued || r.repaints || r.score.load(std::memory_order_relaxed) >= least_score)
+            continue;
         least = &r;
         least_score = r.score.load(std::memory_order_relaxed);
     }
@@ -300,11 +339,13 @@ bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_k
     }
     Request* const r = request_for(s, static_cast<float>(c.score));
     if (!r) return false;
+    r->repaints = false; // before a client may see it
     if (!queue_request(s, *r, id, tail ? m.sizes.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
         note_failure(s, id, chunk, StatusCode::corrupt);
         tile.failed = true;
         return true;
     }
+    tile.repaint &= static_cast<std::uint16_t>(~sizes_of_request(m, log2)); // it will be painted as it is by then
     r->layer = tail ? c.which : m.arrays[log2].free_layers[--m.arrays[log2].free_count];
     tile.in_flight = true;
     return true;
@@ -315,6 +356,7 @@ void review_maps(StreamState& s) {
         Request& r = s.requests[i];
         const Phase phase = phase_of(r);
         if (phase != Phase::queued && phase != Phase::in_flight) continue;
+        if (r.repaints) continue;
         MapState& m = map_of(s, r);
         const MapTile& tile = m.tiles[r.id.tile];
         const bool wanted = tile.size_log2 == 0 || tile.wanted_log2 > tile.size_log2;
@@ -360,16 +402,79 @@ bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float st
     const MapTile& tile = m.tiles[index];
     const bool tail = tile.size_log2 == 0;
     m.tails_missing += tail;
-    if (!tail && tile.wanted_log2 <= tile.size_log2) return faded;
+    const bool painted = (tile.repaint & ((2u << tile.size_log2) - 1)) == 0 && tile.repaints == 0;
+    if (!tail && tile.wanted_log2 <= tile.size_log2) return faded && painted;
     const double lacks = tile.wanted_log2 - std::max<int>(tile.size_log2, 2);
     if (tile.visible) s.report.missing_mips = std::max(s.report.missing_mips, lacks);
     if (!tile.in_flight && !tile.failed && tile.lower_log2 == 0) best.offer({index, kind, score_of(tile)});
     return false;
 }
 
+// Which mips of which tiles paint has changed.
+void note_painted(StreamState& s, const edit::Rect& samples) {
+    const TerrainData& t = *s.terrain;
+    for (const MapKind map : {MapKind::colour, MapKind::splat}) {
+        MapState& m = s.maps[static_cast<std::uint32_t>(map)];
+        if (m.sizes.top_log2 == 0) continue;
+        const auto tile_near = [&](std::int32_t sample, std::uint32_t tiles) {
+            return std::clamp(sample >> t.header.tile_log2, 0, static_cast<std::int32_t>(tiles) - 1);
+        };
+        const std::int32_t reach = t.tree.side(); // the widest texels' is less
+        for (std::int32_t y = tile_near(samples.y0 - reach, t.header.tiles_y);
+             y <= tile_near(samples.y1 + reach, t.header.tiles_y); ++y)
+            for (std::int32_t x = tile_near(samples.x0 - reach, t.header.tiles_x);
+                 x <= tile_near(samples.x1 + reach, t.header.tiles_x); ++x) {
+                const std::uint32_t number = t.tile_at(x, y);
+                MapTile& tile = m.tiles[number];
+                for (std::uint32_t log2 = 2; log2 <= m.sizes.top_log2; ++log2)
+                    if (edit::grid_of_mip(t.header, map, number, log2).texels_over(samples, 1u << log2).columns != 0) {
+                        if (tile.repaint == 0 && tile.repaints == 0) tile.painted = {};
+                        tile.painted = tile.painted.with(samples);
+                        tile.repaint |= static_cast<std::uint16_t>(1u << log2);
+                    }
+            }
+    }
+}
+void follow_paint(StreamState& s) {
+    const PaintData* const paint = s.terrain->paint;
+    if (paint == nullptr || paint->changes == s.seen_paint) return;
+    if (s.seen_paint > paint->changes || paint->changes - s.seen_paint > paint_change_log) {
+        note_painted(s, {0, 0, s.terrain->tree.columns() - 1, s.terrain->tree.rows() - 1});
+        s.seen_paint = paint->changes;
+    }
+    for (; s.seen_paint != paint->changes; ++s.seen_paint)
+        note_painted(s, paint->changed[s.seen_paint % paint_change_log]);
+}
+
+// Reads mips again that are there and that paint has changed, as long as there is room in the table.
+void request_repaints(StreamState& s) {
+    for (const std::uint32_t kind :
+         {static_cast<std::uint32_t>(MapKind::colour), static_cast<std::uint32_t>(MapKind::splat)}) {
+        MapState& m = s.maps[kind];
+        for (std::uint32_t i = 0; m.sizes.top_log2 != 0 && i < s.tiles; ++i) {
+            MapTile& tile = m.tiles[i];
+            if (tile.size_log2 == 0) continue;
+            // Coarse mips first: a tail is small.
+            for (std::uint32_t log2 = m.sizes.tail_log2; log2 <= tile.size_log2; ++log2) {
+                const std::uint32_t sizes = sizes_of_request(m, log2);
+                if ((tile.repaint & sizes) == 0) continue;
+                Request* const r = vacant_request(s, true);
+                if (r == nullptr) return;
+                const ChunkId id{chunks_of_map(kind), i, m.sizes.top_log2 - log2};
+                tile.repaint &= static_cast<std::uint16_t>(~sizes);
+                if (has_failed(s, chunk_index(s.pack->header, id))) continue;
+                r->repaints = true;
+                r->painted = tile.painted;
+                if (queue_request(s, *r, id, log2 == m.sizes.tail_log2 ? log2 - 1 : 1, score_of(tile))) ++tile.repaints;
+            }
+        }
+    }
+}
+
 } // namespace
 
 void request_maps(StreamState& s, double seconds) {
+    follow_paint(s);
     if (s.moved) s.map_tested = 0;
     for (std::uint32_t n = 0; n < tiles_a_frame && s.map_tested < s.tiles; ++n) {
         test_tile(s, s.map_cursor);
@@ -393,6 +498,47 @@ void request_maps(StreamState& s, double seconds) {
             s.report.exhausted |= stream_requests;
             break;
         }
+    if (!s.report.maps_converged && s.seen_paint != 0) request_repaints(s);
+}
+
+void paint_request(const StreamState& s, Request& r) {
+    const PaintData* const paint = load_acquire(s.terrain->paint);
+    const std::uint32_t kind = map_of_chunks(r.id.kind), top_log2 = s.maps[kind].sizes.top_log2;
+    const auto map = static_cast<MapKind>(kind);
+    const std::size_t texel_bytes = map == MapKind::splat ? splat_texel_bytes : 0; // otherwise blocks of 4 x 4
+    std::byte *mip = r.raw, *to = r.raw;
+    for (std::uint32_t i = 0; i < r.chunks; ++i) {
+        const std::uint32_t log2 = top_log2 - (r.id.item + i), side = 1u << log2;
+        edit::MapRect at{0, 0, side, side};
+        if (r.repaints) at = edit::grid_of_mip(s.terrain->header, map, r.id.tile, log2).texels_over(r.painted, side);
+        if (paint != nullptr) (void)edit::paint_mip(*paint, map, r.id.tile, log2, at, mip);
+        std::byte* const next = mip + blocks_of(side) * block_bytes(map);
+        if (r.repaints) {
+            r.parts[i] = at;
+            const std::size_t step = texel_bytes != 0 ? 1 : 4,
+                              cell = texel_bytes != 0 ? texel_bytes : colour_block_bytes;
+            for (std::size_t row = at.y / step; row < (at.y + at.rows) / step; ++row, to += at.columns / step * cell)
+                std::memmove(to, mip + (row * (side / step) + at.x / step) * cell, at.columns / step * cell);
+        }
+        mip = next;
+    }
+    if (r.repaints) r.raw_bytes = static_cast<std::uint32_t>(to - r.raw);
+}
+
+void publish_patches(StreamState& s) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < s.patch_count; ++i) {
+        MapPatch p = s.patches[i];
+        const MapTile& tile = s.maps[static_cast<std::uint32_t>(p.map)].tiles[p.tile];
+        if (p.side_log2 > tile.size_log2) continue; // it has been given back
+        p.mip = static_cast<std::uint8_t>(tile.size_log2 - p.side_log2);
+        p.side_log2 = tile.size_log2;
+        p.layer = tile.layer;
+        s.patches[kept++] = p;
+    }
+    s.patch_count = kept;
+    s.terrain->map_patches = s.patches;
+    s.terrain->map_patch_count = kept;
 }
 
 void forget_failed_maps(StreamState& s) {

@@ -21,6 +21,12 @@ void begin_maps(StreamState& s);
 // What has arrived since the last update becomes commands for the renderer, up to StreamSettings::map_bytes.
 void upload_maps(StreamState& s);
 
+// On a client's thread: puts paint over what it has decompressed. Of a request that repaints it leaves the parts that
+// may be others.
+void paint_request(const StreamState& s, Request& r);
+// Where paint has changed, mips that are there are read again, and become patches of the layers that tiles have now.
+void publish_patches(StreamState& s);
+
 // Tests some tiles, requests the mips that are missed most, and fades.
 void request_maps(StreamState& s, double seconds);
 

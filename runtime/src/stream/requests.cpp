@@ -1,5 +1,6 @@
 #include "stream/requests.h"
 #include "shared/hash.h"
+#include "stream/maps.h"
 
 #define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
 #include <zstd.h>
@@ -145,6 +146,7 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
         raw += written;
     }
     r->raw_bytes = static_cast<std::uint32_t>(raw);
+    if (r->id.kind == ChunkKind::colour || r->id.kind == ChunkKind::splat) paint_request(s, *r);
     set_phase(*r, Phase::ready);
     return {};
 }

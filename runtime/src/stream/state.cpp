@@ -47,10 +47,15 @@ std::size_t page_room(const TerrainData& t) {
     return block_aligned(max_page_raw_bytes(t.page_capacity));
 }
 
+// Of maps that paint changes: all mips of all requests.
+std::uint32_t patch_room(const PackHeader& h, const StreamBudget& budget) {
+    return h.colour_log2 == 0 && h.splat_log2 == 0 ? 0 : budget.map_requests * budget.tail_log2;
+}
+
 // Where its parts lie; one function for the size and for the placement, so they cannot disagree.
 struct Layout {
     std::size_t watches, due, page_px, states, wants, missing_bits, watch_page, below, slot_watch, evicting,
-        failed_bits, tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, requests,
+        failed_bits, tiles[map_kinds], shown[map_kinds], free_layers[map_kinds], tile_box, commands, patches, requests,
         page_rooms, map_rooms, zstd, failures, arrivals, end;
 };
 
@@ -83,6 +88,7 @@ Layout layout_of(const Pack& pack, const TerrainData& t, const StreamBudget& bud
     }
     l.tile_box = place(t.tile_count(), sizeof(Watch));
     l.commands = place(requests + max_evictions, sizeof(MapCommand));
+    l.patches = place(patch_room(pack.header, budget), sizeof(MapPatch));
     l.requests = place(requests, sizeof(Request));
     l.page_rooms = place(budget.page_requests, page_room(t));
     l.map_rooms = place(budget.map_requests, map_room(pack.header, budget));
@@ -167,6 +173,8 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
     part(s.failed_bits, l.failed_bits);
     part(s.tile_box, l.tile_box);
     part(s.commands, l.commands);
+    part(s.patches, l.patches);
+    s.patch_room = patch_room(pack.header, budget);
     part(s.failures, l.failures);
     part(s.arrivals, l.arrivals);
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
@@ -204,6 +212,8 @@ Status create_stream(const Pack& pack, const Terrain& handle, LiveCut cut, const
 }
 
 Status destroy_stream(Stream stream) {
+    StreamState* const s = find_stream(stream);
+    if (s != nullptr) s->terrain->map_patch_count = 0;
     return HandleAccess::end(stream) ? Status{} : no_stream;
 }
 
@@ -277,7 +287,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     s.settings = settings;
     s.report = {};
     s.report.frame = ++s.frame;
-    s.failure_count = s.arrival_count = s.command_count = 0;
+    s.failure_count = s.arrival_count = s.command_count = s.patch_count = 0;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i)
         if (phase_of(s.requests[i]) == Phase::shown) set_phase(s.requests[i], Phase::vacant);
     set_views(s, views, cut, s.cut_state ? next_threshold_px(s.cut_state->governor, cut.max_error_px) : 0);
@@ -288,6 +298,7 @@ Status update_stream(Stream stream, std::span<const View> views, const CutSettin
     std::copy(views.begin(), views.end(), s.terrain->sought_view);
     s.terrain->sought_views = static_cast<std::uint32_t>(views.size());
     request_maps(s, seconds);
+    publish_patches(s);
     finish(s);
     s.report.update_us = std::chrono::duration<double, std::micro>(Clock::now() - started).count();
     report = s.report;

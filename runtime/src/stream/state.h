@@ -10,7 +10,9 @@
 #include <cstdint>
 
 #include "cut/state.h"
+#include "fjell/ground_maps.h"
 #include "fjell/stream.h"
+#include "shared/paint.h"
 
 struct ZSTD_DCtx_s;
 
@@ -42,6 +44,11 @@ struct Request {
     // The frame's thread only.
     std::uint32_t watch; // of a page
     std::uint32_t layer; // of a map: reserved
+    // Of a map that is there and is read again, because paint has changed over these samples. The client leaves only
+    // what of its mips may be another, in `parts`, largest first.
+    bool repaints;
+    edit::Rect painted;
+    edit::MapRect parts[max_texture_log2];
 };
 
 // A page as the tests see it: a box around its vertices and the largest numbers of any. Metres.
@@ -75,6 +82,10 @@ struct MapTile {
     std::uint8_t wanted_log2;
     std::uint8_t lower_log2; // while it fades to a smaller size: log2 of that; otherwise 0
     bool in_flight, failed, visible;
+    // Sizes of mips to be read again, because paint has changed over samples of this tile: a bit each, by log2.
+    std::uint16_t repaint;
+    std::uint8_t repaints; // requests on their way
+    edit::Rect painted;
     float excess; // pixels that a texel of size_log2 covers, by those it may
 };
 struct MapArray { // one size
@@ -134,6 +145,9 @@ struct StreamState {
     std::uint32_t map_cursor, map_tested; // tiles since the last change
     MapCommand* commands;
     std::uint32_t command_count;
+    std::uint64_t seen_paint; // of PaintData::changes
+    MapPatch* patches;
+    std::uint32_t patch_count, patch_room;
     // Requests: pages first.
     Request* requests;
     std::uint32_t request_count;

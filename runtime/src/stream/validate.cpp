@@ -109,7 +109,7 @@ Violation check_layers(const StreamState& s, std::uint32_t kind, std::uint32_t l
     }
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         const Request& r = s.requests[i];
-        if (!is_open(r) || map_of_chunks(r.id.kind) != kind) continue;
+        if (!is_open(r) || r.repaints || map_of_chunks(r.id.kind) != kind) continue;
         if (m.sizes.top_log2 - r.id.item == log2) used.add(r.layer);
     }
     all.add_range(0, array.count);
@@ -119,16 +119,17 @@ Violation check_layers(const StreamState& s, std::uint32_t kind, std::uint32_t l
 Violation check_maps(const StreamState& s, std::uint32_t kind) {
     const MapState& m = s.maps[kind];
     if (m.sizes.top_log2 == 0) return {};
-    Tally requested, waiting;
+    Tally requested, waiting, repainted, repaints;
     for (std::uint32_t i = s.budget.page_requests; i < s.request_count; ++i) {
         const Request& r = s.requests[i];
         if (!is_open(r) || map_of_chunks(r.id.kind) != kind) continue;
         if (r.id.tile >= s.tiles) return {"a map is requested of a tile that there is not"};
-        requested.add(r.id.tile);
+        (r.repaints ? repainted : requested).add(r.id.tile);
     }
     for (std::uint32_t i = 0; i < s.tiles; ++i) {
         const MapTile& tile = m.tiles[i];
         if (tile.in_flight) waiting.add(i);
+        for (std::uint32_t n = 0; n < tile.repaints; ++n) repaints.add(i);
         if (tile.size_log2 == 0) continue;
         if (tile.size_log2 < m.sizes.tail_log2 || tile.size_log2 > m.sizes.top_log2)
             return {"a tile has a map of a size that there is not"};
@@ -137,6 +138,7 @@ Violation check_maps(const StreamState& s, std::uint32_t kind) {
             return {"a tile shows another map than it has"};
     }
     if (!(requested == waiting)) return {"a tile waits for a map without a request, or twice"};
+    if (!(repainted == repaints)) return {"mips to be painted again do not add up"};
     for (std::uint32_t log2 = m.sizes.tail_log2 + 1; log2 <= m.sizes.top_log2; ++log2)
         if (const Violation wrong = check_layers(s, kind, log2)) return wrong;
     return {};

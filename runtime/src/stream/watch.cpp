@@ -12,6 +12,7 @@
 #include "stream/watch.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "edit/apply.h"
@@ -128,7 +129,9 @@ bool is_awaited(const StreamState& s, std::uint32_t watch) {
     if (t.edits == nullptr || t.edits->awaiting_count == 0) return false;
     const PagePlaces own = places_of(t, s.watch_page[watch] / t.pages_per_tile, s.watch_page[watch] % t.pages_per_tile);
     const bool whole_tile = own.step == t.tree.side();
-    return edit::awaits_pages(*t.edits, own.rect.grown(whole_tile ? 2 : 2 * own.step));
+    return edit::awaits_pages(*t.edits, own.rect.grown(whole_tile ? 2 : 2 * own.step),
+                              whole_tile ? t.tree.tile_log2 - 1
+                                         : std::countr_zero(static_cast<std::uint32_t>(own.step)));
 }
 
 } // namespace

@@ -102,3 +102,44 @@ TEST_CASE("a snapshot's normals and slopes are those of the ground as it has mov
         CHECK(normal < old / 3);
     }
 }
+
+TEST_CASE("a snapshot's colours are under the paint that was there when it was taken", "[gltf]") {
+    const Folder folder;
+    baker::BakeOptions options;
+    options.tile_log2 = 5;
+    options.max_texture_log2 = 5;
+    const BakedTerrain place(folder, hills(97, 65, 30, 30), options);
+    const auto colours = [&](const gltf::Snapshot& snapshot) {
+        std::vector<std::vector<std::uint8_t>> rgb;
+        gltf::SnapshotOptions as;
+        as.paint = [&](const gltf::TileTexels& texels) { rgb.emplace_back(texels.rgb.begin(), texels.rgb.end()); };
+        (void)gltf::write_snapshot(place.pack, snapshot, folder / "s.glb", as);
+        return rgb;
+    };
+    const std::size_t bytes = edits_bytes(place.pack.header);
+    const io::AlignedMemory memory = io::allocate(bytes);
+    Edits edits;
+    REQUIRE(create_edits(place.terrain, {}, {memory.get(), bytes}, edits).ok());
+    const View view = view_of(place.terrain);
+    const auto before = colours(gltf::take_refined(place.terrain, view, 30));
+    const auto stamped = [&](StampShape shape) {
+        Stamp stamp;
+        stamp.shape = shape;
+        stamp.x_m = 34 * 30, stamp.z_m = 31 * 30, stamp.radius_m = 600;
+        stamp.rgb[0] = 250, stamp.rgb[1] = 3, stamp.rgb[2] = 4;
+        StampId id = 0;
+        EditReport report;
+        REQUIRE(push_stamp(edits, stamp, id).ok());
+        REQUIRE(update_edits(edits, {}, {}, report).ok());
+        REQUIRE(report.applied == 1);
+        return gltf::take_refined(place.terrain, view, 30);
+    };
+    const gltf::Snapshot painted = stamped(StampShape::paint), bare = stamped(StampShape::unpaint);
+    CHECK(difference(colours(bare), before) == 0);
+    const auto now = colours(painted); // written after the paint was taken away
+    CHECK(difference(now, before) > 1);
+    std::size_t red = 0;
+    for (const auto& tile : now)
+        for (std::size_t i = 0; i < tile.size(); i += 3) red += tile[i] > 240 && tile[i + 1] < 14 && tile[i + 2] < 14;
+    CHECK(red > 200);
+}

@@ -190,9 +190,9 @@ public:
     // that kind as it is. Copied. No streamed map shows before the first call.
     void show_maps(std::span<const TileMap> colour, std::span<const TileMap> normal,
                    std::span<const TileMap> horizon = {}, std::span<const TileMap> splat = {});
-    // Moving ground: makes texels of the normal maps anew where heights have changed, as fjell/ground_maps.h says. Call
-    // it after each update of a terrain with edits. At most RendererOptions::ground.texels at a time;
-    // DrawStats::ground_waiting says what is left for the next call.
+    // Moving ground: makes texels of the normal maps anew where heights have changed, and of the colour and splat maps
+    // where paint has, as fjell/ground_maps.h says. Call it after each update of a terrain with edits. At most
+    // RendererOptions::ground.texels at a time; DrawStats::ground_waiting says what is left for the next call.
     void show_ground();
     // Makes the next upload a whole one. That is faster after rebuild_cut(). It is necessary if changes were taken and
     // not uploaded.

@@ -141,7 +141,7 @@ private:
     std::unique_ptr<Kept> kept_;
     LiveCut cut_;
     LiveFrame frame_;
-    std::array<const char*, 13> short_of_{};
+    std::array<const char*, 14> short_of_{};
     bool commands_taken_ = true, maps_asked_for_ = false;
     std::uint32_t quiet_ = 0; // how many updates in a row found nothing to do
     // Last: its threads stop before the memory that they read into is freed.

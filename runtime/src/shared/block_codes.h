@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace fjell::baker {
+namespace fjell {
 
 // Four rows of texels, planar, to count blocks. rgb: 0..255 (sRGB); rows[y][c]. Error against the block's best line
 // through colour space: that of 5-6-5 end points. A block of one colour is off by at most 2 of 255.
@@ -28,4 +28,4 @@ void encode_bc5(const NormalRows& from, std::size_t blocks, std::byte* to);
 // The same of one component: 8 bytes a block.
 void encode_bc4(const std::uint8_t* const (&rows)[4], std::size_t blocks, std::byte* to);
 
-} // namespace fjell::baker
+} // namespace fjell

@@ -8,7 +8,7 @@
 //
 // BC5's halves. The extremes of a block are its end points, six values lie between at equal distances: the nearest is
 // within 1/14 of the range, and rounding to bytes adds a half.
-#include "baker/maps/blocks.h"
+#include "shared/block_codes.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 
 #include "shared/compiler.h"
 
-namespace fjell::baker {
+namespace fjell {
 
 namespace {
 
@@ -310,4 +310,4 @@ void encode_bc4(const std::uint8_t* const (&rows)[4], std::size_t blocks, std::b
     }
 }
 
-} // namespace fjell::baker
+} // namespace fjell
