@@ -65,8 +65,9 @@ bool is_one_of(const Command& command) {
 }
 bool only_panels(const Command& command) {
     return is_one_of<MoveCamera, ShowPanel, ShowGroup, ShowDialog, ArrangeColumn, FloatPanel, PlacePanel, PointProbe,
-                     MarkPlace, ClearMarks, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage, BakePack,
-                     BrowseFolder, BrowseFor, DraftBake, GiveBakeFile, BrowseAllKinds, SetHeat, ForgetRun>(command);
+                     MarkPlace, ClearMarks, SetBrush, SetSwitch, ChooseFrame, HoldMeasures, ZoomGraphs, DismissMessage,
+                     BakePack, BrowseFolder, BrowseFor, DraftBake, GiveBakeFile, BrowseAllKinds, SetHeat, ForgetRun>(
+        command);
 }
 
 void write_text(const std::string& path, const std::string& text) {
@@ -345,6 +346,7 @@ double App::move_and_update() {
     const bool mesh = entry_.rebuilt || entry_.activations != 0 || entry_.deactivations != 0 || entry_.morphing != 0;
     if (pages) measure_profile(state_.probe, session);
     update_probe(state_.probe, session, state_.eye.view, refining, mesh || pages, state_.scene.coordinates.get());
+    follow_ground(state_.ground, engine_.digging(), session, state_.eye.view);
     update_contour_labels(state_.contour_labels, session.terrain(), state_.eye.view,
                           state_.shows(Overlay::contours) ? contour_interval_m(state_) : 0, mesh || pages,
                           60 * state_.interface.scale);
@@ -478,7 +480,8 @@ bool App::settled() const {
     if (!engine_.is_open()) return true;
     if (!comparison_.settled()) return false;
     if (state_.shows(Overlay::error) && state_.heights_share >= 0 && state_.heights_share < 1) return false;
-    if (state_.probe.looking) return false;
+    if (state_.probe.looking || state_.ground.waiting != 0 || state_.ground.report.loose != 0) return false;
+    if (engine_.stats().ground_waiting != 0) return false; // normals of ground that has moved
     const session::FrameEntry& e = state_.measures.last();
     const StreamReport& r = e.stream;
     // Slots may not suffice for what is wanted, and damaged pages never come: then all is there that will be.

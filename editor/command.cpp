@@ -272,6 +272,46 @@ Command tune(Words& w) {
     return t;
 }
 
+Command brush(Words& w) {
+    Brush b;
+    b.tool = w.one_of<BrushTool>(brush_tool_names, "brush");
+    const auto metres = [](double& to, const char* name, double least, double most) {
+        return std::pair<std::string, std::function<void(const std::string&)>>(
+            name, [&to, name, least, most](const std::string& v) { to = Words::number_in(v, name, least, most); });
+    };
+    w.options({metres(b.radius_m, "radius", least_brush_m, most_brush_m),
+               metres(b.falloff_m, "falloff", 0, most_brush_m),
+               metres(b.amount_m, "amount", -most_amount_m, most_amount_m), metres(b.strength, "strength", 0, 1)});
+    return SetBrush{b};
+}
+
+Command stroke(Words& w) {
+    StrokeGround s;
+    do {
+        const double x = w.number("x in metres");
+        s.places.push_back({x, w.number("z in metres")});
+    } while (w.more());
+    return s;
+}
+
+Command edit_layer(Words& w) {
+    const std::string what = w.text("add, choose, remove, on, off, strength or move");
+    if (what == "add") return AddEditLayer{w.text("a name")};
+    const std::size_t place = w.count("a layer's number");
+    if (what == "choose") return ChooseEditLayer{place};
+    if (what == "remove") return RemoveEditLayer{place};
+    SetEditLayer s{place, {}, {}, {}};
+    if (what == "on" || what == "off")
+        s.on = what == "on";
+    else if (what == "strength")
+        s.strength = Words::number_in(w.text("a share"), "strength", 0, 1);
+    else if (what == "move")
+        s.to = w.count("its new place");
+    else
+        throw Failure(2, fmt::format("{}: must be add, choose, remove, on, off, strength or move", what));
+    return s;
+}
+
 std::vector<Verb> terrain_verbs() {
     return {
         {"open", "FILE [discard]", "a pack, a profile, a camera path, or heights to bake",
@@ -284,7 +324,7 @@ std::vector<Verb> terrain_verbs() {
              return ChooseMaterials{file == "none" ? "" : file, w.text_or("")};
          }},
         {"set", "KEY VALUE", "a value of the profile: set refine.max_error_px 2", set_key},
-        {"undo", "", "reverts the last change of the profile or the camera path", plain<Undo>()},
+        {"undo", "", "reverts the last change of the profile, the camera path or the ground", plain<Undo>()},
         {"redo", "", "repeats what was undone", plain<Redo>()},
         {"light", "PRESET", "sun, air and exposure at once: relief, morning, noon, evening, dusk or haze",
          [](Words& w) { return SetLight{w.one_of<LightPreset>(light_preset_names, "preset")}; }},
@@ -406,6 +446,11 @@ std::vector<Verb> picture_verbs() {
              const double x = w.number("x in metres");
              return MarkPlace{x, w.number("z in metres")};
          }},
+        {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE]",
+         "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater or restore", brush},
+        {"stroke", "X Z [X Z ...]", "a stroke of the brush along these places, in metres", stroke},
+        {"edit-layer", "add NAME | choose|remove|on|off N | strength N SHARE | move N TO",
+         "the layers that strokes lie on; N counts from the bottom, from 0", edit_layer},
         {"remove-mark", "", "removes the last mark", plain<RemoveMark>()},
         {"clear-marks", "", "removes all marks", plain<ClearMarks>()},
         {"mode", "NAME", "shaded, wire, levels, tiles, mips, residency or distance",

@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "editor/digging.h"
 #include "editor/names.h"
 #include "fjell/profile/keys.h"
 #include "fjell/view.h"
@@ -37,7 +38,7 @@ struct SetKey {
     double value = 0;
     bool dragging = false; // more of the same follows: one undo step, and nothing is rebuilt before the last
 };
-struct Undo {}; // the last change of the profile or of the camera path, the later one
+struct Undo {}; // the last change of the profile, the camera path or the ground, the latest one
 struct Redo {};
 struct ResetProfile {};
 struct SetLight { // several values of the profile, in one step
@@ -152,6 +153,33 @@ struct MarkPlace { // one more
 };
 struct RemoveMark {}; // the last
 struct ClearMarks {};
+
+// --- moving ground (editor/digging.h) ---
+struct SetBrush {
+    Brush brush;
+};
+struct AimBrush { // at this place of the picture, as PointProbe has it; down: and digs there; ends: it was let go
+    double x = 0, y = 0;
+    bool down = false, ends = false;
+};
+struct StrokeGround { // a whole stroke along these places, x and z in metres
+    std::vector<std::array<double, 2>> places;
+};
+struct AddEditLayer {
+    std::string name;
+};
+struct ChooseEditLayer {
+    std::size_t place = 0; // from the bottom
+};
+struct SetEditLayer {
+    std::size_t place = 0;
+    std::optional<bool> on; // what is not given stays as it is
+    std::optional<double> strength;
+    std::optional<std::size_t> to; // its new place
+};
+struct RemoveEditLayer {
+    std::size_t place = 0;
+};
 
 // --- what is shown ---
 struct SetPictureMode {
@@ -356,6 +384,7 @@ using Command =
                  DraftBake, GiveBakeFile, OpenBaked, BrowseFor, BakePack, TuneThreshold, RunBenchmark, ExportMesh,
                  PreviewExport, CancelJob, UseTuned, TakeScreenshot, ResizeWindow, DumpState, LoseGraphics, Quit,
                  WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint,
+                 SetBrush, AimBrush, StrokeGround, AddEditLayer, ChooseEditLayer, SetEditLayer, RemoveEditLayer,
                  AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.

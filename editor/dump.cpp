@@ -188,6 +188,29 @@ json labels_json(const ContourLabels& labels) {
     return all;
 }
 
+json ground_json(const Ground& ground) {
+    json layers = json::array();
+    for (const Ground::Layer& layer : ground.layers)
+        layers.push_back(
+            {{"name", layer.name}, {"on", layer.on}, {"strength", layer.strength}, {"stamps", layer.stamps}});
+    const Brush& b = ground.brush;
+    return {{"brush",
+             {{"tool", brush_tool_names[static_cast<std::size_t>(b.tool)]},
+              {"radius_m", b.radius_m},
+              {"falloff_m", b.falloff_m},
+              {"amount_m", b.amount_m},
+              {"strength", b.strength}}},
+            {"problem", ground.problem},
+            {"journal", ground.journal},
+            {"layers", layers},
+            {"chosen", ground.chosen ? json(*ground.chosen) : json()},
+            {"undo_steps", ground.undo_steps},
+            {"redo_steps", ground.redo_steps},
+            {"waiting", ground.waiting},
+            {"blocks", ground.report.blocks},
+            {"at", ground.at ? vector_json(*ground.at) : json()}};
+}
+
 json probe_json(const State& state) {
     const Probe& p = state.probe;
     json all = {{"on", p.on}, {"looking", p.looking}, {"marks", json::array()}};
@@ -419,6 +442,7 @@ std::string dump(const State& state) {
         {"route", route_json(state.route)},
         {"interface", interface_json(state)},
         {"probe", probe_json(state)},
+        {"ground", ground_json(state.ground)},
         {"contours", {{"every_m", contour_interval_m(state)}, {"labels", labels_json(state.contour_labels)}}},
         {"input", input_json(state.input)},
         {"job", job_json(state.job)},

@@ -63,6 +63,10 @@ private:
 Engine::Engine() = default;
 Engine::~Engine() = default;
 
+namespace {
+constexpr std::uint32_t most_edit_us = 4000; // of a frame, for what was done to the ground
+}
+
 session::FlightOptions Engine::options(const Profile& profile) const {
     session::FlightOptions o;
     o.pack = pack_;
@@ -107,7 +111,11 @@ Engine::Opened Engine::prepare(const session::FlightOptions& options, const gl::
     Opened opened;
     if (!go_on()) return opened;
     opened.session = std::make_unique<session::Session>();
-    session::open_session(options, *opened.session);
+    {
+        session::FlightOptions with_journal = options;
+        open_with_journal(with_journal);
+        session::open_session(with_journal, *opened.session);
+    }
     opened.coordinates =
         std::make_shared<baker::Coordinates>(opened.session->loaded.pack.header, opened.session->file->crs());
     if (!go_on() || context == nullptr || !context->make_current()) return opened;
@@ -155,6 +163,9 @@ void Engine::adopt(Opened opened, const session::FlightOptions& o) {
     if (!renderer) renderer = session::make_renderer(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
+    if (!digging_ || pack_ != o.pack) digging_ = std::make_unique<Digging>(o.pack, session_->loaded.pack.header);
+    digging_->use(session_->edits.get());
+    if (session_->edits) session_->edits->limit_us(most_edit_us);
     coordinates_ = std::move(coordinates);
     pack_ = o.pack;
     built_ = o.profile;
@@ -169,6 +180,7 @@ void Engine::set_renderer(std::unique_ptr<gl::Renderer> renderer) {
 
 void Engine::close() {
     set_renderer(nullptr);
+    digging_.reset();
     session_.reset();
     pack_.clear();
     ++terrains_;
@@ -223,8 +235,16 @@ session::FrameEntry Engine::update(const View& view, const Profile& profile, dou
     if (entry.streamed && entry.stream.in_flight == 0) tell_unread();
     const auto start = Clock::now();
     session::upload_mesh(*renderer_, *session_, entry);
+    if (session_->edits) {
+        if (const std::string refusal = session_->edits->take_refusal(); !refusal.empty()) refuse_edit(refusal);
+    }
     upload_us = microseconds(Clock::now() - start);
     return entry;
+}
+
+void Engine::refuse_edit(const std::string& why) {
+    digging_->take_back_refused();
+    messages_.push_back(fmt::format("the ground there cannot take that, so it was taken back: {}", why));
 }
 
 void Engine::rehearse(const State& state, bool all) {

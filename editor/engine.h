@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "editor/digging.h"
 #include "editor/scene/lines.h"
 #include "editor/state.h"
 #include "fjell/gl/lines.h"
@@ -103,6 +104,8 @@ public:
     bool follow(const Profile& profile);
     // One update for that view, uploaded. draw_us: what the upload took.
     [[nodiscard]] session::FrameEntry update(const View& view, const Profile& profile, double now_s, double& upload_us);
+    // What is done to its ground. Only while it is open.
+    [[nodiscard]] Digging& digging() { return *digging_; }
     // Before the first update of what was opened: has the driver compile what this context needs for its picture, first
     // that of the ground, then all of it. Another context's is of no use to it.
     void rehearse(const State& state, bool all);
@@ -148,6 +151,7 @@ private:
     void adopt(Opened opened, const session::FlightOptions& options);
     void set_renderer(std::unique_ptr<gl::Renderer> renderer);
     void tell_unread();
+    void refuse_edit(const std::string& why);
     void remake(const Profile& profile); // the method's memory, and a renderer for it
 
     std::uint64_t unread_told_ = 0;     // pages and mips of this session that could not be read
@@ -157,6 +161,7 @@ private:
     Layers layers_, next_layers_;
     Profile built_; // what the session's memory was allocated for
     std::unique_ptr<session::Session> session_;
+    std::unique_ptr<Digging> digging_;
     std::unique_ptr<gl::Renderer> renderer_;
     std::shared_ptr<const baker::Coordinates> coordinates_;
     FullHeights heights_;

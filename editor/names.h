@@ -31,13 +31,13 @@ inline constexpr std::array<bool, overlays> first_overlays{false, false, false, 
 
 inline constexpr double least_contour_m = 0.01, most_contour_m = 10'000; // between contours
 
-// Six, each in groups that fold.
-enum class Panel : std::uint8_t { tune, view, cost, auto_tune, pictures, light };
-inline constexpr const char* panel_names[] = {"tune", "view", "cost", "auto-tune", "pictures", "light"};
+// Each in groups that fold.
+enum class Panel : std::uint8_t { tune, view, cost, auto_tune, pictures, light, ground };
+inline constexpr const char* panel_names[] = {"tune", "view", "cost", "auto-tune", "pictures", "light", "ground"};
 inline constexpr int panels = static_cast<int>(std::size(panel_names));
 // Panels of one section bit share a section of a column, however much room there is: two sections a column.
 inline constexpr unsigned section_bit(Panel panel) {
-    constexpr unsigned sections[] = {1, 2, 4, 8, 2, 1};
+    constexpr unsigned sections[] = {1, 2, 4, 8, 2, 1, 1};
     static_assert(std::size(sections) == panels, "a panel was added: give it a section");
     return sections[static_cast<std::size_t>(panel)];
 }
@@ -70,7 +70,9 @@ enum class Group : std::uint8_t {
     light_sun,
     light_air,
     light_ground,
-    light_materials
+    light_materials,
+    ground_brush,
+    ground_layers
 };
 struct GroupName {
     Panel panel;
@@ -103,9 +105,11 @@ inline constexpr GroupName group_names[] = {{Panel::tune, "tune.refinement", "Re
                                             {Panel::light, "light.sun", "Sun", true},
                                             {Panel::light, "light.air", "Air and exposure"},
                                             {Panel::light, "light.ground", "Shadows and water"},
-                                            {Panel::light, "light.materials", "Materials", true}};
+                                            {Panel::light, "light.materials", "Materials", true},
+                                            {Panel::ground, "ground.brush", "Brush", true},
+                                            {Panel::ground, "ground.layers", "Edit layers", true}};
 inline constexpr std::size_t groups = std::size(group_names);
-static_assert(groups == static_cast<std::size_t>(Group::light_materials) + 1, "a group was added: name it");
+static_assert(groups == static_cast<std::size_t>(Group::ground_layers) + 1, "a group was added: name it");
 inline constexpr std::array<bool, groups> first_groups = [] {
     std::array<bool, groups> open{};
     for (std::size_t i = 0; i < groups; ++i) open[i] = group_names[i].opens;

@@ -14,6 +14,10 @@ namespace {
 constexpr double band_us = 50'000, most_bands = 8; // of a whole picture that software draws after a half one
 constexpr std::uint32_t band_triangles = 25'000;   // for each band of the first half one
 
+bool waits_for_normals(const Engine& engine) { // of ground that has moved
+    return engine.is_open() && engine.stats().ground_waiting != 0;
+}
+
 } // namespace
 
 void TerrainPicture::redraw() {
@@ -27,11 +31,14 @@ void TerrainPicture::judge(const State& state, const Engine& engine, const Pictu
     const StreamReport& r = e.stream;
     mesh_changed_ = e.rebuilt || e.activations != 0 || e.deactivations != 0 || e.morphing != 0 || e.upload_bytes != 0 ||
                     (e.streamed && (!r.maps_converged || r.mips_uploaded != 0));
+    const bool shaded_anew = ground_waiting_ || waits_for_normals(engine);
+    ground_waiting_ = waits_for_normals(engine);
     const bool reading = state.shows(Overlay::error) && state.heights_share >= 0 && state.heights_share < 1;
     const Interface& i = state.interface;
     const bool sized = shown_ == whole_.get() && whole_ &&
                        (whole_->width() != i.view_width_px || whole_->height() != i.view_height_px);
-    if (moving_ || mesh_changed_ || reading || sized || shown_ == nullptr || state.route.recording()) redraw();
+    if (moving_ || mesh_changed_ || shaded_anew || reading || sized || shown_ == nullptr || state.route.recording())
+        redraw();
     if (frame.asked && shown_ != whole_.get()) redraw();
     if (frame.compared_changed || drawn_terrain_ != engine.terrains()) redraw();
 }

@@ -58,6 +58,7 @@ private:
     const gl::Target* shown_ = nullptr;
     bool old_ = true;
     bool mesh_changed_ = false;     // in this frame
+    bool ground_waiting_ = false;   // in the frame before
     bool moving_ = false;           // the camera, since the last picture
     std::uint32_t first_row_ = 0;   // of a terrain's first picture, rows below it are drawn already
     std::uint32_t first_bands_ = 1; // that it is drawn in

@@ -38,11 +38,14 @@ void refuse_overwriting_open_files(const State& state, const std::string& output
 }
 
 const char* undo_label(const State& state) {
+    if (state.ground.undo_stamp > std::max(state.route.undo_stamp(), state.document.undo_stamp())) return "ground";
     return state.route.undo_stamp() > state.document.undo_stamp() ? "camera path" : state.document.undo_label();
 }
 
 const char* redo_label(const State& state) {
     const std::uint64_t path = state.route.redo_stamp(), profile = state.document.redo_stamp();
+    const auto later = [&](std::uint64_t other) { return other == 0 || state.ground.redo_stamp < other; };
+    if (state.ground.redo_stamp != 0 && later(path) && later(profile)) return "ground";
     return path != 0 && (profile == 0 || path < profile) ? "camera path" : state.document.redo_label();
 }
 

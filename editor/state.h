@@ -156,6 +156,37 @@ struct ComparedPicture {
     double differing = -1; // share of the picture's pixels that differ visibly; below 0: not counted yet
 };
 
+// What brushes and edit layers are at (editor/digging.h).
+struct Ground {
+    struct Layer {
+        std::string name;
+        bool on = true;
+        double strength = 1;
+        std::size_t stamps = 0;
+    };
+    static constexpr std::size_t ring_points = 48;
+
+    Brush brush;
+    std::string problem; // why the ground cannot be changed; empty: it can
+    std::string journal; // its file
+    std::vector<Layer> layers;
+    std::optional<std::size_t> chosen; // of them
+    std::size_t undo_steps = 0, redo_steps = 0;
+    std::uint64_t undo_stamp = 0, redo_stamp = 0;
+    std::uint64_t version = 0;                      // of Digging, that this is of
+    EditReport report;                              // of the last frame
+    double update_us = 0;                           // the same
+    std::uint32_t blocks = 0;                       // that there is room for
+    std::size_t waiting = 0;                        // stamps
+    std::optional<std::array<double, 2>> pointer;   // in the picture
+    std::optional<Vec3> at;                         // under it
+    std::array<Vec3, ring_points> inner{}, outer{}; // on the ground, round that place
+    std::optional<std::array<double, 2>> last_dab;  // of the stroke that is under way
+    double level_m = 0;                             // its height, of BrushTool::level
+};
+// After whatever may have changed it, and once a frame. session: its ground.
+void follow_ground(Ground& ground, const Digging& digging, const session::Session& session, const View& view);
+
 // Of near ground, as they are drawn.
 struct MaterialsInUse {
     std::string materials, rules;  // as ChooseMaterials has them
@@ -176,6 +207,7 @@ struct State {
     std::optional<MeasuredFrame> chosen; // that the time panel reports on
     OverviewImage overview;
     Probe probe;
+    Ground ground;
     ContourLabels contour_labels;
     io::StreamReaderCounters reader; // of a streamed pack
     JobView job;

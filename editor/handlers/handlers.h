@@ -74,6 +74,11 @@ void handle(const Quit& c, HandlerContext context);
 // After something was saved: runs the command that waited for it.
 void continue_saving(HandlerContext context);
 
+// --- ground
+[[nodiscard]] Digging& digging(HandlerContext context); // of what is open; Failure 2 when nothing is
+void handle(const AimBrush& c, HandlerContext context);
+void handle(const StrokeGround& c, HandlerContext context);
+
 // --- camera
 void handle(const MoveCamera& c, HandlerContext context);
 void handle(const PlaceCamera& c, HandlerContext context);

@@ -155,12 +155,17 @@ void handle(const SetKey& c, HandlerContext context) {
 
 void handle(const Undo&, HandlerContext context) {
     State& state = context.state;
+    if (state.ground.undo_stamp > std::max(state.route.undo_stamp(), state.document.undo_stamp()))
+        return context.engine.digging().undo();
     state.route.undo_stamp() > state.document.undo_stamp() ? undo_path(context) : state.document.undo();
 }
 
 void handle(const Redo&, HandlerContext context) {
     State& state = context.state;
     const std::uint64_t of_path = state.route.redo_stamp(), of_profile = state.document.redo_stamp();
+    const std::uint64_t of_ground = state.ground.redo_stamp;
+    if (of_ground != 0 && (of_path == 0 || of_ground < of_path) && (of_profile == 0 || of_ground < of_profile))
+        return context.engine.digging().redo();
     const bool path = of_path != 0 && (of_profile == 0 || of_path < of_profile);
     path ? redo_path(context) : state.document.redo();
 }
@@ -227,6 +232,11 @@ void dispatch(const Command& command, HandlerContext context) {
                 state.probe.pointer = std::array{c.x, c.y};
             },
             [&](const MarkPlace& c) { set_mark(state.probe, open_engine(context).session(), c.x_m, c.z_m); },
+            [&](const SetBrush& c) { state.ground.brush = c.brush; },
+            [&](const AddEditLayer& c) { digging(context).add_layer(c.name); },
+            [&](const ChooseEditLayer& c) { digging(context).choose(c.place); },
+            [&](const SetEditLayer& c) { digging(context).set_layer(c.place, c.on, c.strength, c.to); },
+            [&](const RemoveEditLayer& c) { digging(context).remove_layer(c.place); },
             [&](const RemoveMark&) { remove_mark(state.probe, open_engine(context).session()); },
             [&](const ClearMarks&) { state.probe.marks = 0; }, [&](const SetPictureMode& c) { i.mode = c.mode; },
             [&](const SetOverlay& c) { i.overlay[static_cast<std::size_t>(c.overlay)] = c.on; },

@@ -53,6 +53,7 @@ session::FlightOptions options_of(std::shared_ptr<const io::PackFile> file, cons
     options.file = std::move(file);
     options.profile = profile;
     options.layers = std::move(layers);
+    open_with_journal(options); // jobs see the ground that is shown
     return options;
 }
 

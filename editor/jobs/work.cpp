@@ -186,7 +186,7 @@ gltf::SnapshotCounts write_refined(const ExportPlan& plan, JobControl& control) 
     session::open_session(options, session);
     control.check();
     control.goes_from(0.02, 0.2);
-    if (!own || session.streamed)
+    if (!own || session.streamed || session.edits)
         (void)session::update_until_there(
             session, plan.view, options.profile, 0, [&](const session::FrameEntry& entry) {
                 const std::uint64_t wanted = entry.stream.pages_wanted, left = entry.stream.pages_left;

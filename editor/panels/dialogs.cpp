@@ -236,6 +236,7 @@ constexpr Key all_keys[] = {
     {"L and left drag", "the sun: across its azimuth, up and down its elevation"},
     {"I", "probe the ground under the pointer, or where the camera looks; a click or Enter marks a place, others "
           "measure from there: distance and area; Backspace: remove the last, with Shift all"},
+    {"B", "take a brush to the ground, or put it away; left drag: brush, right drag: look around, wheel: its size"},
     {"T", "pause graphs and times; again: go on"},
     {"Window", nullptr},
     {"Tab", "hide the panels, or show them"},

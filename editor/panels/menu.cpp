@@ -90,9 +90,11 @@ void draw_edit(const State& state, Commands& commands) {
     const Document& document = state.document;
     char label[96]; // what follows ### tells it from others, whatever it is called
     (void)std::snprintf(label, sizeof label, "Undo %s###undo", undo_label(state));
-    item("undo", label, "Ctrl+Z", document.undo_steps() + state.route.undo_steps() > 0, commands, Undo{});
+    item("undo", label, "Ctrl+Z", document.undo_steps() + state.route.undo_steps() + state.ground.undo_steps > 0,
+         commands, Undo{});
     (void)std::snprintf(label, sizeof label, "Redo %s###redo", redo_label(state));
-    item("redo", label, "Ctrl+Shift+Z", document.redo_steps() + state.route.redo_steps() > 0, commands, Redo{});
+    item("redo", label, "Ctrl+Shift+Z", document.redo_steps() + state.route.redo_steps() + state.ground.redo_steps > 0,
+         commands, Redo{});
     ImGui::Separator();
     if (ImGui::MenuItem("Copy profile as C++")) ImGui::SetClipboardText(profile_as_cpp(document.profile()).c_str());
     ui::mark("menu", "copy-cpp");

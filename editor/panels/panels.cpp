@@ -89,7 +89,7 @@ namespace fjell::editor {
 
 namespace {
 
-constexpr const char* titles[] = {"Tune", "View", "Cost", "Auto-tune", "Pictures and paths", "Light"};
+constexpr const char* titles[] = {"Tune", "View", "Cost", "Auto-tune", "Pictures and paths", "Light", "Ground"};
 static_assert(std::size(titles) == panels, "a panel was added: title it");
 
 struct GroupContents {
@@ -125,7 +125,9 @@ constexpr GroupContents contents[] = {{draw_keys_of<Group::tune_refinement>, fal
                                       {draw_keys_of<Group::light_sun>, false},
                                       {draw_keys_of<Group::light_air>, false},
                                       {draw_keys_of<Group::light_ground>, false},
-                                      {draw_materials, false}};
+                                      {draw_materials, false},
+                                      {draw_brush},
+                                      {draw_edit_layers}};
 static_assert(std::size(contents) == groups, "a group was added: draw it");
 
 // Tabs that the state, not ImGui, remembers, so that scripts can turn to them.

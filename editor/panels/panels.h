@@ -84,6 +84,10 @@ struct PictureHand {
     double value = 0;                // of the key, when it was taken
     bool sun = false;                // taken, but whether along or across is not clear yet
 };
+struct BrushHand {
+    bool down = false;
+    ImVec2 at; // that was told
+};
 // A point of the path that is held on the overview.
 struct MapHand {
     std::optional<std::size_t> point;
@@ -137,6 +141,7 @@ struct PanelState {
     std::array<FloatBefore, panels> floats;
     Panel float_on_top = Panel::tune;
     PictureHand hand;
+    BrushHand brush;
     MapHand map;
     ExportForm mesh_export;
     ScreenshotForm screenshot;
@@ -144,6 +149,8 @@ struct PanelState {
     CsvForm benchmark;
     RenderForm render;
     char bookmark_name[61] = "";
+    char layer_name[61] = "";
+    double layer_strength = 1;  // while its slider is held
     char search[61] = "";       // of the settings
     bool search_begins = false; // its field gets the keyboard
     TypingField typing;
@@ -194,6 +201,8 @@ void draw_compare_picture(const State& state, PanelState& own, Commands& command
 void draw_scale(const State& state, PanelState& own, Commands& commands);
 void draw_light_presets(const State& state, PanelState& own, Commands& commands);
 void draw_materials(const State& state, PanelState& own, Commands& commands);
+void draw_brush(const State& state, PanelState& own, Commands& commands);
+void draw_edit_layers(const State& state, PanelState& own, Commands& commands);
 void draw_path(const State& state, PanelState& own, Commands& commands);
 void draw_bookmarks(const State& state, PanelState& own, Commands& commands);
 void draw_render(const State& state, PanelState& own, Commands& commands);
@@ -214,6 +223,9 @@ void draw_heat(const State& state, ImDrawList& list, ImVec2 from, ImVec2 size);
 void draw_tune_curve(const JobView& job, float height);
 
 // Over the picture.
+void draw_brush_ring(const State& state, const ui::Rect& view);
+// The pointer's and the left button's, while there is a brush. True: it is not the camera's.
+bool draw_brush_hand(const State& state, const ui::Rect& view, BrushHand& hand, Commands& commands);
 void draw_divider(const State& state, const ui::Rect& view, Commands& commands);
 
 // Inside the group of the camera path: the path over its time.

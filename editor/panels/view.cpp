@@ -456,8 +456,10 @@ void point(const State& state, MoveCamera& move) {
     const ImGuiIO& io = ImGui::GetIO();
     move.speed_steps = static_cast<double>(io.MouseWheel);
     const bool orbit = state.eye.navigation == Navigation::orbit;
-    const bool left = ImGui::IsMouseDragging(ImGuiMouseButton_Left, 0);
-    const bool pans = ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0) || (left && io.KeyShift);
+    const bool right = ImGui::IsMouseDragging(ImGuiMouseButton_Right, 0);
+    const bool brush = state.ground.brush.tool != BrushTool::off; // the left button is its
+    const bool left = brush ? right : ImGui::IsMouseDragging(ImGuiMouseButton_Left, 0);
+    const bool pans = (right && !brush) || (left && io.KeyShift);
     if (orbit && pans) {
         // As if the ground were held: a picture's height is about 0.8 of the distance.
         const double share = 0.8 / std::max(state.interface.view_height_px, 1u);
@@ -485,6 +487,12 @@ void handle_key_presses(const State& state, Commands& commands) {
             commands.push(RemoveMark{});
     }
     if (pressed('I')) commands.push(SetSwitch{Switch::probe, !state.probe.on});
+    if (pressed('B')) {
+        Brush brush = state.ground.brush;
+        brush.tool = brush.tool == BrushTool::off ? BrushTool::raise : BrushTool::off;
+        commands.push(SetBrush{brush});
+        if (brush.tool != BrushTool::off) commands.push(ShowPanel{Panel::ground});
+    }
     if (pressed('T')) commands.push(HoldMeasures{!state.measures.held()});
     if (pressed('N')) commands.push(AddPoint{});
     if (pressed(key::insert) && !state.route.empty()) commands.push(InsertPoint{});
@@ -546,6 +554,9 @@ void write_over(const State& state, const ui::Rect& view) {
         std::snprintf(text, sizeof text, "Path: %.1f of %.1f s (P to pause)",
                       state.route.share() * state.route.seconds(), state.route.seconds());
         plate(view, 0, 1, IM_COL32_WHITE, text);
+    } else if (state.ground.brush.tool != BrushTool::off && state.ground.problem.empty()) {
+        plate(view, 0.5F, 1, IM_COL32_WHITE,
+              "Drag: brush   Right button: look around   Wheel: size   Ctrl+Z: undo   B: put the brush away");
     } else if (eye.navigation == Navigation::orbit) {
         plate(view, 0, 1, IM_COL32_WHITE, "Orbit (1 to fly)");
     } else if (!eye.moved && state.route.points().empty() && state.interface.dialog == Dialog::none) {
@@ -579,13 +590,16 @@ void draw_view(const State& state, const ui::Layout& layout, PanelState& own, Co
         steer(move);
         handle_key_presses(state, commands);
     }
-    if (!io.WantCaptureMouse && !draw_hands(state, layout.view, own.hand, commands)) point(state, move);
+    if (!draw_brush_hand(state, layout.view, own.brush, commands) && !io.WantCaptureMouse &&
+        !draw_hands(state, layout.view, own.hand, commands))
+        point(state, move);
     if (panel_keys && !io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Left))
         commands.push(SetSwitch{Switch::panel_keys, false});
     commands.push(move);
     aim_probe(state, layout.view, commands);
     draw_contour_labels(state, layout.view);
     draw_probe(state, layout.view);
+    draw_brush_ring(state, layout.view);
     write_over(state, layout.view);
 }
 

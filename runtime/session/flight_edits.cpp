@@ -37,11 +37,14 @@ void FlightEdits::mirror(const Terrain& terrain) {
     create(terrain, mirror_);
 }
 
+void FlightEdits::push(io::KeptStamp stamp) {
+    stamps_.push_back({frame_, std::move(stamp)});
+}
+
 void FlightEdits::settle(const Open& open, const StampResult& result) {
     if (result.state == StampState::refused) {
-        if (totals_.first_refusal.empty())
-            totals_.first_refusal =
-                fmt::format("stamp {}: {}: {}", open.stamp, result.status.field, message(result.status.code));
+        refusal_ = fmt::format("{}: {}", result.status.field, message(result.status.code));
+        if (totals_.first_refusal.empty()) totals_.first_refusal = fmt::format("stamp {}: {}", open.stamp, refusal_);
     }
 }
 
@@ -71,13 +74,15 @@ std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views,
         open_.push_back({id, next_});
     }
     EditReport report;
-    require_edit(update_edits(live_.edits, views, {.now_s = now_s}, report));
+    settings_.now_s = now_s;
+    require_edit(update_edits(live_.edits, views, settings_, report));
     update_mirror(now_s);
     // In the order of pushing, in which those that overlap were applied.
     std::erase_if(open_, [&](const Open& open) {
         const StampResult result = stamp_state(live_.edits, open.id);
         if (result.state == StampState::waiting || result.state == StampState::moving) return false;
         settle(open, result);
+        stamps_[open.stamp].what.heights_m = {}; // large, and nobody's any more
         return true;
     });
     totals_.applied += report.applied;

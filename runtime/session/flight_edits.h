@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fjell/edit.h"
@@ -37,6 +38,15 @@ public:
 
     // A second terrain that takes each stamp once the first one has: for measuring against, whole and at rest.
     void mirror(const Terrain& terrain);
+
+    // One more, due at once; after those that wait.
+    void push(io::KeptStamp stamp);
+    // What an update may take; 0: as long as it does.
+    void limit_us(std::uint32_t most) { settings_.max_time_us = most; }
+    // What has been refused since the last call: "EditBudget::blocks: why", by whatever stamp. Empty: nothing.
+    [[nodiscard]] std::string take_refusal() { return std::exchange(refusal_, {}); }
+    // Stamps that are not applied yet, pushed or not.
+    [[nodiscard]] std::size_t waiting() const { return stamps_.size() - next_ + open_.size(); }
 
     // The stamps of this frame, and of all before it, are due.
     void begin_frame(std::size_t frame) { frame_ = frame; }
@@ -71,6 +81,8 @@ private:
     Place live_, mirror_;
     std::vector<Open> open_;
     EditTotals totals_;
+    std::string refusal_;
+    EditSettings settings_;
 };
 
 } // namespace fjell::session

@@ -90,7 +90,8 @@ void make_edits(const FlightOptions& options, Session& session) {
         for (std::size_t frame = 0; frame < session.recording->frames.size(); ++frame)
             for (const io::KeptStamp& stamp : session.recording->frames[frame].stamps) stamps.push_back({frame, stamp});
     }
-    if (stamps.empty()) return;
+    const bool sparse = session.terrain().header().tiles_held != 0; // takes none
+    if (stamps.empty() && (!options.editable || sparse)) return;
     session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));
     if (session.reference) session.edits->mirror(session.reference->terrain);
 }

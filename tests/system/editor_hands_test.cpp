@@ -2,6 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 
 #include "support/editor_pack.h"
 #include "support/editor_window.h"
@@ -134,4 +136,65 @@ TEST_CASE("a drag along the timeline seeks as it goes, and a press on a point's 
     CHECK(chosen["route"]["selected"] == 0);
     CHECK(chosen["route"]["share"] == sought["route"]["share"]);
     CHECK(chosen["route"]["unsaved"] == false);
+}
+
+TEST_CASE("a brush digs where it is dragged, undo takes it back, and what was dug outlives a kill") {
+    const std::string why = why_no_windows();
+    if (!why.empty()) {
+        WARN("skipped: " << why);
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string pack = folder / "dug.fjell";
+    std::filesystem::copy(small_pack(), pack);
+    const std::vector<std::string> arguments{pack, "--size", "600x480", "--scale", "0.5", "--do", "panel ground"};
+    const VirtualDisplay display(640, 512);
+    const TemporaryFolder home;
+    const auto stamps = [](const json& s) {
+        return s["ground"]["layers"].empty() ? 0 : s["ground"]["layers"][0]["stamps"].get<int>();
+    };
+    const auto at_rest = [&](EditorWindow& editor) {
+        return editor.until("ground at rest", [](const json& s) {
+            return s["measures"]["converged"] == true && s["ground"]["waiting"] == 0;
+        });
+    };
+    int dug = 0;
+    {
+        EditorWindow editor(display, home.path, arguments);
+        const json before = at_rest(editor);
+        CHECK(stamps(before) == 0);
+        const gl::Image bare = display.picture();
+        const Place view = view_of(before);
+        const double x = view.x + 0.3 * view.width, y = view.y + 0.7 * view.height;
+        editor.key("b");
+        editor.click("brush.raise");
+        editor.move(x, y);
+        json now = editor.until("a brush over the ground", [](const json& s) { return !s["ground"]["at"].is_null(); });
+        const double radius_m = now["ground"]["brush"]["radius_m"];
+        editor.wheel(8);
+        now = editor.state();
+        CHECK(now["ground"]["brush"]["radius_m"].get<double>() > 2 * radius_m);
+        CHECK(now["camera"]["speed_m_s"] == before["camera"]["speed_m_s"]);
+        editor.drag_at(x, y, x + 0.3 * view.width, y);
+        now = editor.until("a stroke", [&](const json& s) { return stamps(s) > 0; });
+        dug = stamps(now);
+        CHECK(same_camera(now, before)); // the button was the brush's
+        now = at_rest(editor);
+        CHECK(now["ground"]["blocks"] > 0);
+        CHECK(changed(bare, display.picture(), view) > 0.01);
+        CHECK(std::filesystem::exists(pack + ".journal"));
+        editor.key("ctrl+z");
+        CHECK(stamps(editor.until("undone", [&](const json& s) { return stamps(s) == 0; })) == 0);
+        CHECK(at_rest(editor)["ground"]["blocks"] == 0);
+        editor.key("ctrl+shift+z");
+        CHECK(stamps(editor.until("redone", [&](const json& s) { return stamps(s) > 0; })) == dug);
+        editor.signal(SIGKILL);
+        CHECK(editor.exit_code() == 128 + SIGKILL);
+    }
+    EditorWindow editor(display, home.path, arguments);
+    const json after = at_rest(editor);
+    CHECK((stamps(after) == dug && after["ground"]["problem"] == "" && after["ground"]["blocks"] > 0));
+    editor.click("layers.on.0");
+    CHECK(editor.until("the pack's ground",
+                       [](const json& s) { return s["ground"]["blocks"] == 0; })["ground"]["layers"][0]["on"] == false);
 }

@@ -30,6 +30,13 @@ const std::map<std::string, Use>& uses() {
         {"undo", {{""}, {"x"}}},
         {"redo", {{""}, {"x"}}},
         {"defaults", {{""}, {"x"}}},
+        {"brush",
+         {{"off", "raise", "crater radius=20 falloff=3 amount=5 strength=0.5", "lower amount=-3"},
+          {"", "shovel", "raise 20", "raise radius=0", "raise strength=2", "raise amount=wide", "raise depth=1"}}},
+        {"stroke", {{"1 2", "1 2 3 4.5 -6 7"}, {"", "1", "1 2 3", "1 x"}}},
+        {"edit-layer",
+         {{"add pits", "choose 0", "remove 2", "on 0", "off 1", "strength 1 0.5", "move 0 1"},
+          {"", "add", "choose", "choose x", "on -1", "strength 0", "strength 0 2", "move 1", "hide 0", "off 0 0"}}},
         {"open-profile", {{"a.toml", "a.toml discard"}, {"", "a.toml b"}}},
         {"save-profile", {{"", "a.toml"}, {"a b"}}},
         {"compare", {{"", "a.toml"}, {"a b"}}},
@@ -167,9 +174,10 @@ TEST_CASE("every kind of command but those of a hand on the camera or in a form 
     std::set<std::size_t> kinds;
     for (const auto& [verb, use] : uses())
         for (const std::string& words : use.good) kinds.insert(parse_command(verb + " " + words)->index());
-    for (const Command& by_hand : {Command(MoveCamera{}), Command(DraftBake{}), Command(BrowseFor{})})
+    for (const Command& by_hand :
+         {Command(MoveCamera{}), Command(DraftBake{}), Command(BrowseFor{}), Command(AimBrush{})})
         CHECK(kinds.count(by_hand.index()) == 0);
-    CHECK(kinds.size() + 3 == std::variant_size_v<Command>);
+    CHECK(kinds.size() + 4 == std::variant_size_v<Command>);
 }
 
 TEST_CASE("commands carry what their words say") {

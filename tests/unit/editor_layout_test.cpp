@@ -165,21 +165,21 @@ TEST_CASE("panels float and come back, and columns give the room of those that f
     run("float cost on");
     CHECK_FALSE(at(1920, 1080).column[1].there);
     CHECK(at(1920, 1080).column[0].there);
-    for (const Panel panel : {Panel::tune, Panel::view, Panel::pictures})
+    for (const Panel panel : {Panel::tune, Panel::view, Panel::pictures, Panel::ground})
         run((std::string("float ") + panel_names[static_cast<std::size_t>(panel)] + " on").c_str());
     CHECK(at(1280, 720).view.width == 1280);
     CHECK_THROWS(parse_command("place-panel time 1 1 2 2"));
 }
 
 TEST_CASE(
-    "six panels hold all groups: one that is unfolded turns to its panel, and former panels' names lead to groups") {
+    "seven panels hold all groups: one that is unfolded turns to its panel, and former panels' names lead to groups") {
     State state;
     Engine engine;
     Jobs jobs;
     const auto run = [&](const char* line) { apply(*parse_command(line), {state, engine, jobs}); };
     const Arrangement& a = state.interface.arrangement;
     const auto is_open = [&](Group group) { return a.open[static_cast<std::size_t>(group)]; };
-    CHECK(panels == 6);
+    CHECK(panels == 7);
     CHECK_FALSE(is_open(Group::tune_advanced)); // for the few
     CHECK_FALSE(is_open(Group::cost_time));
     run("panel time");

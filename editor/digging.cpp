@@ -1,0 +1,336 @@
+#include "editor/digging.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "baker/read/edited_source.h"
+#include "baker/read/pack_source.h"
+#include "editor/document.h"
+#include "fjell/io/failure.h"
+#include "fjell/io/pack_file.h"
+#include "io/stamps.h"
+#include "io/system.h"
+#include "shared/stamp.h"
+
+namespace fjell::editor {
+
+namespace {
+
+using edit::Rect;
+
+constexpr std::int64_t most_renewed = std::int64_t{1} << 20; // samples of one stamp
+
+} // namespace
+
+Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::uint32_t seed) {
+    constexpr StampShape shapes[] = {StampShape::restore, StampShape::raise, StampShape::raise,  StampShape::level,
+                                     StampShape::smooth,  StampShape::noise, StampShape::crater, StampShape::restore};
+    static_assert(std::size(shapes) == std::size(brush_tool_names), "a brush was added: say what it does");
+    Stamp s;
+    s.shape = shapes[static_cast<std::size_t>(brush.tool)];
+    s.x_m = x_m, s.z_m = z_m;
+    s.radius_m = static_cast<float>(brush.radius_m), s.falloff_m = static_cast<float>(brush.falloff_m);
+    s.amount_m = static_cast<float>(brush.tool == BrushTool::lower ? -brush.amount_m : brush.amount_m);
+    s.height_m = static_cast<float>(level_m);
+    s.wavelength_m = static_cast<float>(std::max(brush.radius_m, least_brush_m));
+    s.seed = seed;
+    s.strength = static_cast<float>(brush.strength);
+    return s;
+}
+
+void open_with_journal(session::FlightOptions& options) {
+    options.editable = true;
+    options.edit_budget = {.blocks = 4096, .stamps = 1024};
+    const std::string path = io::journal_path(options.pack);
+    if (!io::is_journal(path)) return;
+    try {
+        const io::PackFile pack(options.pack);
+        if (pack.pack().header.tiles_held == 0) options.stamps = io::read_stamps(path, &pack.pack().header);
+    } catch (const io::Failure&) { // Digging finds the same
+    }
+}
+
+Digging::Digging(std::string pack, const PackHeader& header)
+    : pack_(std::move(pack)), path_(io::journal_path(pack_)), header_(header) {
+    io::os::FileInfo there;
+    if (!io::os::look(path_, there)) return;
+    try {
+        (void)journal();
+    } catch (const io::Failure& failure) {
+        problem_ = failure.what();
+    }
+}
+
+// Made for the first change.
+io::Journal& Digging::journal() {
+    if (!problem_.empty()) throw io::Failure(1, problem_);
+    if (!journal_) journal_ = std::make_unique<io::Journal>(path_, header_);
+    return *journal_;
+}
+
+std::span<const io::JournalLayer> Digging::layers() const {
+    return journal_ ? journal_->layers() : std::span<const io::JournalLayer>();
+}
+
+std::size_t Digging::place_of(std::uint32_t layer) const {
+    const auto all = layers();
+    return static_cast<std::size_t>(std::ranges::find(all, layer, &io::JournalLayer::id) - all.begin());
+}
+
+std::optional<std::size_t> Digging::chosen() const {
+    if (layers().empty()) return {};
+    const std::size_t place = place_of(chosen_);
+    return place < layers().size() ? place : layers().size() - 1;
+}
+
+void Digging::choose(std::size_t place) {
+    if (place >= layers().size()) throw io::Failure(2, fmt::format("there are {} edit layers", layers().size()));
+    chosen_ = layers()[place].id;
+    ++version_;
+}
+
+void Digging::dab(const Stamp& stamp) {
+    if (edits_ == nullptr)
+        throw io::Failure(1, problem_.empty() ? "this terrain's ground cannot be changed: it lacks tiles" : problem_);
+    if (const Status status = check_stamp(stamp); !status.ok())
+        throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
+    io::Journal& to = journal();
+    if (layers().empty()) add_layer("ground");
+    const io::JournalLayer& layer = to.layers()[*chosen()];
+    if (!layer.on)
+        throw io::Failure(2, fmt::format("the edit layer \"{}\" is off; switch it on, or choose another", layer.name));
+    stroke_.emplace_back(stamp);
+    // Above the others nothing has to be made anew.
+    if (*chosen() + 1 == layers().size()) {
+        io::KeptStamp shown = stroke_.back();
+        shown.plain.strength *= layer.strength;
+        edits_->push(std::move(shown));
+    }
+}
+
+void Digging::end_stroke() {
+    if (stroke_.empty()) return;
+    const std::size_t place = *chosen();
+    Step step;
+    step.layer = layers()[place].id;
+    step.stamps = std::exchange(stroke_, {});
+    try {
+        const std::uint64_t first = journal().add_stamps(step.layer, step.stamps);
+        journal().commit();
+        for (std::size_t i = 0; i < step.stamps.size(); ++i) step.ids.push_back(first + i);
+    } catch (...) {
+        renew(step.stamps); // as it was
+        throw;
+    }
+    if (place + 1 != layers().size()) renew(step.stamps);
+    did(std::move(step));
+}
+
+void Digging::did(Step step) {
+    ++version_;
+    step.stamp = next_edit_stamp();
+    undo_.push_back(std::move(step));
+    redo_.clear();
+    last_ = Last::step;
+}
+
+void Digging::add_layer(const std::string& name) {
+    end_stroke();
+    const std::uint32_t id = journal().add_layer(name);
+    journal().commit();
+    chosen_ = id;
+    Step step;
+    step.after = LayerState{journal().layers().back(), journal().layers().size() - 1};
+    did(std::move(step));
+}
+
+void Digging::set_layer(std::size_t place, std::optional<bool> on, std::optional<double> strength,
+                        std::optional<std::size_t> to_place) {
+    end_stroke();
+    const std::size_t to = to_place.value_or(place);
+    if (place >= layers().size() || to >= layers().size())
+        throw io::Failure(2, fmt::format("there are {} edit layers", layers().size()));
+    Step step;
+    const auto without_stamps = [](const io::JournalLayer& of) {
+        return io::JournalLayer{of.id, of.name, of.on, of.strength, {}};
+    };
+    step.before = LayerState{without_stamps(layers()[place]), place};
+    io::JournalLayer layer = step.before->layer;
+    layer.on = on.value_or(layer.on);
+    layer.strength = static_cast<float>(strength.value_or(static_cast<double>(layer.strength)));
+    journal().set_layer(layer, to);
+    journal().commit();
+    step.after = LayerState{layer, to};
+    renew_layer(layers()[to]);
+    did(std::move(step));
+}
+
+void Digging::remove_layer(std::size_t place) {
+    end_stroke();
+    if (place >= layers().size()) throw io::Failure(2, fmt::format("there are {} edit layers", layers().size()));
+    Step step;
+    step.before = LayerState{layers()[place], place};
+    journal().remove_layer(step.before->layer.id);
+    journal().commit();
+    renew_layer(step.before->layer);
+    did(std::move(step));
+}
+
+// From one state of a layer to the other. One that comes again has another id, and so have its stamps: other steps that
+// speak of it follow.
+void Digging::put_layer(std::optional<LayerState>& from, std::optional<LayerState>& to) {
+    if (!to) {
+        from->layer = layers()[place_of(from->layer.id)]; // with what strokes have added and other steps taken back
+        journal().remove_layer(from->layer.id);
+        renew_layer(from->layer);
+    } else if (from) {
+        journal().set_layer(to->layer, to->place);
+        renew_layer(layers()[to->place]);
+    } else {
+        const std::uint32_t before = to->layer.id, id = journal().add_layer(to->layer.name);
+        std::vector<io::KeptStamp> stamps;
+        std::vector<std::pair<std::uint64_t, std::uint64_t>> renamed;
+        for (const io::JournalStamp& stamp : to->layer.stamps) stamps.push_back(stamp.what);
+        const std::uint64_t first = journal().add_stamps(id, stamps);
+        for (std::size_t i = 0; i < stamps.size(); ++i) renamed.emplace_back(to->layer.stamps[i].id, first + i);
+        to->layer.id = id;
+        journal().set_layer({id, to->layer.name, to->layer.on, to->layer.strength, {}}, to->place);
+        renew_layer(layers()[to->place]);
+        if (chosen_ == before) chosen_ = id;
+        for (std::vector<Step>* const steps : {&undo_, &redo_})
+            for (Step& step : *steps) {
+                if (step.layer == before) step.layer = id;
+                for (std::optional<LayerState>* const state : {&step.before, &step.after})
+                    if (*state && (*state)->layer.id == before) (*state)->layer.id = id;
+                for (std::uint64_t& stamp : step.ids)
+                    for (const auto& [old, now] : renamed)
+                        if (stamp == old) {
+                            stamp = now;
+                            break;
+                        }
+            }
+    }
+    journal().commit();
+}
+
+void Digging::take_back(Step& step) {
+    if (step.before || step.after) return put_layer(step.after, step.before);
+    journal().remove_stamps(step.ids);
+    journal().commit();
+    step.ids.clear();
+    renew(step.stamps);
+}
+
+// On top of its layer, where it was: what came after it has been taken back before.
+void Digging::repeat(Step& step) {
+    if (step.before || step.after) return put_layer(step.before, step.after);
+    const std::uint64_t first = journal().add_stamps(step.layer, step.stamps);
+    journal().commit();
+    for (std::size_t i = 0; i < step.stamps.size(); ++i) step.ids.push_back(first + i);
+    renew(step.stamps);
+}
+
+void Digging::undo() {
+    end_stroke();
+    if (undo_.empty()) return;
+    ++version_;
+    Step step = std::move(undo_.back());
+    undo_.pop_back();
+    try {
+        take_back(step);
+    } catch (...) {
+        undo_.push_back(std::move(step));
+        throw;
+    }
+    redo_.push_back(std::move(step));
+    last_ = Last::undo;
+}
+
+void Digging::take_back_refused() {
+    if (in_stroke()) end_stroke();
+    switch (std::exchange(last_, Last::nothing)) {
+    case Last::nothing: return;
+    case Last::step:
+        undo();
+        redo_.clear();
+        break;
+    case Last::redo: undo(); break;
+    case Last::undo: redo(); break;
+    }
+    last_ = Last::nothing; // what was there is not refused for what it is
+}
+
+void Digging::redo() {
+    end_stroke();
+    if (redo_.empty()) return;
+    ++version_;
+    Step step = std::move(redo_.back());
+    redo_.pop_back();
+    try {
+        repeat(step);
+    } catch (...) {
+        redo_.push_back(std::move(step));
+        throw;
+    }
+    undo_.push_back(std::move(step));
+    last_ = Last::redo;
+}
+
+void Digging::renew_layer(const io::JournalLayer& layer) {
+    std::vector<io::KeptStamp> stamps;
+    for (const io::JournalStamp& stamp : layer.stamps) stamps.push_back(stamp.what);
+    renew(stamps);
+}
+
+// The samples that these stamps may change get what the journal makes of them now.
+void Digging::renew(std::span<const io::KeptStamp> changed) {
+    if (edits_ == nullptr || changed.empty()) return;
+    const edit::StampGrid grid(static_cast<std::int32_t>(header_.columns), static_cast<std::int32_t>(header_.rows),
+                               header_.spacing_m);
+    std::vector<io::TimedStamp> stamps;
+    for (io::KeptStamp& stamp : journal().stamps()) stamps.push_back({0, std::move(stamp)});
+    std::vector<Rect> rects; // those that meet are one
+    for (const io::KeptStamp& stamp : changed) {
+        Rect all = edit::samples_of(grid, stamp.stamp());
+        if (all.empty()) continue;
+        // What is smoothed later depends on its neighbours.
+        for (const io::TimedStamp& later : stamps)
+            if (later.what.plain.shape == StampShape::smooth &&
+                edit::samples_of(grid, later.what.stamp()).meets(all.grown(1)))
+                all = all.grown(1).within({0, 0, grid.columns - 1, grid.rows - 1});
+        for (std::size_t i = 0; i < rects.size();) {
+            if (!rects[i].meets(all)) {
+                ++i;
+                continue;
+            }
+            all = all.with(rects[i]);
+            rects.erase(rects.begin() + static_cast<std::ptrdiff_t>(i));
+            i = 0;
+        }
+        rects.push_back(all);
+    }
+    std::unique_ptr<baker::HeightSource> source = std::make_unique<baker::PackSource>(pack_);
+    if (!stamps.empty()) source = baker::edited_source(std::move(source), stamps, path_);
+    const auto reader = source->reader();
+    for (const Rect& rect : rects) {
+        const auto rows = static_cast<std::int32_t>(
+            std::clamp<std::int64_t>(most_renewed / rect.columns(), 1, std::int64_t{rect.rows()}));
+        for (std::int32_t y = rect.y0; y <= rect.y1; y += rows) {
+            io::KeptStamp stamp;
+            stamp.plain.shape = StampShape::heights;
+            stamp.plain.first = {rect.x0, y};
+            stamp.plain.columns = rect.columns(), stamp.plain.rows = std::min(rows, rect.y1 - y + 1);
+            stamp.heights_m.resize(static_cast<std::size_t>(stamp.plain.columns) *
+                                   static_cast<std::size_t>(stamp.plain.rows));
+            baker::ReadStatistics ignored;
+            reader->read({rect.x0, y, stamp.plain.columns, stamp.plain.rows}, stamp.heights_m.data(), ignored);
+            edits_->push(std::move(stamp));
+        }
+    }
+}
+
+} // namespace fjell::editor
