@@ -29,8 +29,7 @@ constexpr std::int32_t block_side = 64;
 class Overlay {
 public:
     Overlay(const HeightSource& source, const std::optional<HeightScale>& scale, const std::string& path)
-        : source_(source), scale_(scale), path_(path), reader_(source.reader()),
-          grid_(source.columns, source.rows, source.spacing_m) {}
+        : scale_(scale), path_(path), reader_(source.reader()), grid_(source.columns, source.rows, source.spacing_m) {}
 
     void apply(const Stamp& stamp) {
         if (paints(stamp.shape)) return paint(stamp);
@@ -170,7 +169,6 @@ private:
         return static_cast<float>(rounded(new_m));
     }
 
-    const HeightSource& source_;
     std::optional<HeightScale> scale_;
     std::string path_;
     std::unique_ptr<HeightReader> reader_;
