@@ -22,6 +22,10 @@ namespace {
 
 using edit::Rect;
 
+bool is_paint(const io::KeptStamp& stamp) {
+    return stamp.plain.shape == StampShape::paint || stamp.plain.shape == StampShape::unpaint;
+}
+
 constexpr std::int64_t most_renewed = std::int64_t{1} << 20; // samples of one stamp
 
 } // namespace
@@ -287,8 +291,38 @@ void Digging::renew_layer(const io::JournalLayer& layer) {
 }
 
 // The samples that these stamps may change get what the journal makes of them now.
+// Paint mixes with what is below it, so what lies on an area is taken off and painted again, with all that meets it.
+void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
+    const edit::StampGrid grid(static_cast<std::int32_t>(header_.columns), static_cast<std::int32_t>(header_.rows),
+                               header_.spacing_m);
+    Rect all;
+    for (const io::KeptStamp& stamp : changed)
+        if (is_paint(stamp)) all = all.with(edit::samples_of(grid, stamp.stamp()));
+    if (all.empty()) return;
+    std::vector<io::KeptStamp> stamps = journal().stamps();
+    std::erase_if(stamps, [](const io::KeptStamp& stamp) { return !is_paint(stamp); });
+    std::vector<bool> again(stamps.size());
+    for (bool grown = true; grown;) {
+        grown = false;
+        for (std::size_t i = 0; i < stamps.size(); ++i) {
+            const Rect of_stamp = edit::samples_of(grid, stamps[i].stamp());
+            if (again[i] || of_stamp.empty() || !of_stamp.meets(all)) continue;
+            again[i] = grown = true;
+            all = all.with(of_stamp);
+        }
+    }
+    io::KeptStamp bare;
+    bare.plain.shape = StampShape::unpaint;
+    bare.plain.first = {all.x0, all.y0};
+    bare.plain.columns = all.columns(), bare.plain.rows = all.rows();
+    edits_->push(std::move(bare));
+    for (std::size_t i = 0; i < stamps.size(); ++i)
+        if (again[i]) edits_->push(std::move(stamps[i]));
+}
+
 void Digging::renew(std::span<const io::KeptStamp> changed) {
     if (edits_ == nullptr || changed.empty()) return;
+    renew_paint(changed);
     const edit::StampGrid grid(static_cast<std::int32_t>(header_.columns), static_cast<std::int32_t>(header_.rows),
                                header_.spacing_m);
     std::vector<io::TimedStamp> stamps;
@@ -296,7 +330,7 @@ void Digging::renew(std::span<const io::KeptStamp> changed) {
     std::vector<Rect> rects; // those that meet are one
     for (const io::KeptStamp& stamp : changed) {
         Rect all = edit::samples_of(grid, stamp.stamp());
-        if (all.empty()) continue;
+        if (all.empty() || is_paint(stamp)) continue;
         // What is smoothed later depends on its neighbours.
         for (const io::TimedStamp& later : stamps)
             if (later.what.plain.shape == StampShape::smooth &&

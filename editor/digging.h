@@ -103,6 +103,7 @@ private:
     void repeat(Step& step);
     void put_layer(std::optional<LayerState>& from, std::optional<LayerState>& to);
     void renew(std::span<const io::KeptStamp> changed);
+    void renew_paint(std::span<const io::KeptStamp> changed);
     void renew_layer(const io::JournalLayer& layer);
 
     std::string pack_, path_, problem_;
