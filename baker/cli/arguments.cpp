@@ -178,7 +178,7 @@ void add_common_options(CLI::App& app, Arguments& a) {
     }
 }
 
-void add_packing_options(CLI::App& command, GltfPacking& packing) {
+void add_packing_options(CLI::App& command, gltf::GlbPacking& packing) {
     command.add_flag("--quantised", packing.quantised,
                      "glTF: 16 bits a number (KHR_mesh_quantization); the error that is claimed includes the rounding");
     command.add_flag("--meshopt", packing.meshopt,
@@ -193,7 +193,7 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles
         ->add_option("-o,--output", a.tiles_folder,
                      "the new folder to write: layer.json and z/x/y.terrain, tileset.json and z/x/y.glb, or tiles.json "
-                     "and z/x/y.png; or one file, .mbtiles or .pmtiles")
+                     "and z/x/y.png or .webp; or one file, .mbtiles or .pmtiles")
         ->required();
     c.tiles
         ->add_option_function<std::string>(
@@ -212,6 +212,11 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
         ->check(io::one_of({"256", "512"}));
     c.tiles
         ->add_option_function<std::string>(
+            "--image", [&a](const std::string& word) { a.tiles.webp = word == "webp"; },
+            "how terrain-rgb and terrarium are written: png (default), or webp, smaller; both without loss")
+        ->check(io::one_of({"png", "webp"}));
+    c.tiles
+        ->add_option_function<std::string>(
             "--tiling",
             [&a](const std::string& word) {
                 a.tiles.tiling = word == "mercator" ? Tiling::mercator : Tiling::geographic;
@@ -226,7 +231,11 @@ void declare_tiles(CLI::App& app, Arguments& a, Commands& c) {
     c.tiles->add_flag("!--no-normals", a.tiles.normals, "leave out normals, which viewers need for light");
     c.tiles->add_flag("!--no-gzip", a.tiles.gzip,
                       "leave tiles uncompressed, for servers that do not send Content-Encoding: gzip");
+    c.tiles->add_flag("!--no-water-mask", a.water,
+                      "quantized-mesh: leave out where water is, which a pack with water in its splat maps knows");
     add_packing_options(*c.tiles, a.tiles.packing);
+    c.tiles->add_flag("--implicit", a.tiles.implicit_tree,
+                      "3dtiles: an implicit tree, with .subtree files, instead of one that tileset.json spells out");
     c.tiles->add_flag("--colours", a.colours, "3dtiles: the pack's colours as textures");
     add_how_options(*c.tiles, a);
     c.tiles->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
@@ -283,6 +292,13 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
         ->check(io::within(0, 1e6));
     add_packing_options(*c.mesh, a.mesh.packing);
     c.mesh->add_flag("--colours", a.colours, ".glb of a pack: its colours as a texture");
+    c.mesh->add_flag("--normal-map", a.mesh.normal_map,
+                     ".glb: the normals of all samples as a texture, of a height field too");
+    c.mesh->add_flag("--occlusion", a.mesh.occlusion,
+                     ".glb of a pack with horizon maps: the share of the sky that ground sees, as a texture");
+    c.mesh->add_option(
+        "--polygon", a.mesh.polygon,
+        "only the samples inside of the polygons of this file, which GDAL reads as vectors, e.g. GeoJSON");
     c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     add_recipe_options(*c.mesh, a.ground, Options::heights);

@@ -49,6 +49,7 @@ struct Arguments {
 
     std::string tiles_folder; // tiles
     bool colours = false;     // tiles, mesh
+    bool water = true;        // tiles
     TilesOptions tiles;
 
     Recipe ground;              // mesh, heights: its inputs and read options

@@ -29,6 +29,7 @@
 #include "baker/georeference/crs_label.h"
 #include "baker/georeference/open_source.h"
 #include "baker/materials/encode.h"
+#include "baker/outlets/pack_map.h"
 #include "baker/pack/join.h"
 #include "baker/pack/write_set.h"
 #include "baker/read/pack_source.h"
@@ -201,7 +202,10 @@ int run_tiles(Arguments a) {
     a.tiles.threads = a.threads;
     a.tiles.memory_bytes = std::uint64_t{a.memory_mb} << 20;
     a.tiles.progress = std::ref(bar);
-    if (a.colours) a.tiles.colours_of = a.pack;
+    a.tiles.maps_of = a.pack;
+    a.tiles.colours = a.colours;
+    a.tiles.water =
+        a.water && a.tiles.format == TilesFormat::quantized_mesh && PackMap::has(a.pack, PackMap::Kind::water);
     const TilesSummary s = write_tiles(PackSource(a.pack), a.pack, a.tiles, a.tiles_folder);
     summary.write(tiles_json(s));
     if (!a.quiet && a.json_path != "-") print_tiles(s, a.tiles_folder);
@@ -234,14 +238,18 @@ int run_mesh(Arguments a) {
     if (a.mesh.max_triangles.has_value() == a.mesh_error_m.has_value())
         throw Failure(2, "mesh needs --max-error-m or --max-triangles, one of them");
     a.mesh.max_error_m = a.mesh_error_m.value_or(0);
-    refuse_overwriting({a.mesh_path, a.json_path}, files_read(a.ground));
+    std::vector<std::string> read = files_read(a.ground);
+    if (!a.mesh.polygon.empty()) read.push_back(a.mesh.polygon);
+    refuse_overwriting({a.mesh_path, a.json_path}, read);
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
     a.mesh.threads = a.threads;
     a.mesh.progress = std::ref(bar);
-    if (a.colours && !is_pack(a.ground))
-        throw Failure(2, "--colours takes a pack's; bake the height field first, or leave it out");
-    if (a.colours) a.mesh.colours_of = a.ground.inputs[0];
+    if ((a.colours || a.mesh.occlusion) && !is_pack(a.ground))
+        throw Failure(2, fmt::format("--{} takes a pack's; bake the height field first, or leave it out",
+                                     a.colours ? "colours" : "occlusion"));
+    a.mesh.colours = a.colours;
+    if (is_pack(a.ground)) a.mesh.maps_of = a.ground.inputs[0];
     const MeshFileSummary s = write_mesh_file(*open_inputs(a.ground), a.mesh, a.mesh_path);
     summary.write({{"columns", s.columns},
                    {"rows", s.rows},
@@ -250,6 +258,7 @@ int run_mesh(Arguments a) {
                    {"ground_triangles", s.ground_triangles},
                    {"bytes", s.bytes},
                    {"holes", s.holes},
+                   {"left_out", s.left_out},
                    {"max_error_m", s.max_error_m},
                    {"true_error_m", s.true_error_m},
                    {"mesh_s", s.mesh_s}});
@@ -257,6 +266,7 @@ int run_mesh(Arguments a) {
     fmt::print("{}: {} triangles, no sample farther than {:.6g} m from them ({:.6g} m allowed), {:.2f} MB\n",
                a.mesh_path, s.triangles, s.true_error_m, s.max_error_m, static_cast<double>(s.bytes) / 1e6);
     if (s.holes > 0) fmt::print("{} of {} samples had no height\n", s.holes, std::int64_t{s.columns} * s.rows);
+    if (s.left_out > 0) fmt::print("{} samples lie outside of {}\n", s.left_out, a.mesh.polygon);
     return 0;
 }
 

@@ -27,4 +27,13 @@ std::string crs_text(const CrsLabel& label) {
     return label.epsg ? fmt::format("{} (EPSG:{})", label.name, label.epsg) : label.name;
 }
 
+std::string vertical_name(const std::string& wkt) {
+    for (const std::string_view keyword : {"VERT_CS[\"", "VERTCRS[\""})
+        if (const std::size_t at = wkt.find(keyword); at != std::string::npos) {
+            const std::size_t name = at + keyword.size();
+            return wkt.substr(name, wkt.find('"', name) - name);
+        }
+    return {};
+}
+
 } // namespace fjell::baker

@@ -14,4 +14,7 @@ struct CrsLabel {
 // "WGS 84 / UTM zone 30N (EPSG:32630)"; empty: none.
 [[nodiscard]] std::string crs_text(const CrsLabel& label);
 
+// Of a CRS that says what heights count from, its name for it: "EGM96 height"; empty: it does not say.
+[[nodiscard]] std::string vertical_name(const std::string& wkt);
+
 } // namespace fjell::baker

@@ -31,18 +31,17 @@ OGRSpatialReference crs_of(const HeightSource& source) {
     return crs;
 }
 
-// Units of the CRS from sample to sample; 0: not known.
-std::array<double, 2> step_of(const HeightSource& source) {
-    double step[2] = {source.crs_step[0], source.crs_step[1]};
-    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(source.spacing_m, source.crs_wkt, step);
-    return {step[0], step[1]};
-}
-
 double distance_m(const GlobePlace& a, const GlobePlace& b) {
     return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 } // namespace
+
+std::array<double, 2> step_of(const HeightSource& source) {
+    double step[2] = {source.crs_step[0], source.crs_step[1]};
+    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(source.spacing_m, source.crs_wkt, step);
+    return {step[0], step[1]};
+}
 
 GlobePlace up_at(LonLat at) {
     const double c = std::cos(at.latitude * radian);

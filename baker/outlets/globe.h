@@ -39,6 +39,14 @@ struct TileId {
     friend bool operator==(const TileId&, const TileId&) = default;
 };
 
+[[nodiscard]] constexpr TileId parent_of(TileId t) {
+    return {t.level - 1, t.x >> 1, t.y >> 1};
+}
+// child: 0 to 3, eastwards first.
+[[nodiscard]] constexpr TileId child_of(TileId t, int child) {
+    return {t.level + 1, 2 * t.x + (child & 1), 2 * t.y + (child >> 1)};
+}
+
 // Quad trees of tiles. A tile's edges are the same numbers as its neighbours', bit for bit.
 enum class Tiling : std::uint8_t { geographic, mercator }; // EPSG:4326 with two roots, EPSG:3857 with one
 [[nodiscard]] std::int32_t tiles_across(Tiling tiling, std::int32_t level);
@@ -47,6 +55,9 @@ enum class Tiling : std::uint8_t { geographic, mercator }; // EPSG:4326 with two
 // What CesiumJS takes a tile's error for, whatever the tile says of itself: 77,067 m / 2^level where level 0 has two
 // tiles, and twice as much where it has one.
 [[nodiscard]] double assumed_error_m(Tiling tiling, std::int32_t level);
+
+// Units of the CRS from sample to sample; 0: not known.
+[[nodiscard]] std::array<double, 2> step_of(const HeightSource& source);
 
 // Where the samples of a height field lie: exact at nodes of a coarse grid, Lagrange's cubic between them, to within
 // 1e-5 of the samples' spacing, which is measured. Thread: immutable.

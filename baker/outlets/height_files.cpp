@@ -6,12 +6,11 @@
 #include <filesystem>
 #include <mutex>
 
-#include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "baker/outlets/encode_image.h"
 #include "baker/outlets/read_ground.h"
-#include "baker/read/gdal_file.h"
 #include "baker/store/parallel.h"
 #include "baker/synth/write_dem.h"
 #include "io/file.h"
@@ -151,31 +150,9 @@ std::string sidecar_of(const HeightSource& source, const HeightFilesOptions& opt
     return j.dump(2) + "\n";
 }
 
-template <typename T>
-void write_with_gdal(const std::string& path, const char* driver, std::int32_t columns, std::int32_t rows,
-                     std::span<const T> numbers, GDALDataType type) {
+void write_with_gdal(const std::string& path, const char* driver, const ImageNumbers& image) {
     io::AtomicFile out(path);
-    const GdalMessages messages;
-    register_drivers();
-    GDALDriver* const memory = GetGDALDriverManager()->GetDriverByName("MEM");
-    GDALDriver* const to = GetGDALDriverManager()->GetDriverByName(driver);
-    if (!memory || !to)
-        throw Failure(
-            3, fmt::format("{}: this GDAL has no driver for {}; install one, or take another format", path, driver));
-    GdalFile image(memory->Create("", columns, rows, 1, type, nullptr));
-    const std::string name = fmt::format("/vsimem/fjell-{}", static_cast<const void*>(&out));
-    bool written =
-        image && image->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, columns, rows, const_cast<T*>(numbers.data()),
-                                                   columns, rows, type, 0, 0, nullptr) == CE_None;
-    if (written) image.reset(to->CreateCopy(name.c_str(), image.get(), 0, nullptr, nullptr, nullptr));
-    written = written && image && !messages.failed();
-    image.reset();
-    vsi_l_offset bytes = 0;
-    GByte* const data = written ? VSIGetMemFileBuffer(name.c_str(), &bytes, 1) : nullptr;
-    VSIUnlink((name + ".aux.xml").c_str());
-    if (!data) throw Failure(3, fmt::format("{}: cannot be written{}", path, messages.said()));
-    const std::unique_ptr<GByte, void (*)(GByte*)> owned(data, [](GByte* p) { CPLFree(p); });
-    out.write({reinterpret_cast<const std::byte*>(data), static_cast<std::size_t>(bytes)});
+    out.write(encode_image(driver, image, {}, path));
     out.commit();
 }
 
@@ -183,11 +160,11 @@ void write_with_gdal(const std::string& path, const char* driver, std::int32_t c
 
 void write_image(const std::string& path, const char* driver, std::int32_t columns, std::int32_t rows,
                  std::span<const std::uint16_t> numbers) {
-    write_with_gdal(path, driver, columns, rows, numbers, GDT_UInt16);
+    write_with_gdal(path, driver, {columns, rows, GDT_UInt16, numbers.data()});
 }
 void write_image(const std::string& path, const char* driver, std::int32_t columns, std::int32_t rows,
                  std::span<const float> numbers) {
-    write_with_gdal(path, driver, columns, rows, numbers, GDT_Float32);
+    write_with_gdal(path, driver, {columns, rows, GDT_Float32, numbers.data()});
 }
 
 HeightFilesSummary write_height_files(const HeightSource& source, const HeightFilesOptions& options,

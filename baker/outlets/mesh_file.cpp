@@ -12,9 +12,11 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/georeference/crs_label.h"
+#include "baker/outlets/areas.h"
 #include "baker/outlets/height_mesh.h"
-#include "baker/outlets/pack_colours.h"
+#include "baker/outlets/pack_map.h"
 #include "baker/outlets/read_ground.h"
+#include "gltf/texels.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -71,6 +73,7 @@ struct Claim {
 
     [[nodiscard]] ordered_json json() const {
         const MeshFileSummary& s = summary;
+        const std::string vertical = vertical_name(source.crs_wkt);
         return {{"max_error_m", s.max_error_m},
                 {"true_error_m", s.true_error_m},
                 {"error_holds", "at every sample: its vertical distance from the mesh"},
@@ -78,8 +81,11 @@ struct Claim {
                 {"rows", s.rows},
                 {"spacing_m", {source.spacing_m[0], source.spacing_m[1]}},
                 {"crs", crs_text(crs_label(source.crs_wkt))},
+                {"vertical_unit", "m"},
+                {"vertical_datum", vertical.empty() ? ordered_json() : ordered_json(vertical)},
                 {"crs_origin", {source.crs_origin[0], source.crs_origin[1]}},
                 {"holes", s.holes},
+                {"left_out", s.left_out},
                 {"triangles", s.ground_triangles}};
     }
     // One line each.
@@ -96,8 +102,8 @@ struct Claim {
 
 // ---- .glb
 
-// Of the ground's own slope at a sample, from what neighbours it has.
-Corner3 normal_at(const Ground& ground, std::int64_t x, std::int64_t y) {
+// Of the ground at a sample, eastwards and southwards, from what neighbours it has.
+std::array<double, 2> slope_at(const Ground& ground, std::int64_t x, std::int64_t y) {
     const auto slope = [&](std::int64_t dx, std::int64_t dy, double spacing_m) {
         const auto height = [&](std::int64_t i, std::int64_t j) {
             const bool inside = i >= 0 && j >= 0 && i < ground.columns && j < ground.rows;
@@ -109,49 +115,125 @@ Corner3 normal_at(const Ground& ground, std::int64_t x, std::int64_t y) {
         if (std::isnan(after)) return (here - before) / spacing_m;
         return (after - before) / (2 * spacing_m);
     };
-    const double east = slope(1, 0, ground.spacing_m[0]), south = slope(0, 1, ground.spacing_m[1]);
-    const double length = std::sqrt(east * east + south * south + 1);
-    return {static_cast<float>(-east / length), static_cast<float>(1 / length), static_cast<float>(-south / length)};
+    return {slope(1, 0, ground.spacing_m[0]), slope(0, 1, ground.spacing_m[1])};
+}
+Vec3 normal_of(const std::array<double, 2>& slope) {
+    return normalised(Vec3{-slope[0], 1, -slope[1]});
 }
 
-void write_glb(const HeightMesh& mesh, const Ground& ground, const std::optional<GltfLattice>& lattice,
+// Over all samples, as fine as they are or as few texels as a texture may have.
+gltf::TexelGrid texels_over(const Ground& ground) {
+    constexpr double most_px = 2048, fewest_px = 4;
+    const double cells_x = ground.columns - 1.0, cells_y = ground.rows - 1.0;
+    const double wide_m = cells_x * ground.spacing_m[0], high_m = cells_y * ground.spacing_m[1];
+    const double texel_m =
+        std::max({wide_m / (most_px - 1), high_m / (most_px - 1), std::min(ground.spacing_m[0], ground.spacing_m[1])});
+    const auto side_px = [&](double m) {
+        return static_cast<std::uint32_t>(std::clamp(std::round(m / texel_m) + 1, fewest_px, most_px));
+    };
+    return {side_px(wide_m), side_px(high_m), cells_x, cells_y};
+}
+
+// The mean of the slopes around a texel: between samples, or of as many as it covers.
+gltf::NormalAt normals_over(const Ground& ground, const gltf::TexelGrid& grid) {
+    return [&ground, grid](double texel_x, double texel_y) {
+        const double x = texel_x / grid.per_cell_x(), y = texel_y / grid.per_cell_y();
+        const double reach_x = std::max(1.0, 1 / grid.per_cell_x()), reach_y = std::max(1.0, 1 / grid.per_cell_y());
+        const auto from = [](double p) { return std::max<std::int64_t>(0, std::llround(std::ceil(p))); };
+        const auto to = [](double p, std::int32_t samples) {
+            return std::min<std::int64_t>(samples - 1, std::llround(std::floor(p)));
+        };
+        std::array<double, 2> mean{};
+        double all = 0;
+        for (std::int64_t j = from(y - reach_y); j <= to(y + reach_y, ground.rows); ++j)
+            for (std::int64_t i = from(x - reach_x); i <= to(x + reach_x, ground.columns); ++i) {
+                if (std::isnan(ground.row(j)[i])) continue;
+                const double share = std::max(0.0, 1 - std::abs(static_cast<double>(i) - x) / reach_x) *
+                                     std::max(0.0, 1 - std::abs(static_cast<double>(j) - y) / reach_y);
+                const std::array<double, 2> slope = slope_at(ground, i, j);
+                mean[0] += share * slope[0], mean[1] += share * slope[1];
+                all += share;
+            }
+        if (all > 0) mean[0] /= all, mean[1] /= all;
+        return normal_of(mean);
+    };
+}
+
+std::vector<gltf::SnapshotVertex> glb_vertices(const HeightMesh& mesh, const Ground& ground) {
+    std::vector<gltf::SnapshotVertex> vertices;
+    vertices.reserve(mesh.vertices.size());
+    for (const Corner3& at : mesh.vertices) {
+        const std::int64_t column = std::lround(static_cast<double>(at[0]) / ground.spacing_m[0]),
+                           row = std::lround(static_cast<double>(at[2]) / ground.spacing_m[1]);
+        const Vec3 n = normal_of(slope_at(ground, column, row));
+        gltf::SnapshotVertex v{{at[0], at[1], at[2]},
+                               {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)},
+                               {static_cast<float>(column), static_cast<float>(row)},
+                               {}};
+        std::ranges::copy(gltf::tangent_of(v.normal), v.tangent);
+        vertices.push_back(v);
+    }
+    return vertices;
+}
+
+// Colours and the share of the sky from the pack's maps; normals from the heights, which its maps are made of too.
+gltf::GlbTextures add_textures(gltf::Glb& glb, const gltf::TexelMesh& mesh, const Ground& ground,
+                               const gltf::TexelGrid& grid, const MeshFileOptions& options) {
+    gltf::GlbTextures textures;
+    const auto mapped = [&](PackMap::Kind kind) {
+        const double texel_m =
+            std::max(ground.spacing_m[0] / grid.per_cell_x(), ground.spacing_m[1] / grid.per_cell_y());
+        return PackMap(options.maps_of, kind).picture(grid.columns, grid.rows, texel_m, [&](double u, double v) {
+            return std::optional(
+                std::array{(u * grid.columns - 0.5) / grid.per_cell_x(), (v * grid.rows - 0.5) / grid.per_cell_y()});
+        });
+    };
+    const auto png = [&](const char* name, const std::vector<std::uint8_t>& rgb) {
+        return static_cast<int>(glb.add_texture(
+            name, gltf::encode_png(grid.columns, grid.rows, std::as_bytes(std::span(rgb))), "image/png"));
+    };
+    if (options.colours) {
+        const std::vector<std::uint8_t> rgb = mapped(PackMap::Kind::colour);
+        textures.colour = static_cast<int>(glb.add_texture(
+            "colour", gltf::encode_jpeg(grid.columns, grid.rows, std::as_bytes(std::span(rgb))), "image/jpeg"));
+    }
+    if (options.normal_map)
+        textures.normal = png("normal", gltf::normal_texture(mesh, grid, normals_over(ground, grid)));
+    if (options.occlusion) textures.occlusion = png("occlusion", mapped(PackMap::Kind::sky));
+    return textures;
+}
+
+void write_glb(const HeightMesh& mesh, const Ground& ground, const std::optional<gltf::GlbLattice>& lattice,
                const MeshFileOptions& options, const Claim& claim, Sink& out) {
     gltf::Glb glb("fjell-bake",
                   fmt::format("{} triangles need more bytes than glTF counts; give a larger --max-error-m, a part with "
                               "--bbox, or a name that ends in .ply",
                               mesh.triangles.size()));
     glb.json["asset"]["extras"]["fjell"] = claim.json();
-    const auto three = [](const Corner3& c) {
+    const std::vector<gltf::SnapshotVertex> vertices = glb_vertices(mesh, ground);
+    const std::span indices(mesh.triangles.front().data(), 3 * mesh.triangles.size());
+    const gltf::TexelGrid grid = texels_over(ground);
+    const auto three = [](const float(&c)[3]) {
         return std::array{static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
     };
-    GltfMesh content{"terrain", mesh.vertices.size(), mesh.triangles};
-    content.place = [&](std::size_t i) { return three(mesh.vertices[i]); };
-    content.normal = [&](std::size_t i) {
-        const Corner3& v = mesh.vertices[i];
-        return three(normal_at(ground, std::lround(static_cast<double>(v[0]) / ground.spacing_m[0]),
-                               std::lround(static_cast<double>(v[2]) / ground.spacing_m[1])));
-    };
+    gltf::GlbMesh content{"terrain", vertices.size(), indices};
+    content.place = [&](std::size_t i) { return three(vertices[i].position_m); };
+    content.normal = [&](std::size_t i) { return three(vertices[i].normal); };
     content.lattice = lattice;
-    if (!options.colours_of.empty()) {
-        const double last_column = static_cast<double>(ground.columns - 1),
-                     last_row = static_cast<double>(ground.rows - 1);
-        const double wide_m = last_column * ground.spacing_m[0], high_m = last_row * ground.spacing_m[1];
-        constexpr double most_px = 2048;
-        const double texel_m =
-            std::max({wide_m / most_px, high_m / most_px, std::min(ground.spacing_m[0], ground.spacing_m[1])});
-        const auto side_px = [&](double m) {
-            return static_cast<std::uint32_t>(std::clamp(std::ceil(m / texel_m), 4.0, most_px));
+    if (options.colours || options.normal_map || options.occlusion) {
+        content.textures = add_textures(glb, {vertices, indices}, ground, grid, options);
+        content.uv = [&](std::size_t i) {
+            return std::array{grid.u(static_cast<double>(vertices[i].cells[0])),
+                              grid.v(static_cast<double>(vertices[i].cells[1]))};
         };
-        content.uv = [wide_m, high_m, &mesh](std::size_t i) {
-            return std::array{static_cast<double>(mesh.vertices[i][0]) / wide_m,
-                              static_cast<double>(mesh.vertices[i][2]) / high_m};
-        };
-        content.texture_jpeg =
-            PackColours(options.colours_of).picture(side_px(wide_m), side_px(high_m), texel_m, [&](double u, double v) {
-                return std::optional(std::array{u * last_column, v * last_row});
-            });
     }
-    add_gltf_mesh(glb, content, options.packing.meshopt);
+    if (options.normal_map)
+        content.tangent = [&](std::size_t i) {
+            const auto& t = vertices[i].tangent;
+            return std::array{static_cast<double>(t[0]), static_cast<double>(t[1]), static_cast<double>(t[2]),
+                              static_cast<double>(t[3])};
+        };
+    gltf::add_glb_mesh(glb, std::move(content), options.packing.meshopt);
     glb.close();
     glb.write([&](std::span<const std::byte> bytes) { out.put(bytes); });
 }
@@ -249,20 +331,20 @@ std::uint64_t write_stl(const HeightMesh& mesh, const Ground& ground, const Mesh
 
 // Columns and rows are whole numbers by themselves. Heights may take half of the bound for their steps: then a quarter
 // of it is rounding, and normals, which are scaled like places, keep most of their digits.
-std::optional<GltfLattice> lattice_of(const Ground& ground, const MeshFileOptions& options, double max_error_m) {
+std::optional<gltf::GlbLattice> lattice_of(const Ground& ground, const MeshFileOptions& options, double max_error_m) {
     if (!options.packing.quantised) return {};
-    if (std::max(ground.columns, ground.rows) > GltfLattice::most + 1)
+    if (std::max(ground.columns, ground.rows) > gltf::GlbLattice::most + 1)
         throw Failure(1,
                       fmt::format("--quantised: 16 bits count 65536 samples a side, and there are {} x {}; give a part "
                                   "with --bbox",
                                   ground.columns, ground.rows));
     const double low_m = static_cast<double>(ground.min_m), relief_m = static_cast<double>(ground.max_m) - low_m;
-    const double step_m = std::max({max_error_m / 2, relief_m / GltfLattice::most, 1e-6});
-    return GltfLattice{{0, low_m, 0}, {ground.spacing_m[0], step_m, ground.spacing_m[1]}};
+    const double step_m = std::max({max_error_m / 2, relief_m / gltf::GlbLattice::most, 1e-6});
+    return gltf::GlbLattice{{0, low_m, 0}, {ground.spacing_m[0], step_m, ground.spacing_m[1]}};
 }
 
 // What the lattice adds to an error: half a step, and what a viewer's floats are off.
-double lattice_rounding_m(const std::optional<GltfLattice>& lattice, const Ground& ground) {
+double lattice_rounding_m(const std::optional<gltf::GlbLattice>& lattice, const Ground& ground) {
     constexpr double float_share = 1.0 / (1 << 23);
     const auto size = [](float height_m) { return std::abs(static_cast<double>(height_m)); };
     return lattice ? lattice->scale[1] / 2 + float_share * std::max(size(ground.min_m), size(ground.max_m)) : 0;
@@ -300,18 +382,45 @@ HeightMesh mesh_of_at_most(std::uint64_t most, const Ground& ground, const MeshF
     return best;
 }
 
+// What lies outside becomes a hole; how many samples with a height did.
+std::uint64_t leave_out(Ground& ground, const Areas& areas) {
+    std::uint64_t count = 0;
+    ground.min_m = HUGE_VALF, ground.max_m = -HUGE_VALF;
+    std::vector<float> kept(static_cast<std::size_t>(ground.columns));
+    for (std::int32_t y = 0; y < ground.rows; ++y) {
+        std::ranges::fill(kept, std::nanf(""));
+        std::uint64_t here = 0;
+        const float* const row = ground.row(y);
+        for (const auto& [first, end] : areas.inside(y)) std::copy(row + first, row + end, kept.begin() + first);
+        for (std::int32_t x = 0; x < ground.columns; ++x) {
+            const float h = kept[static_cast<std::size_t>(x)];
+            here += !std::isnan(row[x]) && std::isnan(h);
+            if (!std::isnan(h)) ground.min_m = std::min(ground.min_m, h), ground.max_m = std::max(ground.max_m, h);
+        }
+        count += here;
+        ground.heights_m.write({0, y, ground.columns, 1}, kept.data(), ground.columns);
+    }
+    return count;
+}
+
 } // namespace
 
 MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOptions& options, const std::string& path) {
     const MeshFormat format = format_of(path);
-    if (!options.colours_of.empty() && format != MeshFormat::glb)
-        throw Failure(2, fmt::format("{}: --colours is for .glb; leave it out, or give such a name", path));
-    if ((options.packing.quantised || options.packing.meshopt) && format != MeshFormat::glb)
-        throw Failure(
-            2, fmt::format("{}: --quantised and --meshopt are for .glb; leave them out, or give such a name", path));
-    io::AtomicFile file(path); // a file that cannot be written should not cost the work
-    const Ground ground = read_ground(source, GroundHoles::as_source, options.threads, options.progress);
+    for (const auto& [given, name] :
+         {std::pair{options.colours, "colours"}, std::pair{options.normal_map, "normal-map"},
+          std::pair{options.occlusion, "occlusion"}, std::pair{options.packing.quantised, "quantised"},
+          std::pair{options.packing.meshopt, "meshopt"}})
+        if (given && format != MeshFormat::glb)
+            throw Failure(2, fmt::format("{}: --{} is for .glb; leave it out, or give such a name", path, name));
+    if (options.occlusion && !PackMap::has(options.maps_of, PackMap::Kind::sky))
+        (void)PackMap(options.maps_of, PackMap::Kind::sky); // says what is missing before the work
+    io::AtomicFile file(path);                              // a file that cannot be written should not cost the work
+    std::optional<Areas> areas;
+    if (!options.polygon.empty()) areas.emplace(options.polygon, source);
+    Ground ground = read_ground(source, GroundHoles::as_source, options.threads, options.progress);
     MeshFileSummary s{ground.columns, ground.rows};
+    if (areas) s.left_out = leave_out(ground, *areas);
     const auto start = std::chrono::steady_clock::now();
     s.max_error_m = options.max_error_m;
     const HeightMesh mesh = options.max_triangles
@@ -321,7 +430,7 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
     if (mesh.triangles.empty())
         throw Failure(
             1, fmt::format("{}: no three samples beside each other have heights: there is no ground to mesh", path));
-    const std::optional<GltfLattice> lattice = lattice_of(ground, options, s.max_error_m);
+    const std::optional<gltf::GlbLattice> lattice = lattice_of(ground, options, s.max_error_m);
     s.true_error_m = mesh.true_error_m + lattice_rounding_m(lattice, ground);
     if (lattice && s.true_error_m > s.max_error_m)
         throw Failure(1,

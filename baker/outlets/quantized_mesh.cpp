@@ -152,8 +152,7 @@ HeightSteps steps_of(double low_m, double high_m, double largest_m) {
 
 } // namespace
 
-EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, std::span<const GlobePlace> normals,
-                                  const std::string& available) {
+EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, const TileExtensions& extensions) {
     std::vector<GlobePlace> places;
     EncodedTile tile{{}, mesh.vertices.front().height_m, mesh.vertices.front().height_m};
     for (const TileMesh::Vertex& v : mesh.vertices) {
@@ -184,15 +183,16 @@ EncodedTile encode_quantized_mesh(const TileMesh& mesh, double height_step_m, st
     out.align(wide ? 4 : 2);
     put_triangles(out, mesh, wide);
     put_sides(out, mesh, wide);
-    if (!normals.empty()) {
+    if (!extensions.normals.empty()) {
         std::vector<std::byte> encoded;
-        for (const GlobePlace& n : normals)
+        for (const GlobePlace& n : extensions.normals)
             for (const std::uint8_t byte : oct_encoded(n)) encoded.push_back(std::byte{byte});
         put_extension(out, 1, encoded);
     }
+    if (!extensions.water.empty()) put_extension(out, 2, extensions.water);
     constexpr double digits = 1e4; // rounded up
     std::string metadata = fmt::format(R"({{"geometricerror":{:.4f})", std::ceil(mesh.error_m * digits) / digits);
-    metadata += available.empty() ? "}" : R"(,"available":)" + available + "}";
+    metadata += extensions.available.empty() ? "}" : R"(,"available":)" + extensions.available + "}";
     ByteStream text;
     text.put(static_cast<std::uint32_t>(metadata.size()));
     for (const char c : metadata) text.put(c);

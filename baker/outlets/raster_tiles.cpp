@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/outlets/encode_image.h"
 #include "gltf/glb.h"
 
 namespace fjell::baker {
@@ -61,7 +62,7 @@ public:
                         between(std::clamp(x, 1.0, side_ - 2.0), std::clamp(y, 1.0, side_ - 2.0), height));
     }
 
-    void finish(RasterTile& tile) const {
+    void finish(bool webp, RasterTile& tile) const {
         std::vector<std::byte> rgb;
         tile.low_m = tile.high_m = height_m(1, 1);
         for (int y = 1; y < side_ - 1; ++y)
@@ -71,7 +72,10 @@ public:
                 tile.low_m = std::min(tile.low_m, height_m(x, y)), tile.high_m = std::max(tile.high_m, height_m(x, y));
             }
         const auto side = static_cast<std::uint32_t>(side_ - 2);
-        tile.png = gltf::encode_png(side, side, rgb);
+        constexpr int channels = 3;
+        tile.image = webp ? encode_image("WEBP", {side_ - 2, side_ - 2, GDT_Byte, rgb.data(), channels},
+                                         {"LOSSLESS=YES"}, "a picture of heights")
+                          : gltf::encode_png(side, side, rgb);
     }
 
 private:
@@ -100,7 +104,7 @@ double measure(const GroundSurface& surface, const Pixels& pixels, TileId id, in
     double worst = 0;
     if (id.level < finest_level) {
         for (int child = 0; child < 4; ++child) {
-            const TileId part{id.level + 1, 2 * id.x + (child & 1), 2 * id.y + (child >> 1)};
+            const TileId part = child_of(id, child);
             if (surface.touches(box_of(Tiling::mercator, part)))
                 worst = std::max(worst, measure(surface, pixels, part, finest_level, ground));
         }
@@ -122,7 +126,7 @@ RasterTile make_raster_tile(const GroundSurface& surface, const SampleFinder& fi
                             const RasterRules& rules) {
     const Pixels pixels(surface, finder, id, rules);
     RasterTile tile;
-    pixels.finish(tile);
+    pixels.finish(rules.webp, tile);
     std::vector<GroundPiece> ground;
     constexpr double digits = 1e3; // rounded up: also what the places of samples are rounded to
     tile.error_m = std::ceil(measure(surface, pixels, id, rules.finest_level, ground) * digits + 0.5) / digits;

@@ -214,9 +214,12 @@ void write_pmtiles(std::vector<ArchiveTile> tiles, const ArchiveAbout& about, co
                                        std::uint64_t{directories.leaves.size()}, data_bytes})
         put(at), put(length), at += length;
     put(std::uint64_t{tiles.size()}), put(std::uint64_t{entries.size()}), put(std::uint64_t{contents.size()});
-    constexpr std::uint8_t none = 1, gzipped = 2, unknown = 0, png = 2;
+    constexpr std::uint8_t none = 1, gzipped = 2, unknown = 0, png = 2, webp = 4;
     put(std::uint8_t{1}); // along the curve
-    put(gzipped), put(about.gzip ? gzipped : none), put(about.format == "png" ? png : unknown);
+    put(gzipped), put(about.gzip ? gzipped : none),
+        put(about.format == "png"    ? png
+            : about.format == "webp" ? webp
+                                     : unknown);
     const auto levels = std::minmax_element(
         tiles.begin(), tiles.end(), [](const ArchiveTile& p, const ArchiveTile& q) { return p.id.level < q.id.level; });
     put(static_cast<std::uint8_t>(levels.first->id.level)), put(static_cast<std::uint8_t>(levels.second->id.level));

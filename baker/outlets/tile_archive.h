@@ -15,7 +15,7 @@ struct ArchiveTile {
     std::string path;
 };
 struct ArchiveAbout {
-    std::string name, format; // format: png, or quantized-mesh-1.0
+    std::string name, format; // format: png, webp, or quantized-mesh-1.0
     bool gzip = false;        // the tiles are gzip files
     DegreeBox bounds;
     std::string json; // all that a folder says of its tiles

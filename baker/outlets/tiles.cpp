@@ -17,7 +17,8 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/georeference/crs_label.h"
-#include "baker/outlets/pack_colours.h"
+#include "baker/outlets/implicit_tileset.h"
+#include "baker/outlets/pack_map.h"
 #include "baker/outlets/quantized_mesh.h"
 #include "baker/outlets/raster_tiles.h"
 #include "baker/outlets/surface.h"
@@ -25,6 +26,7 @@
 #include "baker/outlets/tile_mesh.h"
 #include "baker/outlets/tileset.h"
 #include "baker/store/parallel.h"
+#include "gltf/glb.h"
 #include "io/file.h"
 
 namespace fjell::baker {
@@ -102,17 +104,18 @@ private:
 
 // What one thread works with at a time.
 struct Tools {
-    explicit Tools(const HeightSource& source, const std::string& colours_of) : finder(source) {
-        if (!colours_of.empty()) colours.emplace(colours_of);
+    Tools(const HeightSource& source, const TilesOptions& options) : finder(source) {
+        if (options.colours) colours.emplace(options.maps_of, PackMap::Kind::colour);
+        if (options.water) water.emplace(options.maps_of, PackMap::Kind::water);
     }
     SampleFinder finder;
-    std::optional<PackColours> colours;
+    std::optional<PackMap> colours, water;
 };
 
 // One for each thread, handed out and taken back.
 class Toolbox {
 public:
-    Toolbox(const HeightSource& source, const std::string& colours_of) : source_(source), colours_of_(colours_of) {}
+    Toolbox(const HeightSource& source, const TilesOptions& options) : source_(source), options_(options) {}
     template <typename Use>
     void lend(const Use& use) {
         std::unique_ptr<Tools> tools;
@@ -120,7 +123,7 @@ public:
             const std::lock_guard hold(lock_);
             if (!free_.empty()) tools = std::move(free_.back()), free_.pop_back();
         }
-        if (!tools) tools = std::make_unique<Tools>(source_, colours_of_);
+        if (!tools) tools = std::make_unique<Tools>(source_, options_);
         use(*tools);
         const std::lock_guard hold(lock_);
         free_.push_back(std::move(tools));
@@ -128,7 +131,7 @@ public:
 
 private:
     const HeightSource& source_;
-    const std::string& colours_of_;
+    const TilesOptions& options_;
     std::mutex lock_;
     std::vector<std::unique_ptr<Tools>> free_;
 };
@@ -167,7 +170,7 @@ public:
     Pyramid(const GroundSurface& surface, const std::string& name, const TilesOptions& options, Tiling tiling,
             const std::string& folder, const std::string& work)
         : surface_(surface), name_(name), options_(options), tiling_(tiling), folder_(folder), work_(work),
-          threads_(resolve_threads(options.threads)), toolbox_(surface.source(), options.colours_of) {}
+          threads_(resolve_threads(options.threads)), toolbox_(surface.source(), options) {}
 
     TilesSummary write(int last) {
         last_ = last;
@@ -183,7 +186,8 @@ public:
             levels.push_back(ids);
         }
         for (const std::vector<TileId>& level : levels) available_.push_back(runs(level));
-        std::vector<std::vector<TilesetTile>> made;
+        first_ = levels.front().front().level;
+        TilesetLevels made;
         for (const std::vector<TileId>& level : levels) {
             std::vector<Tile> tiles;
             summary.levels.push_back(write_level(level.front().level, level, tiles));
@@ -192,10 +196,16 @@ public:
                 for (const Tile& t : tiles) made.back().push_back({t.id, t.made.error_m, t.made.low_m, t.made.high_m});
         }
         bounds_ = bounds(levels.back());
-        if (is_tileset())
-            write_text("tileset.json", tileset_json(tiling_, made, about(summary).dump()));
-        else
+        if (!is_tileset())
             write_text(is_raster() ? "tiles.json" : "layer.json", index(summary));
+        else if (options_.implicit_tree)
+            write_implicit_tileset(std::move(made), about(summary).dump(),
+                                   [&](const std::string& file, std::span<const std::byte> bytes) {
+                                       io::check_interrupt();
+                                       write_file(file, bytes);
+                                   });
+        else
+            write_text("tileset.json", tileset_json(tiling_, std::move(made), about(summary).dump()));
         for (const std::vector<TileId>& level : levels)
             for (const TileId& id : level) written_.push_back({id, path_of(id)});
         return summary;
@@ -203,7 +213,7 @@ public:
     // After write().
     void archive(Archive kind, const TilesSummary& summary, const std::string& path) const {
         write_archive(kind, written_,
-                      {fs::path(name_).stem().string(), is_raster() ? "png" : "quantized-mesh-1.0",
+                      {fs::path(name_).stem().string(), is_raster() ? picture_ending() + 1 : "quantized-mesh-1.0",
                        !is_raster() && options_.gzip, bounds_, index(summary)},
                       path, work_);
     }
@@ -211,20 +221,18 @@ public:
 private:
     [[nodiscard]] bool is_tileset() const { return options_.format == TilesFormat::tiles_3d; }
     [[nodiscard]] bool is_raster() const { return baker::is_raster(options_.format); }
+    [[nodiscard]] const char* picture_ending() const { return options_.webp ? ".webp" : ".png"; }
     [[nodiscard]] std::string path_of(TileId id) const {
+        if (options_.implicit_tree) return folder_ + "/" + implicit_path(id, first_, ".glb");
         return fmt::format("{}/{}/{}/{}{}", folder_, id.level, id.x,
                            is_raster() ? tiles_down(id.level) - 1 - id.y : id.y,
-                           is_raster()    ? ".png"
+                           is_raster()    ? picture_ending()
                            : is_tileset() ? ".glb"
                                           : ".terrain");
     }
     [[nodiscard]] std::vector<TileId> children_with_ground(const std::vector<TileId>& parents) const {
         std::vector<std::uint8_t> there(parents.size() * 4);
-        const auto child = [&](std::size_t i) {
-            const TileId p = parents[i / 4];
-            return TileId{p.level + 1, 2 * p.x + static_cast<std::int32_t>(i & 1),
-                          2 * p.y + static_cast<std::int32_t>(i >> 1 & 1)};
-        };
+        const auto child = [&](std::size_t i) { return child_of(parents[i / 4], static_cast<int>(i % 4)); };
         parallel_for(static_cast<std::int64_t>(there.size()), threads_, [&](std::int64_t i) {
             const auto at = static_cast<std::size_t>(i);
             there[at] = surface_.touches(box_of(tiling_, child(at)));
@@ -338,11 +346,11 @@ private:
         const HeightColours colours =
             options_.format == TilesFormat::terrarium ? HeightColours::terrarium : HeightColours::terrain_rgb;
         RasterTile made = named([&] {
-            return make_raster_tile(surface_, finder, tile.id, {colours, options_.side_px, last_});
+            return make_raster_tile(surface_, finder, tile.id, {colours, options_.webp, options_.side_px, last_});
         });
         const auto pixels = static_cast<std::uint64_t>(options_.side_px) * static_cast<std::uint64_t>(options_.side_px);
         tile.made = {made.error_m, made.low_m, made.high_m, pixels, 0, 0, 0};
-        return std::move(made.png);
+        return std::move(made.image);
     }
 
     [[nodiscard]] std::vector<std::byte> meshed(const TileRules& rules, Tools& tools, const BorderVertices& wanted,
@@ -357,17 +365,33 @@ private:
         return bytes;
     }
 
+    // A map of the pack over a tile, side_px texels a side.
+    [[nodiscard]] std::vector<std::uint8_t> mapped(PackMap& map, std::uint32_t side_px, const DegreeBox& box, int level,
+                                                   const SampleFinder& finder) const {
+        const double texel_m = tile_m(tiling_, level) / side_px;
+        return map.picture(side_px, side_px, texel_m, [&](double u, double v) -> std::optional<std::array<double, 2>> {
+            double column = 0, row = 0;
+            const LonLat at{box.west + (box.east - box.west) * u, box.north + (box.south - box.north) * v};
+            if (!finder.find(at, column, row)) return std::nullopt;
+            return std::array{column, row};
+        });
+    }
     [[nodiscard]] std::vector<std::byte> texture_of(const DegreeBox& box, int level, Tools& tools) const {
         if (!tools.colours) return {};
         constexpr std::uint32_t side_px = 256;
-        const double texel_m = tile_m(tiling_, level) / side_px;
-        return tools.colours->picture(
-            side_px, side_px, texel_m, [&](double u, double v) -> std::optional<std::array<double, 2>> {
-                double column = 0, row = 0;
-                const LonLat at{box.west + (box.east - box.west) * u, box.north + (box.south - box.north) * v};
-                if (!tools.finder.find(at, column, row)) return std::nullopt;
-                return std::array{column, row};
-            });
+        const std::vector<std::uint8_t> rgb = mapped(*tools.colours, side_px, box, level, tools.finder);
+        return gltf::encode_jpeg(side_px, side_px, std::as_bytes(std::span(rgb)));
+    }
+    // As quantized-mesh has it: a byte for all of the tile where it is all land or all water.
+    [[nodiscard]] std::vector<std::byte> water_of(const DegreeBox& box, int level, Tools& tools) const {
+        std::vector<std::byte> mask;
+        if (!tools.water) return mask;
+        const std::vector<std::uint8_t> rgb = mapped(*tools.water, water_mask_px, box, level, tools.finder);
+        for (std::size_t i = 0; i < rgb.size(); i += 3) mask.push_back(std::byte{rgb[i]});
+        const auto differs = [&](std::byte b) { return b != mask.front(); };
+        const bool ends = mask.front() == std::byte{0} || mask.front() == std::byte{255};
+        if (ends && std::ranges::none_of(mask, differs)) mask.resize(1);
+        return mask;
     }
 
     // What goes wrong says of what.
@@ -386,14 +410,18 @@ private:
             // Beside a tile of the next coarser level: its own error, and that one's, which is twice as large.
             constexpr double diagonal = 1.5; // with walls
             const double size_m = diagonal * tile_m(tiling_, id.level) + relief_m();
-            GltfTile tile = encode_gltf_tile(mesh, {rules.tolerance_m, size_m, options_.packing}, normals,
-                                             texture_of(mesh.box, id.level, tools));
+            GltfTile tile =
+                encode_gltf_tile(mesh, {rules.tolerance_m, size_m, options_.packing, options_.implicit_tree}, normals,
+                                 texture_of(mesh.box, id.level, tools));
             made.error_m = tile.error_m;
             made.low_m = tile.low_m, made.high_m = tile.high_m;
             return std::move(tile.bytes);
         }
         const std::string available = id.level == 0 ? json(available_.begin() + 1, available_.end()).dump() : "";
-        EncodedTile tile = named([&] { return encode_quantized_mesh(mesh, rules.height_step_m, normals, available); });
+        EncodedTile tile = named([&] {
+            return encode_quantized_mesh(mesh, rules.height_step_m,
+                                         {normals, water_of(mesh.box, id.level, tools), available});
+        });
         made.low_m = tile.low_m, made.high_m = tile.high_m;
         return options_.gzip ? gzip(tile.bytes) : std::move(tile.bytes);
     }
@@ -488,8 +516,11 @@ private:
             if (!is_raster())
                 levels.back()["triangles"] = l.triangles, levels.back()["assumed_error_m"] = l.assumed_error_m;
         }
+        const std::string vertical = vertical_name(surface_.source().crs_wkt);
         return {{"source", surface_.source().identity()},
                 {"crs", crs_text(crs)},
+                {"vertical_unit", "m"},
+                {"vertical_datum", vertical.empty() ? json() : json(vertical)},
                 {"heights", is_raster() ? "metres as the source counts them"
                                         : "metres as the source counts them, taken as heights over WGS 84"},
                 {"levels", levels}};
@@ -501,15 +532,18 @@ private:
 
     // TileJSON, with what a source of MapLibre has besides.
     [[nodiscard]] json picture_index(const TilesSummary& summary) const {
+        // MapLibre asks for the tiles beyond where a side of the bounds lies on that of a tile, but for a rounding.
+        constexpr double share = 1e-6;
+        const double by = share * 360 / tiles_across(tiling_, summary.levels.back().level);
         return {{"tilejson", "3.0.0"},
                 {"name", fs::path(name_).stem().string()},
-                {"tiles", {"{z}/{x}/{y}.png"}},
+                {"tiles", {std::string("{z}/{x}/{y}") + picture_ending()}},
                 {"scheme", "xyz"},
                 {"encoding", options_.format == TilesFormat::terrarium ? "terrarium" : "mapbox"},
                 {"tileSize", options_.side_px},
                 {"minzoom", 0},
                 {"maxzoom", summary.levels.back().level},
-                {"bounds", {bounds_.west, bounds_.south, bounds_.east, bounds_.north}},
+                {"bounds", {bounds_.west + by, bounds_.south + by, bounds_.east - by, bounds_.north - by}},
                 {"fjell", about(summary)}};
     }
 
@@ -530,12 +564,16 @@ private:
                    {"metadataAvailability", std::max<std::size_t>(2, available_.size())},
                    {"extensions", {"metadata"}}};
         if (options_.normals) layer["extensions"].push_back("octvertexnormals");
+        if (options_.water) layer["extensions"].push_back("watermask");
         layer["fjell"] = about(summary);
         return layer;
     }
     void write_text(const std::string& name, const std::string& text) const {
+        write_file(name, std::as_bytes(std::span(text)));
+    }
+    void write_file(const std::string& name, std::span<const std::byte> bytes) const {
         io::AtomicFile file(folder_ + "/" + name);
-        file.write(std::as_bytes(std::span(text)));
+        file.write(bytes);
         file.commit();
     }
 
@@ -548,24 +586,32 @@ private:
     Toolbox toolbox_;
     json available_ = json::array();
     DegreeBox bounds_;
-    int last_ = 0;
+    int first_ = 0, last_ = 0; // levels
     std::vector<ArchiveTile> written_;
 };
 
 // What the bytes depend on.
 std::string job_of(const HeightSource& source, const TilesOptions& options, Tiling tiling, Archive archive) {
-    return fmt::format("fjell tiles 3\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\nquantised {}\n"
-                       "meshopt {}\npixels {}\ncolours {}\narchive {}\n",
+    return fmt::format("fjell tiles 4\n{}\nformat {}\ntiling {}\nmax level {}\nnormals {}\ngzip {}\nquantised {}\n"
+                       "meshopt {}\nimplicit {}\npixels {}\nwebp {}\ncolours {}\nwater {}\narchive {}\n",
                        source.identity(), static_cast<int>(options.format), static_cast<int>(tiling), options.max_level,
                        options.normals, options.gzip, options.packing.quantised, options.packing.meshopt,
-                       options.side_px, !options.colours_of.empty(), static_cast<int>(archive));
+                       options.implicit_tree, options.side_px, options.webp, options.colours, options.water,
+                       static_cast<int>(archive));
 }
 
 void check(const TilesOptions& options, Tiling tiling, Archive archive, const std::string& path) {
     if ((options.packing.quantised || options.packing.meshopt) && options.format != TilesFormat::tiles_3d)
         throw Failure(2, "--quantised and --meshopt are for --format 3dtiles; leave them out, or add it");
-    if (!options.colours_of.empty() && options.format != TilesFormat::tiles_3d)
+    if (options.implicit_tree && options.format != TilesFormat::tiles_3d)
+        throw Failure(2, "--implicit is for --format 3dtiles; leave it out, or add that");
+    if (options.implicit_tree && tiling != Tiling::geographic)
+        throw Failure(2,
+                      "--tiling mercator: an implicit tree halves degrees; leave out one of --implicit and --tiling");
+    if (options.colours && options.format != TilesFormat::tiles_3d)
         throw Failure(2, "--colours is for --format 3dtiles; leave it out, or add that");
+    if (options.webp && !is_raster(options.format))
+        throw Failure(2, "--image is for --format terrain-rgb and terrarium; leave it out, or add one of them");
     if (is_raster(options.format) && tiling != Tiling::mercator)
         throw Failure(2, "--tiling geographic: pictures of heights are in Web Mercator alone; leave it out");
     if (archive != Archive::folder && options.format == TilesFormat::tiles_3d)
@@ -588,7 +634,7 @@ TilesSummary write_tiles(const HeightSource& source, const std::string& name, co
     const Tiling tiling = options.tiling.value_or(is_raster(options.format) ? Tiling::mercator : Tiling::geographic);
     const Archive archive = archive_of(out);
     check(options, tiling, archive, out);
-    if (!options.colours_of.empty()) (void)PackColours(options.colours_of); // it has some
+    if (options.colours) (void)PackMap(options.maps_of, PackMap::Kind::colour); // it has some
     const int last = last_level(source, name, options, tiling);
     const std::string job = job_of(source, options, tiling, archive), job_file = out + ".work/job";
     std::error_code none;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -90,9 +89,9 @@ void hang_walls(const TileMesh& mesh, const GlobePlace& middle, double skirt_m, 
 
 // Steps are a power of two, and places whole multiples of it from the globe's middle: a vertex that two tiles share is
 // the same in both.
-GltfLattice tile_lattice(const GltfPlaces& g, const GlobePlace& middle, double size_m) {
+gltf::GlbLattice tile_lattice(const GltfPlaces& g, const GlobePlace& middle, double size_m) {
     constexpr double room = 65000;
-    GltfLattice lattice;
+    gltf::GlbLattice lattice;
     const std::array<double, 3> turned{middle[0], middle[2], -middle[1]};
     std::array<double, 3> low{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -110,50 +109,30 @@ GltfLattice tile_lattice(const GltfPlaces& g, const GlobePlace& middle, double s
 
 class Tree3d {
 public:
-    Tree3d(Tiling tiling, const std::vector<std::vector<TilesetTile>>& levels) : tiling_(tiling), levels_(levels) {
-        for (const auto& level : levels_) {
-            places_.emplace_back();
-            for (std::size_t i = 0; i < level.size(); ++i) places_.back()[{level[i].id.x, level[i].id.y}] = i;
-        }
-    }
-    struct Node {
-        ordered_json json;
-        double error_m, low_m, high_m;
-        DegreeBox box;
-    };
-    [[nodiscard]] Node node(std::size_t level, std::size_t which, const GlobePlace& parent) const {
-        const TilesetTile& t = levels_[level][which];
+    Tree3d(Tiling tiling, const TilesetLevels& levels) : tiling_(tiling), levels_(levels) {}
+
+    [[nodiscard]] ordered_json node(std::size_t level, const TilesetTile& t, const GlobePlace& parent) const {
         const DegreeBox box = box_of(tiling_, t.id);
         const GlobePlace middle = tile_middle(box);
-        Node n{{}, t.error_m, t.low_m, t.high_m, box};
-        ordered_json children = ordered_json::array();
-        if (level + 1 < levels_.size())
-            for (int child = 0; child < 4; ++child) {
-                const auto found = places_[level + 1].find({2 * t.id.x + (child & 1), 2 * t.id.y + (child >> 1)});
-                if (found == places_[level + 1].end()) continue;
-                Node c = node(level + 1, found->second, middle);
-                n.error_m = std::max(n.error_m, c.error_m);
-                n.low_m = std::min(n.low_m, c.low_m), n.high_m = std::max(n.high_m, c.high_m);
-                children.push_back(std::move(c.json));
-            }
-        n.json["boundingVolume"] = {{"region", region(box, n.low_m, n.high_m)}};
-        n.json["geometricError"] = n.error_m;
-        n.json["refine"] = "REPLACE";
-        n.json["transform"] = {
+        ordered_json n{{"boundingVolume", {{"region", region_json(box, t.low_m, t.high_m)}}},
+                       {"geometricError", t.error_m},
+                       {"refine", "REPLACE"}};
+        n["transform"] = {
             1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, middle[0] - parent[0], middle[1] - parent[1], middle[2] - parent[2], 1};
-        n.json["content"] = {{"uri", fmt::format("{}/{}/{}.glb", t.id.level, t.id.x, t.id.y)}};
-        if (!children.empty()) n.json["children"] = std::move(children);
+        n["content"] = {{"uri", fmt::format("{}/{}/{}.glb", t.id.level, t.id.x, t.id.y)}};
+        ordered_json children = ordered_json::array();
+        for (int child = 0; level + 1 < levels_.size() && child < 4; ++child) {
+            const std::vector<TilesetTile>& below = levels_[level + 1];
+            const std::size_t at = find_tile(below, child_of(t.id, child));
+            if (at < below.size()) children.push_back(node(level + 1, below[at], middle));
+        }
+        if (!children.empty()) n["children"] = std::move(children);
         return n;
-    }
-    [[nodiscard]] static ordered_json region(const DegreeBox& b, double low_m, double high_m) {
-        constexpr double radians = std::numbers::pi / 180;
-        return {b.west * radians, b.south * radians, b.east * radians, b.north * radians, low_m, high_m};
     }
 
 private:
     Tiling tiling_;
-    const std::vector<std::vector<TilesetTile>>& levels_;
-    std::vector<std::map<std::pair<std::int32_t, std::int32_t>, std::size_t>> places_;
+    const TilesetLevels& levels_;
 };
 
 } // namespace
@@ -174,11 +153,10 @@ GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std:
     g.triangles = mesh.triangles;
     const double skirt_m = 3 * std::max(rules.least_error_m, mesh.error_m);
     hang_walls(mesh, middle, skirt_m, g);
-    GltfMesh content{"ground", g.places.size(), g.triangles};
+    gltf::GlbMesh content{"ground", g.places.size(), {g.triangles.front().data(), 3 * g.triangles.size()}};
+    if (rules.placed) content.origin = {middle[0], middle[2], -middle[1]};
     content.place = [&](std::size_t i) { return g.places[i]; };
     if (!g.normals.empty()) content.normal = [&](std::size_t i) { return g.normals[i]; };
-    if (!texture_jpeg.empty()) content.uv = [&](std::size_t i) { return g.uv[i]; };
-    content.texture_jpeg = std::move(texture_jpeg);
     GltfTile tile{{}, mesh.error_m, g.low_m - g.sag_m(), g.high_m};
     if (rules.packing.quantised) {
         content.lattice = tile_lattice(g, middle, rules.size_m);
@@ -188,35 +166,64 @@ GltfTile encode_gltf_tile(const TileMesh& mesh, const GltfTileRules& rules, std:
     }
     gltf::Glb glb("fjell-bake", "a tile has more than 4 GB");
     glb.json["asset"]["extras"]["fjell"]["error_m"] = tile.error_m;
-    add_gltf_mesh(glb, content, rules.packing.meshopt);
+    if (!texture_jpeg.empty()) {
+        content.uv = [&](std::size_t i) { return g.uv[i]; };
+        content.textures.colour = static_cast<int>(glb.add_texture("ground", std::move(texture_jpeg), "image/jpeg"));
+    }
+    gltf::add_glb_mesh(glb, std::move(content), rules.packing.meshopt);
     glb.close();
     tile.bytes = glb.bytes();
     return tile;
 }
 
-std::string tileset_json(Tiling tiling, const std::vector<std::vector<TilesetTile>>& levels,
-                         const std::string& extras) {
-    const Tree3d tree(tiling, levels);
-    ordered_json children = ordered_json::array();
+std::size_t find_tile(const std::vector<TilesetTile>& level, TileId id) {
+    const auto before = [](const TilesetTile& t, TileId at) { return t.id.y != at.y ? t.id.y < at.y : t.id.x < at.x; };
+    const auto found = std::lower_bound(level.begin(), level.end(), id, before);
+    return found != level.end() && found->id == id ? static_cast<std::size_t>(found - level.begin()) : level.size();
+}
+
+TilesetLevels with_children(TilesetLevels levels) {
+    for (std::size_t level = levels.size() - 1; level-- > 0;)
+        for (const TilesetTile& t : levels[level + 1]) {
+            TilesetTile& parent = levels[level].at(find_tile(levels[level], parent_of(t.id)));
+            parent.error_m = std::max(parent.error_m, t.error_m);
+            parent.low_m = std::min(parent.low_m, t.low_m), parent.high_m = std::max(parent.high_m, t.high_m);
+        }
+    return levels;
+}
+
+ordered_json region_json(const DegreeBox& b, double low_m, double high_m) {
+    constexpr double radians = std::numbers::pi / 180;
+    return {b.west * radians, b.south * radians, b.east * radians, b.north * radians, low_m, high_m};
+}
+
+ordered_json tileset_of(Tiling tiling, const std::vector<TilesetTile>& roots, ordered_json children,
+                        const std::string& extras) {
     double low_m = HUGE_VAL, high_m = -HUGE_VAL;
     DegreeBox box{180, 90, -180, -90};
-    for (std::size_t i = 0; i < levels.front().size(); ++i) {
-        Tree3d::Node n = tree.node(0, i, {});
-        low_m = std::min(low_m, n.low_m), high_m = std::max(high_m, n.high_m);
-        box = {std::min(box.west, n.box.west), std::min(box.south, n.box.south), std::max(box.east, n.box.east),
-               std::max(box.north, n.box.north)};
-        children.push_back(std::move(n.json));
+    for (const TilesetTile& t : roots) {
+        const DegreeBox b = box_of(tiling, t.id);
+        low_m = std::min(low_m, t.low_m), high_m = std::max(high_m, t.high_m);
+        box = {std::min(box.west, b.west), std::min(box.south, b.south), std::max(box.east, b.east),
+               std::max(box.north, b.north)};
     }
     // Without any tile all of the ground is missing: whoever sees it refines.
     const double nothing_m = globe_radius_m;
-    const ordered_json tileset{{"asset", {{"version", "1.1"}, {"extras", {{"fjell", ordered_json::parse(extras)}}}}},
-                               {"geometricError", nothing_m},
-                               {"root",
-                                {{"boundingVolume", {{"region", Tree3d::region(box, low_m, high_m)}}},
-                                 {"geometricError", nothing_m},
-                                 {"refine", "REPLACE"},
-                                 {"children", std::move(children)}}}};
-    return tileset.dump() + "\n";
+    return {{"asset", {{"version", "1.1"}, {"extras", {{"fjell", ordered_json::parse(extras)}}}}},
+            {"geometricError", nothing_m},
+            {"root",
+             {{"boundingVolume", {{"region", region_json(box, low_m, high_m)}}},
+              {"geometricError", nothing_m},
+              {"refine", "REPLACE"},
+              {"children", std::move(children)}}}};
+}
+
+std::string tileset_json(Tiling tiling, TilesetLevels made, const std::string& extras) {
+    const TilesetLevels levels = with_children(std::move(made));
+    const Tree3d tree(tiling, levels);
+    ordered_json children = ordered_json::array();
+    for (const TilesetTile& t : levels.front()) children.push_back(tree.node(0, t, {}));
+    return tileset_of(tiling, levels.front(), std::move(children), extras).dump() + "\n";
 }
 
 } // namespace fjell::baker

@@ -24,7 +24,11 @@ using Clock = std::chrono::steady_clock;
 
 void write_export(const std::string& path, const FlightOptions& options, const Session& session) {
     const gltf::Snapshot snapshot = options.export_converged ? take_converged(session) : take_frame(session);
-    session::write_snapshot(*session.file, snapshot, path, {.texel_m = options.export_texel_m},
+    session::write_snapshot(*session.file, snapshot, path,
+                            {.texel_m = options.export_texel_m,
+                             .colours = options.export_jpeg ? gltf::SnapshotImage::jpeg : gltf::SnapshotImage::png,
+                             .quantised = options.export_quantised,
+                             .meshopt = options.export_meshopt},
                             {options.layers, options.profile.layers});
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -162,6 +163,14 @@ void declare_outputs(CLI::App& app, FlightOptions& o, Flags& f) {
     app.add_option("--export-texel", o.export_texel_m,
                    "width of a texel of --export's textures in metres; 0 (default): as fine as the maps are")
         ->check(io::within(0, 1e6));
+    app.add_flag("--export-quantised", o.export_quantised,
+                 "--export with 16 bits a number (KHR_mesh_quantization); the file says what the rounding moves");
+    app.add_flag("--export-meshopt", o.export_meshopt,
+                 "--export compressed (EXT_meshopt_compression), which not all viewers read");
+    app.add_option_function<std::string>(
+           "--export-texture", [&o](const std::string& word) { o.export_jpeg = word == "jpeg"; },
+           "how --export writes colours: png (default) loses nothing, jpeg is smaller; normals and occlusion are PNG")
+        ->check(io::one_of({"png", "jpeg"}));
     app.add_option("--render", o.render_folder, "write frame_NNNNN.png into this folder, which is created if need be");
     app.add_option("--render-every", o.render_every, "only every N-th frame")->check(io::whole_within(1, most_frames));
     app.add_option("--mode", f.mode,
@@ -326,7 +335,10 @@ void check_together(const FlightOptions& o) {
     if (o.still && (o.seeded || !o.path.empty()))
         throw Failure(2, "--eye is a camera of its own: leave out --seed and --path");
     if (o.export_converged && o.exports.empty()) throw Failure(2, "--export-converged needs --export FRAME:OUT.glb");
-    if (o.export_texel_m > 0 && o.exports.empty()) throw Failure(2, "--export-texel needs --export FRAME:OUT.glb");
+    for (const auto& [given, name] :
+         {std::pair{o.export_texel_m > 0, "texel"}, std::pair{o.export_quantised, "quantised"},
+          std::pair{o.export_meshopt, "meshopt"}, std::pair{o.export_jpeg, "texture"}})
+        if (given && o.exports.empty()) throw Failure(2, fmt::format("--export-{} needs --export FRAME:OUT.glb", name));
     if (!o.headless && !o.render_folder.empty()) throw Failure(2, "--render needs --headless");
     if (!o.headless && !o.exports.empty()) throw Failure(2, "--export needs --headless");
     if (!o.headless && o.wait) throw Failure(2, "--wait needs --headless: a window never waits");

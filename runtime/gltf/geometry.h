@@ -1,4 +1,4 @@
-// One tile of the mesh as glTF wants it: its own vertices, interleaved, and the smallest indices that reach them.
+// One tile of the mesh as glTF wants it: its own vertices, and indices that reach them.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,9 @@ namespace fjell::gltf {
 struct SnapshotVertex {
     float position_m[3]; // from the tile's corner with the smallest coordinates; y is the height itself
     float normal[3];
-    float uv[2];      // cells from that corner, until set_texture_size()
-    float tangent[4]; // east along the ground, and 1: the third axis points north
+    float cells[2];   // from that corner
+    float tangent[4]; // tangent_of() the normal
 };
-static_assert(sizeof(SnapshotVertex) == 48 && offsetof(SnapshotVertex, uv) == 24 &&
-                  offsetof(SnapshotVertex, tangent) == 32,
-              "SnapshotVertex is stored: change the accessors in scene.cpp with it");
-
 // Blocks of a tile's normal map that moving ground has changed (fjell/ground_maps.h), of one mip.
 struct MovedNormals {
     std::uint32_t mip = 0;
@@ -39,10 +35,6 @@ struct TileGeometry {
     std::vector<std::uint32_t> indices; // a triangle list, counter-clockwise from above, none degenerate
     float low_m[3], high_m[3];          // exact bounds of position_m
 };
-
-// Cells become texture coordinates. side: cells a side of a tile; texture_px: texels a side of its texture, whose first
-// and last texel centres lie on its border.
-void set_texture_size(TileGeometry& geometry, std::uint32_t side, std::uint32_t texture_px);
 
 // The corner of a tile in the scene: whole multiples of the tile's width as a float, see fjell/gltf/snapshot.h.
 [[nodiscard]] Vec3 tile_corner_m(const Pack& pack, std::uint32_t tile);
@@ -69,22 +61,5 @@ private:
     std::uint32_t side;
     std::vector<std::uint32_t> slots; // of each sample of the current tile, or none
 };
-
-// What textures of a tile are made of beside its maps: the normal texture, which turns the mesh' interpolated normals
-// into the baked ones, and the ground at each texel.
-
-// baked: BC5 decoded, baked_px texels a side (fjell/texture.h). geometry: after set_texture_size(..., texture_px).
-// Returns texture_px * texture_px RGB texels: the baked normal in the frame that glTF interpolates from the vertices'
-// normals and tangents; what changes nothing where triangles are smaller than texels, or where there are none. Both
-// maps have their outer texel centres on the tile's border. O(texels * triangles that touch each).
-[[nodiscard]] std::vector<std::uint8_t> normal_texture(const TileGeometry& geometry, std::uint32_t texture_px,
-                                                       std::span<const std::uint8_t> baked, std::uint32_t baked_px);
-
-// Of the mesh at each texel, 0 where there is none; the slope is the baked normal's where baked_px is not 0.
-struct TexelGround {
-    std::vector<float> height_m, slope_deg;
-};
-[[nodiscard]] TexelGround ground_of_texels(const TileGeometry& geometry, std::uint32_t texture_px,
-                                           std::span<const std::uint8_t> baked, std::uint32_t baked_px);
 
 } // namespace fjell::gltf

@@ -1,15 +1,14 @@
 #include "gltf/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <utility>
+#include <vector>
 
 namespace fjell::gltf {
 
 namespace {
-
-using Json = Glb::Json;
 
 // Unit quaternion (x, y, z, w) of the rotation whose columns are right, up and back: from the largest of its four
 // components, so that nothing is lost where another one vanishes.
@@ -35,60 +34,38 @@ std::vector<double> quaternion(Vec3 right, Vec3 up, Vec3 back) {
 
 } // namespace
 
-int SceneBuilder::add_texture(const std::string& name, std::uint32_t side_px, std::span<const std::byte> rgb) {
-    return static_cast<int>(glb_.add_texture(name, encode_png(side_px, side_px, rgb), "image/png"));
+int SceneBuilder::add_texture(const std::string& name, std::uint32_t side_px, std::span<const std::byte> rgb,
+                              SnapshotImage image) {
+    const bool jpeg = image == SnapshotImage::jpeg;
+    return static_cast<int>(
+        glb_.add_texture(name, jpeg ? encode_jpeg(side_px, side_px, rgb) : encode_png(side_px, side_px, rgb),
+                         jpeg ? "image/jpeg" : "image/png"));
 }
 
-std::size_t SceneBuilder::add_material(const std::string& name, TileTextures textures) {
-    Json surface{{"metallicFactor", 0.0}};
-    if (textures.colour >= 0)
-        surface["baseColorTexture"]["index"] = textures.colour;
-    else
-        surface["baseColorFactor"] = {0.5, 0.5, 0.5, 1.0};
-    Json material{{"name", name}, {"pbrMetallicRoughness", std::move(surface)}};
-    if (textures.normal >= 0) material["normalTexture"]["index"] = textures.normal;
-    if (textures.occlusion >= 0) material["occlusionTexture"]["index"] = textures.occlusion;
-    return glb_.add("materials", std::move(material));
-}
-
-std::size_t SceneBuilder::add_mesh(const std::string& name, const TileGeometry& geometry, TileTextures textures) {
-    const bool textured = textures.colour >= 0 || textures.normal >= 0 || textures.occlusion >= 0;
-    const bool tangents = textures.normal >= 0;
-    const std::size_t count = geometry.vertices.size();
-    const std::size_t stride = tangents   ? sizeof(SnapshotVertex)
-                               : textured ? offsetof(SnapshotVertex, tangent)
-                                          : offsetof(SnapshotVertex, uv);
-    std::vector<std::byte> bytes(count * stride);
-    for (std::size_t i = 0; i < count; ++i) std::memcpy(bytes.data() + i * stride, &geometry.vertices[i], stride);
-    const std::size_t view = glb_.add_view(std::move(bytes), GlbTarget::vertices, stride);
-
-    const auto accessor = [&](std::size_t offset, const char* type) {
-        return Json{{"bufferView", view},
-                    {"byteOffset", offset},
-                    {"componentType", static_cast<int>(glb_float)},
-                    {"count", count},
-                    {"type", type}};
+void SceneBuilder::add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m, GlbTextures textures,
+                            const TexelGrid& texels) {
+    const std::vector<SnapshotVertex>& v = geometry.vertices;
+    GlbMesh mesh{name, v.size(), geometry.indices};
+    const auto three = [](const float(&from)[3]) {
+        return std::array{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2])};
     };
-    Json places = accessor(offsetof(SnapshotVertex, position_m), "VEC3"), attributes;
-    places["min"] = geometry.low_m, places["max"] = geometry.high_m;
-    attributes["POSITION"] = glb_.add("accessors", std::move(places));
-    attributes["NORMAL"] = glb_.add("accessors", accessor(offsetof(SnapshotVertex, normal), "VEC3"));
-    if (textured) attributes["TEXCOORD_0"] = glb_.add("accessors", accessor(offsetof(SnapshotVertex, uv), "VEC2"));
-    if (tangents) attributes["TANGENT"] = glb_.add("accessors", accessor(offsetof(SnapshotVertex, tangent), "VEC4"));
-    const std::size_t indices = glb_.add_indices(
-        glb_.add_view(index_bytes(geometry.indices, count), GlbTarget::indices), geometry.indices.size(), count);
-    return glb_.add("meshes", {{"name", name},
-                               {"primitives",
-                                {{{"attributes", std::move(attributes)},
-                                  {"indices", indices},
-                                  {"material", add_material(name, textures)},
-                                  {"mode", 4}}}}});
-}
-
-void SceneBuilder::add_tile(const std::string& name, const TileGeometry& geometry, Vec3 corner_m,
-                            TileTextures textures) {
-    const std::size_t mesh = add_mesh(name, geometry, textures);
-    glb_.add_node({{"name", name}, {"mesh", mesh}, {"translation", {corner_m.x, corner_m.y, corner_m.z}}});
+    mesh.place = [&v, three](std::size_t i) { return three(v[i].position_m); };
+    mesh.normal = [&v, three](std::size_t i) { return three(v[i].normal); };
+    if (textures.normal >= 0)
+        mesh.tangent = [&v](std::size_t i) {
+            const auto& t = v[i].tangent;
+            return std::array{static_cast<double>(t[0]), static_cast<double>(t[1]), static_cast<double>(t[2]),
+                              static_cast<double>(t[3])};
+        };
+    if (textures.colour >= 0 || textures.normal >= 0 || textures.occlusion >= 0)
+        mesh.uv = [&v, texels](std::size_t i) {
+            return std::array{texels.u(static_cast<double>(v[i].cells[0])),
+                              texels.v(static_cast<double>(v[i].cells[1]))};
+        };
+    mesh.textures = textures;
+    mesh.origin = {corner_m.x, corner_m.y, corner_m.z};
+    mesh.lattice = lattice_;
+    add_glb_mesh(glb_, std::move(mesh), meshopt_);
 }
 
 void SceneBuilder::add_camera(const View& view) {

@@ -125,8 +125,9 @@ Json extras(const Chunks& pack, const SnapshotInfo& info, const SnapshotCounts& 
 class Textures {
 public:
     Textures(const Chunks& pack, const Paint& stamped, const SnapshotOptions& options)
-        : pack_(pack), stamped_(stamped), paint_(options.paint), colour_(mip_of(pack.header.colour_log2, options)),
-          normal_(mip_of(pack.header.normal_log2, options)), horizon_(mip_of(pack.header.horizon_log2, options)) {
+        : pack_(pack), stamped_(stamped), paint_(options.paint), colours_as_(options.colours),
+          colour_(mip_of(pack.header.colour_log2, options)), normal_(mip_of(pack.header.normal_log2, options)),
+          horizon_(mip_of(pack.header.horizon_log2, options)) {
         // The texture coordinates are one set, so the textures are of one size.
         side_px_ = colour_.side_px ? colour_.side_px : normal_.side_px ? normal_.side_px : horizon_.side_px;
         if (!paint_) return;
@@ -136,23 +137,33 @@ public:
             side_px_ *= 2;
     }
 
-    [[nodiscard]] std::uint32_t side_px() const { return side_px_; }
     [[nodiscard]] std::uint32_t colour_px() const { return colour_.side_px || paint_ ? side_px_ : 0; }
     [[nodiscard]] std::uint32_t normal_px() const { return normal_.side_px ? side_px_ : 0; }
     [[nodiscard]] std::uint32_t occlusion_px() const { return horizon_.side_px ? side_px_ : 0; }
 
-    // Indices of textures; -1: there is none.
-    [[nodiscard]] TileTextures add(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
-        TileTextures added;
-        const auto add_texture = [&](const char* kind, const std::vector<std::uint8_t>& rgb) {
-            return scene.add_texture(name + kind, side_px_, std::as_bytes(std::span(rgb)));
+    // Of a tile; without textures one of one texel.
+    [[nodiscard]] TexelGrid texels() const {
+        const double cells = std::ldexp(1.0, static_cast<int>(pack_.header.tile_log2));
+        return {std::max(side_px_, 1u), std::max(side_px_, 1u), cells, cells};
+    }
+
+    // JPEG loses what normals and shares of the sky are for, so only colours are written so.
+    [[nodiscard]] GlbTextures add(const TileGeometry& geometry, const std::string& name, SceneBuilder& scene) {
+        GlbTextures added;
+        const auto add_texture = [&](const char* kind, const std::vector<std::uint8_t>& rgb,
+                                     SnapshotImage image = SnapshotImage::png) {
+            return scene.add_texture(name + kind, side_px_, std::as_bytes(std::span(rgb)), image);
         };
         std::vector<std::uint8_t> normals;
-        if (normal_.side_px)
+        NormalAt normal_at;
+        if (normal_.side_px) {
             normals = read<2>(ChunkKind::normal, normal_, geometry.tile, decode_normal, geometry.moved);
-        if (colour_px()) added.colour = add_texture(" colour", colours(geometry, normals));
+            normal_at = map_normals(normals, normal_.side_px, side_px_);
+        }
+        if (colour_px()) added.colour = add_texture(" colour", colours(geometry, normal_at), colours_as_);
         if (normal_px())
-            added.normal = add_texture(" normal", normal_texture(geometry, side_px_, normals, normal_.side_px));
+            added.normal =
+                add_texture(" normal", normal_texture({geometry.vertices, geometry.indices}, texels(), normal_at));
         if (occlusion_px()) {
             const std::vector<std::uint8_t> planes =
                 read<horizon_planes>(ChunkKind::horizon, horizon_, geometry.tile, decode_horizon);
@@ -188,8 +199,7 @@ private:
         return texels;
     }
 
-    [[nodiscard]] std::vector<std::uint8_t> colours(const TileGeometry& geometry,
-                                                    std::span<const std::uint8_t> normals) {
+    [[nodiscard]] std::vector<std::uint8_t> colours(const TileGeometry& geometry, const NormalAt& normal_at) {
         std::vector<std::uint8_t> rgb;
         if (colour_.side_px) rgb = read<3>(ChunkKind::colour, colour_, geometry.tile, decode_colour);
         if (colour_.side_px && colour_.side_px != side_px_) {
@@ -203,7 +213,7 @@ private:
         const PackHeader& h = pack_.header;
         const std::uint32_t place = pack_.pack.tile_place(geometry.tile);
         const double cells = std::ldexp(1.0, static_cast<int>(h.tile_log2));
-        const TexelGround ground = ground_of_texels(geometry, side_px_, normals, normal_.side_px);
+        const TexelGround ground = ground_of_texels({geometry.vertices, geometry.indices}, texels(), normal_at);
         paint_({geometry.tile, side_px_, place % h.tiles_x * cells * h.spacing_m[0],
                 place / h.tiles_x * cells * h.spacing_m[1], cells * h.spacing_m[0] / (side_px_ - 1),
                 cells * h.spacing_m[1] / (side_px_ - 1), ground.height_m, ground.slope_deg, rgb});
@@ -213,10 +223,45 @@ private:
     const Chunks& pack_;
     const Paint& stamped_; // by StampShape::paint
     const std::function<void(const TileTexels&)>& paint_;
+    SnapshotImage colours_as_;
     MapMip colour_, normal_, horizon_;
     std::uint32_t side_px_ = 0;
     std::vector<std::byte> blocks_;
 };
+
+// Columns and rows are whole numbers by themselves. Heights are in steps of the quantum, times a power of two, as fine
+// as the relief of all tiles and directions allow: so a height that is not morphed stays as it is, but for a float's
+// digits.
+GlbLattice lattice_of(const PackHeader& h, const Snapshot::Content& content) {
+    float low = content.tiles.front().low_m[1], high = content.tiles.front().high_m[1];
+    for (const TileGeometry& tile : content.tiles)
+        low = std::min(low, tile.low_m[1]), high = std::max(high, tile.high_m[1]);
+    const double low_m = static_cast<double>(low), relief_m = static_cast<double>(high) - low_m;
+    const double cells = std::ldexp(1.0, static_cast<int>(h.tile_log2));
+    const auto cell_m = [&](int axis) { // as tile_corner_m() counts
+        return static_cast<double>(static_cast<float>(cells * h.spacing_m[axis])) / cells;
+    };
+    constexpr double finest = 1.0 / 16; // of a quantum
+    const double quantum_m = static_cast<double>(h.quantum_m);
+    const double least_m = std::max(
+        {quantum_m * finest, std::max(cell_m(0), cell_m(1)) / GlbLattice::most_different, relief_m / GlbLattice::most});
+    double step_m = quantum_m;
+    while (relief_m > step_m * GlbLattice::most) step_m *= 2;
+    while (step_m / 2 >= least_m) step_m /= 2;
+    return {{0, low_m, 0}, {cell_m(0), step_m, cell_m(1)}};
+}
+
+// How far a height is from that of the lattice, at most.
+double rounding_m(const GlbLattice& lattice, const Snapshot::Content& content) {
+    double most_m = 0;
+    for (const TileGeometry& tile : content.tiles)
+        for (const SnapshotVertex& v : tile.vertices) {
+            const double height_m = static_cast<double>(v.position_m[1]);
+            const double stored_m = lattice.offset[1] + lattice.scale[1] * lattice.nearest(height_m, 1);
+            most_m = std::max(most_m, std::abs(stored_m - height_m));
+        }
+    return most_m;
+}
 
 void add_tiles(const Chunks& pack, const Snapshot::Content& content, const SnapshotOptions& options,
                SceneBuilder& scene, SnapshotCounts& counts) {
@@ -225,15 +270,13 @@ void add_tiles(const Chunks& pack, const Snapshot::Content& content, const Snaps
     counts.normal_px = textures.normal_px();
     counts.occlusion_px = textures.occlusion_px();
     std::uint64_t done = 0;
-    for (const TileGeometry& taken : content.tiles) {
+    for (const TileGeometry& geometry : content.tiles) {
         if (options.progress && !options.progress(done++, content.tiles.size()))
             throw io::Failure(130, "stopped; nothing is written");
-        TileGeometry geometry = taken;
-        set_texture_size(geometry, 1u << pack.header.tile_log2, textures.side_px());
-        const std::uint32_t place = pack.pack.tile_place(taken.tile);
+        const std::uint32_t place = pack.pack.tile_place(geometry.tile);
         const std::string name = fmt::format("tile {} {}", place % pack.header.tiles_x, place / pack.header.tiles_x);
-        const TileTextures added = textures.add(geometry, name, scene);
-        scene.add_tile(name, geometry, tile_corner_m(pack.pack, taken.tile), added);
+        const GlbTextures added = textures.add(geometry, name, scene);
+        scene.add_tile(name, geometry, tile_corner_m(pack.pack, geometry.tile), added, textures.texels());
     }
 }
 
@@ -257,10 +300,13 @@ SnapshotCounts write_with(const Chunks& pack, const Snapshot& snapshot, const st
                 "the snapshot needs more bytes than a .glb may have (4 GiB, or max_file_bytes); ask for a larger "
                 "error_px or smaller textures (max_texture_px)",
                 options.max_file_bytes);
-        SceneBuilder scene(glb);
+        std::optional<GlbLattice> lattice;
+        if (options.quantised) lattice = lattice_of(pack.header, *content);
+        SceneBuilder scene(glb, lattice, options.meshopt);
         add_tiles(pack, *content, options, scene, counts);
         scene.add_camera(content->info.view);
-        glb.json["scenes"][0]["extras"]["fjell"] = extras(pack, content->info, counts);
+        Json& said = glb.json["scenes"][0]["extras"]["fjell"] = extras(pack, content->info, counts);
+        said["rounding_m"] = lattice ? rounding_m(*lattice, *content) : 0.0;
         counts.file_bytes = glb.close();
         if (!file) return counts;
         glb.write([&](std::span<const std::byte> bytes) { file->write(bytes); });

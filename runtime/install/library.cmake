@@ -47,15 +47,18 @@ endfunction()
 
 # fjell_pkg_config(FILE TARGET DESCRIPTION OURS OTHERS): FILE.pc, movable with its folder. OURS: packages of ours that
 # its headers include; OTHERS: what a static library needs besides. They are plain Requires there, not Requires.private:
-# whoever has only the static library would else need to know about `pkg-config --static`.
+# whoever has only the static library would else need to know about `pkg-config --static`. What follows: flags for
+# those of them that have no .pc file.
 function(fjell_pkg_config file target description ours others)
   if(NOT FJELL_INSTALL)
     return()
   endif()
   get_target_property(type ${target} TYPE)
   set(requires ${ours})
+  set(flags "")
   if(type STREQUAL "STATIC_LIBRARY")
     list(APPEND requires ${others})
+    list(JOIN ARGN " " flags)
   endif()
   list(JOIN requires ", " requires)
   file(RELATIVE_PATH to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)

@@ -26,6 +26,6 @@ if(gdal MATCHES "libgdal.so.([0-9]+)")
   set(CPACK_DEBIAN_PACKAGE_DEPENDS libgdal${CMAKE_MATCH_1})
 endif()
 # What a host of the static libraries links besides.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libzstd-dev, libhwy-dev, libfmt-dev, libtomlplusplus-dev, libepoxy-dev, libstb-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libzstd-dev, libhwy-dev, libfmt-dev, libtomlplusplus-dev, libepoxy-dev, libstb-dev, libmeshoptimizer-dev")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 include(CPack)

@@ -56,6 +56,7 @@ struct FlightOptions {
     std::vector<Export> exports;
     double export_texel_m = 0;     // width of a texel of the file's textures; 0: as fine as the maps are
     bool export_converged = false; // the mesh that the view would settle on, not the frame's
+    bool export_quantised = false, export_meshopt = false, export_jpeg = false; // gltf::SnapshotOptions
     std::string render_folder;
     std::size_t render_every = 1;
     PictureMode mode = PictureMode::shaded;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <catch2/catch.hpp>
@@ -112,6 +113,45 @@ TEST_CASE("an export is the mesh of its frame, and says what was asked, what it 
     refuses_export("small.fjell --headless --frames 3 --export-converged", 2, "needs --export");
     refuses_export("small.fjell --headless --frames 3 --export-texel 30", 2, "needs --export");
     for (const char* name : {"few.toml", "f.glb"}) fs::remove(export_place().folder.path / name);
+}
+
+TEST_CASE("an export is smaller where it may round, compress or lose some of its colours, and says so") {
+    const ExportPlace& place = export_place();
+    REQUIRE(
+        run_in(place.folder.path, FJELL_BIN_DIR "/fjell-bake dem.tif -o painted.fjell --tile 64 --quiet --ramp alpine")
+            .code == 0);
+    const auto text_of = [&](const std::string& flags) {
+        const Run r = place.fly("painted.fjell --headless --frames 2 --error-px 0.5 --export 1:s.glb " + flags);
+        INFO(flags << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        const std::string glb = slurp(place.folder.path / "s.glb");
+        std::uint32_t length = 0;
+        std::memcpy(&length, glb.data() + 12, sizeof length);
+        return std::pair{glb.size(), json::parse(glb.substr(20, length))};
+    };
+    const auto [plain, floats] = text_of("");
+    CHECK_FALSE(floats.contains("extensionsRequired"));
+    CHECK(floats["images"][0]["mimeType"] == "image/png");
+    CHECK(extras_of("s.glb")["rounding_m"] == 0);
+    const auto [rounded, numbers] = text_of("--export-quantised");
+    CHECK(rounded < plain);
+    CHECK(numbers["extensionsRequired"] == json{"KHR_mesh_quantization"});
+    CHECK(numbers["nodes"][0].contains("scale"));
+    CHECK(extras_of("s.glb")["rounding_m"] > 0);
+    CHECK(extras_of("s.glb")["rounding_m"] < 1e-3); // the heights are on the lattice, but for a float's digits
+    const auto [packed, views] = text_of("--export-quantised --export-meshopt");
+    CHECK(packed < rounded);
+    CHECK(views["extensionsRequired"] == json{"EXT_meshopt_compression", "KHR_mesh_quantization"});
+    const auto [lossy, pictures] = text_of("--export-texture jpeg");
+    CHECK(lossy < plain);
+    for (const json& image : pictures["images"]) {
+        const bool colour = image["name"].get<std::string>().ends_with("colour");
+        CHECK(image["mimeType"] == (colour ? "image/jpeg" : "image/png"));
+    }
+    for (const std::string option : {"--export-quantised", "--export-meshopt", "--export-texture jpeg"})
+        refuses_export("small.fjell --headless --frames 3 " + option, 2, "needs --export");
+    refuses_export("small.fjell --headless --frames 3 --export 1:s.glb --export-texture webp", 2, "--export-texture");
+    for (const char* name : {"painted.fjell", "s.glb"}) fs::remove(place.folder.path / name);
 }
 
 TEST_CASE("what is called _m is in metres, also in a CRS that counts feet") {

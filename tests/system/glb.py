@@ -11,8 +11,8 @@ def must(true, text):
 
 
 class Glb:
-    """gltf: the JSON. places, normals (or None), triangles: of the scene. scale: of the lattice, where there is one. uv,
-    image: of the texture and its bytes, where there is one."""
+    """gltf: the JSON. places, normals (or None), triangles: of the scene. tangents: as stored. scale: of the lattice, where
+    there is one. uv, images: of the textures and their bytes, by what they are: colour, normal, occlusion."""
 
     def __init__(self, data):
         magic, version, length = struct.unpack_from("<4sII", data)
@@ -43,21 +43,33 @@ class Glb:
             must(all(abs(math.hypot(*n) - 1) < 1e-4 for n in self.normals), "a normal that is no unit vector")
             turned = [[q / s for q, s in zip(n, scale)] for n in self.normals]
             self.normals = [tuple(q / math.hypot(*n) for q in n) for n in turned]
-
+        self.tangents, self.images = None, {}
+        if "TANGENT" in primitive["attributes"]:
+            self.tangents = self.accessor(primitive["attributes"]["TANGENT"])
+            must(all(abs(math.hypot(*t[:3]) - 1) < 1e-4 and abs(t[3]) == 1 for t in self.tangents), "a wrong tangent")
+            turned = [[q * s for q, s in zip(t, scale)] for t in self.tangents]
+            self.tangents = [(*(q / math.hypot(*t) for q in t), own[3]) for t, own in zip(turned, self.tangents)]
         if "TEXCOORD_0" in primitive["attributes"]:
             self.uv = self.accessor(primitive["attributes"]["TEXCOORD_0"])
             must(all(0 <= q <= 1 for uv in self.uv for q in uv), "a place beside the texture")
-            material = self.gltf["materials"][primitive["material"]]["pbrMetallicRoughness"]
-            image = self.gltf["images"][self.gltf["textures"][material["baseColorTexture"]["index"]]["source"]]
-            view = self.gltf["bufferViews"][image["bufferView"]]
-            self.image = self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
-            must(image["mimeType"] == "image/jpeg" and self.image[:2] == b"\xff\xd8", "no JPEG")
+            material = self.gltf["materials"][primitive["material"]]
+            for kind, texture in (("colour", material["pbrMetallicRoughness"].get("baseColorTexture")),
+                                  ("normal", material.get("normalTexture")),
+                                  ("occlusion", material.get("occlusionTexture"))):
+                if texture:
+                    image = self.gltf["images"][self.gltf["textures"][texture["index"]]["source"]]
+                    view = self.gltf["bufferViews"][image["bufferView"]]
+                    data = self.binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+                    start = {"image/jpeg": b"\xff\xd8", "image/png": b"\x89PNG"}[image["mimeType"]]
+                    must(data.startswith(start), "a picture of another kind")
+                    self.images[kind] = data
+            must(self.images, "texture coordinates without a texture")
 
     def accessor(self, i):
         a = self.gltf["accessors"][i]
         v = self.gltf["bufferViews"][a["bufferView"]]
         must(a.get("byteOffset", 0) == 0, "an accessor inside of a view")
-        form = f"<{ {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3}[a['type']] }" + {5126: "f", 5125: "I", 5123: "H", 5122: "h"}[
+        form = f"<{ {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4}[a['type']] }" + {5126: "f", 5125: "I", 5123: "H", 5122: "h"}[
             a["componentType"]]
         stride = v.get("byteStride", struct.calcsize(form))
         must(stride * a["count"] == v["byteLength"], "an accessor does not fit its view")

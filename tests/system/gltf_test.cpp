@@ -75,8 +75,11 @@ TEST_CASE("the glTF that fjell-bake writes of a mesh and of tiles is valid", "[g
     std::string grid = "ncols 60\nnrows 50\nxllcorner 430000\nyllcorner 6790000\ncellsize 30\n";
     for (int i = 0; i < 60 * 50; ++i) grid += std::to_string(500 + 90 * std::sin(i * 0.1) * std::cos(i * 0.003)) + " ";
     spit(folder / "dem.asc", grid);
-    done("mesh dem.asc -o mesh.glb --max-error-m 3 --quiet");
+    done("mesh dem.asc -o mesh.glb --max-error-m 3 --quiet --normal-map");
     require_valid(folder / "mesh.glb");
+    done("mesh dem.asc -o small.glb --max-error-m 3 --quiet --normal-map --quantised --meshopt");
+    require_valid(folder / "small.glb");
+    CHECK(10 * std::filesystem::file_size(folder / "small.glb") < 7 * std::filesystem::file_size(folder / "mesh.glb"));
     REQUIRE(run_in(folder.path, "gdal_translate -q -a_srs EPSG:32632 dem.asc dem.tif").code == 0);
     done("dem.tif -o pack.fjell --crs none --quiet");
     done("tiles pack.fjell -o tiles --format 3dtiles --quiet");

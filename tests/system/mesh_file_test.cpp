@@ -124,6 +124,107 @@ TEST_CASE("a mesh takes as many triangles as it may, or the options that a bake 
     CHECK(slurp(folder / "one.stl") == slurp(folder / "three.stl"));
 }
 
+TEST_CASE("with its normal texture a coarse mesh is lit as all samples would be") {
+    const TemporaryFolder folder;
+    std::string text = "ncols 130\nnrows 75\nxllcorner 430000\nyllcorner 6790000\ncellsize 30\nNODATA_value -9999\n";
+    for (int y = 0; y < 75; ++y) {
+        for (int x = 0; x < 130; ++x)
+            text +=
+                std::to_string(900 + 120 * std::sin(x * 0.13) * std::cos(y * 0.11) + 9 * std::sin(x * 0.7 + y)) + " ";
+        text += "\n";
+    }
+    spit(folder / "dem.asc", text);
+    done(folder, bake + "dem.asc -o pack.fjell --quiet --horizons half");
+    for (const std::string way : {"dem.asc", "dem.asc --quantised", "pack.fjell --occlusion"}) {
+        CAPTURE(way);
+        const json said =
+            json::parse(done(folder, bake + "mesh " + way + " -o mesh.glb --max-error-m 60 --normal-map --json -"));
+        CHECK(said["triangles"] < 2000);
+        const json found =
+            json::parse(done(folder, "python3 " FJELL_SOURCE_DIR "/tests/system/mesh/check_maps.py mesh.glb dem.asc"));
+        CAPTURE(found.dump());
+        CHECK(found["samples"] >= 130 * 75);
+        CHECK(found["flat_deg"] > 10);
+        // Half a step of 1 / 127.5 in three components, 0.39 degrees, and the rounding of a pack's heights.
+        CHECK(found["angle_deg"].get<double>() < 0.5);
+        CHECK(found["occlusion"].is_null() != way.ends_with("--occlusion"));
+        if (!way.ends_with("--occlusion")) continue;
+        CHECK(found["occlusion"][0] < 250);
+        CHECK(found["occlusion"][1] == 255);
+    }
+}
+
+TEST_CASE("a mesh of a polygon has its samples and no others") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 97, 60, "30", true);
+    done(folder, "gdal_translate -q -a_srs EPSG:32632 dem.asc placed.tif");
+    // Columns and rows of two areas that overlap, one of them with a hole; corners lie between samples.
+    const auto place = [](double column, double row) {
+        return "[" + std::to_string(430000 + 30 * (column + 0.5)) + "," + std::to_string(6790000 + 30 * (59.5 - row)) +
+               "]";
+    };
+    const auto box = [&](double west, double north, double east, double south) {
+        return "[" + place(west, north) + "," + place(east, north) + "," + place(east, south) + "," +
+               place(west, south) + "," + place(west, north) + "]";
+    };
+    const std::string areas =
+        R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:32632"}}, "features": [)"
+        R"({"type": "Feature", "properties": {}, "geometry": {"type": "MultiPolygon", "coordinates": [[)" +
+        box(9.5, 4.5, 60.5, 50.5) + "," + box(29.5, 14.5, 45.5, 30.5) + "]," + "[" + box(50.5, 30.5, 80.5, 55.5) +
+        R"(]]}}]})";
+    spit(folder / "areas.geojson", areas);
+    const auto inside = [](int x, int y) {
+        const auto in = [&](int west, int north, int east, int south) {
+            return x > west && x <= east && y > north && y <= south;
+        };
+        return (in(9, 4, 60, 50) && !in(29, 14, 45, 30)) || in(50, 30, 80, 55);
+    };
+    const json said = json::parse(
+        done(folder, bake + "mesh placed.tif -o part.ply --max-error-m 2 --polygon areas.geojson --json -"));
+    // The same field with holes outside: check.py finds that ground, that all of it is covered, and nothing else.
+    std::string grid = slurp(folder / "dem.asc"), masked;
+    std::size_t at = 0;
+    for (int line = 0; line < 6; ++line) at = grid.find('\n', at) + 1;
+    masked = grid.substr(0, at);
+    int kept = 0, with_height = 0;
+    for (int y = 0; y < 60; ++y, masked += "\n", ++at)
+        for (int x = 0; x < 97; ++x) {
+            const std::size_t end = grid.find(' ', at);
+            const std::string value = grid.substr(at, end - at);
+            with_height += value != "-9999";
+            kept += value != "-9999" && inside(x, y);
+            masked += inside(x, y) ? value + " " : "-9999 ";
+            at = end + 1;
+        }
+    spit(folder / "dem.asc", masked);
+    const json found = checked(folder, "part.ply");
+    CHECK(found["ground"] == kept);
+    CHECK(said["left_out"] == with_height - kept);
+    CHECK(found["bare"] == 0);
+    CHECK(found["over_holes"] == 0);
+    CHECK(found["inner"] == 0);
+    CHECK(found["worst"] <= said["true_error_m"].get<double>() + 1e-5 * 400);
+    // In degrees, as GeoJSON has it, the same samples but for those beside the sides; to STL, which is closed.
+    done(folder, "ogr2ogr -f GeoJSON degrees.json areas.geojson -t_srs EPSG:4326 -lco RFC7946=YES");
+    const json turned =
+        json::parse(done(folder, bake + "mesh placed.tif -o part.stl --max-error-m 2 --polygon degrees.json --json -"));
+    CHECK(std::abs(turned["left_out"].get<int>() - said["left_out"].get<int>()) < 12);
+    CHECK(checked(folder, "part.stl")["unpaired"] == 0);
+    const auto refuses = [&](const std::string& polygon, const std::string& says) {
+        refused(folder, bake + "mesh placed.tif -o new.ply --max-error-m 2 --polygon " + polygon, 1, says);
+    };
+    refuses("missing.json", "missing.json");
+    refuses("placed.tif", "is no file of polygons");
+    spit(folder / "point.json", R"({"type": "Point", "coordinates": [9, 61]})");
+    refuses("point.json", "has no polygon");
+    spit(folder / "far.json", R"({"type": "Polygon", "coordinates": [[[1, 1], [2, 1], [2, 2], [1, 1]]]})");
+    refuses("far.json", "no sample lies in its polygons");
+    refused(folder,
+            bake + "mesh placed.tif -o areas.geojson.ply --max-error-m 2 --polygon areas.geojson --json "
+                   "areas.geojson",
+            2, "areas.geojson");
+}
+
 TEST_CASE("what is no mesh is refused in one line, and leaves no file") {
     const TemporaryFolder folder;
     write_mountains(folder, 40, 40, "30", false);
@@ -139,7 +240,8 @@ TEST_CASE("what is no mesh is refused in one line, and leaves no file") {
     refuses("dem.asc -o mesh.glb --max-error-m nan", 2, "--max-error-m");
     refuses("dem.asc -o mesh.glb --max-error-m much", 2, "--max-error-m");
     refuses("dem.asc -o mesh.fbx --max-error-m 1", 2, ".glb, .ply, .obj, .stl");
-    refuses("dem.asc -o mesh.ply --max-error-m 1 --meshopt", 2, "are for .glb");
+    for (const std::string option : {"--meshopt", "--quantised", "--normal-map"})
+        refuses("dem.asc -o mesh.ply --max-error-m 1 " + option, 2, option + " is for .glb");
     refuses("dem.asc -o mesh.glb --max-error-m 0 --quantised", 1, "leave out --quantised");
     refuses("dem.asc -o mesh --max-error-m 1", 2, ".glb, .ply, .obj, .stl");
     refuses("dem.asc -o mesh.stl --max-error-m 1 --base-m 0", 2, "the base touches");

@@ -61,6 +61,13 @@ json checked(const TemporaryFolder& folder, const std::string& tiles, const std:
                                              " points.txt " + plain));
 }
 
+// False: it has said why.
+bool has_webp(const TemporaryFolder& folder) {
+    if (run_in(folder.path, "gdalinfo --formats | grep -q ' WEBP '").code == 0) return true;
+    WARN("this GDAL has no WebP driver: such pictures are not tested");
+    return false;
+}
+
 } // namespace
 
 TEST_CASE("no sample is farther from a globe's tile than the tile says, and tiles meet") {
@@ -74,9 +81,11 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
         const TemporaryFolder folder;
         CAPTURE(place.name);
         bake_at(folder, place);
-        for (const std::string way :
-             {"geographic", "mercator", "geographic --format 3dtiles", "mercator --format 3dtiles"}) {
-            const bool mercator = way.starts_with("mercator"), tileset = way.ends_with("3dtiles");
+        for (const std::string way : {"geographic", "mercator", "geographic --format 3dtiles",
+                                      "mercator --format 3dtiles", "geographic --format 3dtiles --implicit"}) {
+            const bool mercator = way.starts_with("mercator"), implicit = way.ends_with("--implicit"),
+                       tileset = implicit || way.ends_with("3dtiles");
+            if (implicit && !full_rounds() && place.name != "the pole") continue;
             if (mercator && place.name != "a fjord") continue; // whose map does not reach the pole
             CAPTURE(way);
             const json said = json::parse(
@@ -93,6 +102,7 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
                 CHECK(level["tiles_above"] == 0);
             }
             CHECK(found["triangles"] == triangles);
+            if (implicit) CHECK(found["subtrees"] > (said["levels"].size() > 5 ? 4 : 0)); // the roots', and below them
             if (!tileset || place.name == "the pole") continue; // where longitudes cannot be told from places
             if (!full_rounds() && (mercator || place.name != "a fjord")) continue;
             const json rounded =
@@ -122,15 +132,26 @@ TEST_CASE("tiles are the same bytes for any number of threads, and when they wer
     CHECK(slurp(folder / "one3d/tileset.json").find("\"version\":\"1.1\"") != std::string::npos);
 
     // A disk that is full wherever it is: each run gets some files further.
-    int runs = 0;
-    for (int code = 3; code == 3; ++runs) {
-        REQUIRE(runs < 40);
-        const std::string some = std::to_string(8 + 24 * runs); // KB that a file may have
-        code = run_in(folder.path, "trap '' XFSZ; ulimit -f " + some + "; " + bake + "tiles pack.fjell -o cut --quiet")
-                   .code;
+    output_of(folder, bake + "tiles pack.fjell -o implicit --format 3dtiles --implicit --quiet");
+    for (const auto& [options, whole] :
+         {std::pair{" --quiet", "one"}, std::pair{" --quiet --format 3dtiles --implicit", "implicit"}}) {
+        output_of(folder, "rm -rf cut");
+        int runs = 0;
+        for (int code = 3; code == 3; ++runs) {
+            REQUIRE(runs < 40);
+            const std::string some = std::to_string(8 + 24 * runs); // KB that a file may have
+            const std::string limited = "trap '' XFSZ; ulimit -f " + some + "; " + bake + "tiles pack.fjell -o cut";
+            code = run_in(folder.path, limited + options).code;
+            // What is half done is another pyramid to whoever asks for something else.
+            if (code == 3) {
+                const Run other = run_in(folder.path, bake + "tiles pack.fjell -o cut --no-normals" + options);
+                CHECK(other.code == 1);
+                CHECK(other.err.find("holds something else") != std::string::npos);
+            }
+        }
+        CHECK(runs > 1);
+        CHECK(files_under(folder.path / "cut") == files_under(folder.path / whole));
     }
-    CHECK(runs > 1);
-    CHECK(files_under(folder.path / "cut") == one);
 
     // Killed in the middle, with a tile half-written.
     output_of(folder,
@@ -165,7 +186,18 @@ TEST_CASE("tiles need a place on the globe and a folder of their own") {
     CHECK(layer["maxzoom"] == 9);
     CHECK(layer["extensions"] == json{"metadata"});
     CHECK(layer["fjell"]["crs"] == "WGS 84 / UTM zone 32N (EPSG:32632)");
+    CHECK(layer["fjell"]["vertical_unit"] == "m");
+    CHECK(layer["fjell"]["vertical_datum"].is_null());
     refused(folder, bake + "tiles pack.fjell -o out", 1, "holds something else");
+    refused(folder, bake + "tiles pack.fjell -o out --format 3dtiles", 1, "holds something else");
+    refused(folder, bake + "tiles pack.fjell -o new --implicit", 2, "--format 3dtiles");
+    refused(folder, bake + "tiles pack.fjell -o new --format 3dtiles --implicit --tiling mercator", 2,
+            "halves degrees");
+    refused(folder, bake + "tiles pack.fjell -o new --image webp", 2, "--format terrain-rgb");
+    output_of(folder, "gdal_translate -q -a_srs EPSG:32632+5773 dem.tif over_sea.tif && " + bake +
+                          "over_sea.tif -o over_sea.fjell --quiet && " + bake +
+                          "tiles over_sea.fjell -o over_sea --max-level 5 --quiet");
+    CHECK(json::parse(slurp(folder / "over_sea/layer.json"))["fjell"]["vertical_datum"] == "EGM96 height");
 }
 
 TEST_CASE("no sample is farther from pictures of heights than their metadata says") {
@@ -175,8 +207,10 @@ TEST_CASE("no sample is farther from pictures of heights than their metadata say
         CAPTURE(place.name);
         bake_at(folder, place);
         for (const std::string& way :
-             first_of<std::string>(1, {"terrain-rgb --tile-px 256", "terrarium --tile-px 256"})) {
+             first_of<std::string>(2, {"terrain-rgb --tile-px 256", "terrain-rgb --tile-px 256 --image webp",
+                                       "terrarium --tile-px 256"})) {
             CAPTURE(way);
+            if (way.ends_with("webp") && !has_webp(folder)) continue;
             const json said = json::parse(
                 output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --format " + way));
             const json found = checked(folder, "out", "check_raster.py");
@@ -206,6 +240,13 @@ TEST_CASE("one file has the tiles that a folder has, whatever interrupted its wr
     output_of(folder, tiles("rgb", "--format terrain-rgb --tile-px 256"));
     output_of(folder, tiles("rgb.pmtiles", "--format terrain-rgb --tile-px 256 --threads 1"));
     CHECK(same("rgb", "rgb.pmtiles") > 10);
+    if (has_webp(folder)) {
+        output_of(folder, tiles("webp", "--format terrarium --tile-px 256 --image webp --max-level 9"));
+        for (const std::string name : {"webp.pmtiles", "webp.mbtiles"}) {
+            output_of(folder, tiles(name, "--format terrarium --tile-px 256 --image webp --max-level 9"));
+            CHECK(same("webp", name) > 5);
+        }
+    }
     for (const std::string name : {"cut.pmtiles", "cut.mbtiles"}) {
         CAPTURE(name);
         int runs = 0;
@@ -246,6 +287,31 @@ TEST_CASE("tiles and meshes have the colours of the pack where it has them") {
     output_of(folder, bake + "mesh red.fjell -o red.glb --max-error-m 5 --colours --quantised");
     right("red.glb");
     refused(folder, bake + "mesh placed.tif -o new.glb --max-error-m 5 --colours", 2, "takes a pack's");
+    refused(folder, bake + "mesh placed.tif -o new.glb --max-error-m 5 --occlusion", 2, "takes a pack's");
+    refused(folder, bake + "mesh red.fjell -o new.glb --max-error-m 5 --occlusion", 1, "has no horizon maps");
     refused(folder, bake + "mesh red.fjell -o new.ply --max-error-m 5 --colours", 2, "is for .glb");
     refused(folder, bake + "tiles red.fjell -o new --colours", 2, "is for --format 3dtiles");
+}
+
+TEST_CASE("tiles know where the pack's splat maps have water") {
+    const TemporaryFolder folder;
+    bake_at(folder, {"a fjord", "EPSG:32632", 46, 34, 30, 430000, 6790000});
+    // Below 800 m; rock on slopes, so that water has not the first number.
+    spit(folder / "splat.json", R"({"rules": [{"layer": "rock", "slope_deg": [30, 90]},
+                                              {"layer": "water", "height_m": [-100, 800]}]})");
+    output_of(folder, bake + "placed.tif -o wet.fjell --quiet --crs none --layers splat.json --splat full");
+    const std::string script = "python3 " FJELL_SOURCE_DIR "/tests/system/tiles/check_water.py ";
+    output_of(folder, bake + "tiles wet.fjell -o wet --quiet");
+    const json found = json::parse(output_of(folder, script + "wet points.txt 800"));
+    CAPTURE(found.dump());
+    CHECK(found["samples"] > 1000);
+    CHECK(found["water"] > 100);
+    CHECK(found["right"].get<double>() > 0.97 * found["samples"].get<double>());
+    CHECK(found["uniform"] > 5); // tiles of one byte
+    CHECK(checked(folder, "wet")["normals"] > 5);
+    output_of(folder, bake + "tiles wet.fjell -o dry --quiet --no-water-mask");
+    output_of(folder, bake + "tiles pack.fjell -o never --quiet");
+    for (const std::string name : {"dry", "never"})
+        CHECK(json::parse(slurp(folder / (name + "/layer.json")))["extensions"] ==
+              json{"metadata", "octvertexnormals"});
 }

@@ -59,8 +59,9 @@ TEST_CASE("CesiumJS and three.js show tiles without a gap and no farther from th
     struct Viewer {
         std::string program, way;
     };
-    for (const Viewer& viewer : {Viewer{"cesium", ""}, Viewer{"three", " --format 3dtiles"},
-                                 Viewer{"three", " --format 3dtiles --colours --quantised --meshopt --max-level 12"}}) {
+    for (const Viewer& viewer :
+         {Viewer{"cesium", ""}, Viewer{"three", " --format 3dtiles --implicit"}, Viewer{"three", " --format 3dtiles"},
+          Viewer{"three", " --format 3dtiles --colours --quantised --meshopt --max-level 12"}}) {
         CAPTURE(viewer.program, viewer.way);
         const json said = json::parse(
             output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --quiet --json -" + viewer.way));
@@ -86,11 +87,52 @@ TEST_CASE("CesiumJS and three.js show tiles without a gap and no farther from th
         for (const json& level : said["levels"])
             tiles += level["tiles"].get<std::uint64_t>(), triangles += level["triangles"].get<std::uint64_t>();
         CHECK(read["files"] == tiles);
-        CHECK(read["triangles"] >= triangles); // glTF's has walls as well
-        if (viewer.program == "three" && !viewer.way.ends_with("12")) output_of(folder, "mv out plain");
+        CHECK(read["triangles"] >= triangles);                           // glTF's has walls as well
+        CHECK(read["tiles"] == (viewer.program == "three" ? tiles : 0)); // by 3d-tiles-tools, from the root on
+        if (viewer.way.ends_with("3dtiles")) output_of(folder, "mv out plain");
     }
     // Compressed, the last is the second with rounded places.
     CHECK(node(folder, "unpack.mjs out")["files"] > 30);
     output_of(folder, "shuf -n 9000 --random-source=points.txt points.txt >few.txt && python3 " FJELL_SOURCE_DIR
                       "/tests/system/tiles/check3d.py out few.txt plain");
+}
+
+TEST_CASE("MapLibre shows pictures of heights, and finds the heights that they have") {
+    const TemporaryFolder folder;
+    const Run which = run_in(folder.path, "command -v chromium");
+    const std::string browser = which.out.substr(0, which.out.find('\n'));
+    if (!can_view(browser)) return;
+    bake_mountains(folder);
+    for (const std::string way : {"terrain-rgb", "terrarium --image webp"}) {
+        CAPTURE(way);
+        const json said = json::parse(output_of(
+            folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --quiet --tile-px 256 --json - --format " + way));
+        const json finest = said["levels"].back();
+        const std::string picture = viewers + "/maplibre-" + way.substr(0, way.find(' ')) + ".png";
+        const json seen = node(folder, "show.mjs maplibre out points.txt " + finest["error_m"].dump() + " " + picture +
+                                           " " + browser);
+        CAPTURE(seen.dump());
+        CHECK(seen["failures"].empty());
+        CHECK(seen["requests"] > 5);
+        CHECK(seen["places"] == 8);
+        CHECK(seen["frames"] == 4);
+        CHECK(seen["shades"] > 60); // the hillshade has slopes of all kinds
+        CHECK(seen["sky_seen"] > 1000);
+    }
+}
+
+TEST_CASE("a snapshot that is compressed is the one that is not, with rounded numbers") {
+    if (!can_view("node alone")) return;
+    const TemporaryFolder folder;
+    bake_mountains(folder);
+    const std::string fly = FJELL_BIN_DIR "/fjell-fly pack.fjell --headless --frames 2 --error-px 2 --export 1:";
+    output_of(folder, "mkdir small && " + fly + "plain.glb && " + fly + "small/packed.glb --export-quantised " +
+                          "--export-meshopt && " + fly + "round.glb --export-quantised");
+    CHECK(std::filesystem::file_size(folder / "small/packed.glb") < std::filesystem::file_size(folder / "round.glb"));
+    CHECK(node(folder, "unpack.mjs small")["files"] == 1);
+    // The same vertices, and the same triangles, though some begin with another corner.
+    const json found = json::parse(output_of(folder, "node " + viewers + "/same.mjs round.glb small/packed.glb"));
+    CAPTURE(found.dump());
+    CHECK(found["triangles"] > 1000);
+    CHECK(found["different"] == 0);
 }

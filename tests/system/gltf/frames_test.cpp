@@ -74,8 +74,12 @@ private:
     gltf::SnapshotInfo write(const std::string& name, const gltf::Snapshot& snapshot) {
         const std::string path = folder_ / (name + ".glb");
         INFO(name);
-        gltf::write_snapshot(baked_.pack, snapshot, path);
-        files_ += " '" + path + "'";
+        const gltf::SnapshotCounts plain = gltf::write_snapshot(baked_.pack, snapshot, path);
+        const std::string rounded = folder_ / (name + "-rounded.glb");
+        const gltf::SnapshotCounts small = gltf::write_snapshot(baked_.pack, snapshot, rounded, {.quantised = true});
+        CHECK(small.vertices == plain.vertices);
+        CHECK(small.file_bytes + 10 * plain.vertices < plain.file_bytes + 8000);
+        files_ += " '" + path + "' '" + rounded + "'";
         return snapshot.info();
     }
 

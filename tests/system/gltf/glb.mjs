@@ -64,14 +64,15 @@ export function place({json}, index, i, k) {
     return (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0) + i * stride + k * size;
 }
 
-// All components of an accessor, tightly packed.
+// All components of an accessor, tightly packed; normalised ones from -1 or 0 to 1.
 export function readAccessor(glb, index) {
     const accessor = glb.json.accessors[index], width = typeSize[accessor.type];
-    const read = {5123: 'readUInt16LE', 5125: 'readUInt32LE', 5126: 'readFloatLE'}[accessor.componentType];
+    const read = {5122: 'readInt16LE', 5123: 'readUInt16LE', 5125: 'readUInt32LE', 5126: 'readFloatLE'}[accessor.componentType];
     if (!read) throw new Error(`accessor ${index}: component type ${accessor.componentType}`);
     const values = new Float64Array(accessor.count * width);
+    const whole = accessor.normalized ? {5122: 32767, 5123: 65535}[accessor.componentType] : 1;
     for (let i = 0; i < accessor.count; ++i)
-        for (let k = 0; k < width; ++k) values[i * width + k] = glb.bin[read](place(glb, index, i, k));
+        for (let k = 0; k < width; ++k) values[i * width + k] = glb.bin[read](place(glb, index, i, k)) / whole;
     return {values, width, count: accessor.count, accessor};
 }
 

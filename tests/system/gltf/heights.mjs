@@ -23,11 +23,16 @@ function samplesOf(tile, a, b, c, visit) {
 function checkNormals(tile, {size, spacing_m, quantum_m, converged}, at, problems) {
     for (let i = 0; i < tile.count; ++i) {
         const column = tile.columns[i], row = tile.rows[i], [nx, ny, nz] = tile.normals.subarray(3 * i, 3 * i + 3);
+        // What half a step of 16 bits turns a slope by, where the lattice scales axes.
+        const stored = tile.stored_normals.subarray(3 * i, 3 * i + 3), least = stored[1] - tile.direction_slack;
+        const rounded = (axis) => tile.direction_slack / least * (1 + Math.abs(stored[2 * axis]) / least)
+            * (tile.node.scale ? tile.node.scale[1] / tile.node.scale[2 * axis] : 1);
         const fits = (slope, axis, from, to) => {
             const run = (to - from) * spacing_m[axis],
                   rise = axis === 0 ? at(to, row) - at(from, row) : at(column, to) - at(column, from);
             if (Number.isNaN(rise)) return true; // beside a hole
-            const slack = quantum_m / run + 1e-5 * (1 + slope * slope) + 2 ** -22 * Math.abs(at(column, row)) / run;
+            const slack = quantum_m / run + 1e-5 * (1 + slope * slope) + 2 ** -22 * Math.abs(at(column, row)) / run
+                + rounded(axis);
             return Math.abs(slope - rise / run) <= slack;
         };
         const matches = (slope, axis, middle) => {
@@ -116,7 +121,7 @@ function checkRims(tiles, extras, at, seen, scaleAt, problems) {
 }
 
 export function checkHeights(tiles, extras, heights, problems) {
-    const {size, spacing_m, eye, quantum_m, viewport, error_px_effective: kept_px} = extras;
+    const {size, spacing_m, eye, quantum_m, rounding_m, viewport, error_px_effective: kept_px} = extras;
     if (!problems.require(
             heights.columns === size[0] && heights.rows === size[1], 'error', 'the DEM is not as large as the terrain'))
         return {};
@@ -140,8 +145,8 @@ export function checkHeights(tiles, extras, heights, problems) {
                 seen[row * size[0] + column] = 1;
                 const height = at(column, row), error = Math.abs(height - surface), scale = scaleAt(column, row);
                 if (Number.isNaN(height)) return;
-                // Half a quantum for rounding to the lattice, and the rounding of a float height.
-                const share = (quantum_m / 2 + 2 ** -22 * Math.abs(height)) * scale;
+                // Half a quantum for rounding to the lattice, what the file's own takes, and the rounding of a float height.
+                const share = (quantum_m / 2 + rounding_m + 2 ** -22 * Math.abs(height)) * scale;
                 found.worst_px = Math.max(found.worst_px, error * scale);
                 found.worst_m = Math.max(found.worst_m, error);
                 problems.require(error * scale <= kept_px * (1 + 1e-9) + share, 'error',

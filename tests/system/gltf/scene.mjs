@@ -34,6 +34,7 @@ const fields = {
     error_px_effective: isPositive,
     corner_safe: isFlag,
     quantum_m: isPositive,
+    rounding_m: (v) => isNumber(v) && v >= 0,
     viewport: list(2, isCount),
     fov_y_deg: (v) => isPositive(v) && v < 180,
     eye: list(3, isNumber),
@@ -69,7 +70,7 @@ export function checkExtras({json}, problems) {
 }
 
 function isLeaf(node) {
-    return !node.children && !node.matrix && !node.scale && Array.isArray(node.translation)
+    return !node.children && !node.matrix && Array.isArray(node.translation)
         && node.translation.length === 3;
 }
 
@@ -84,6 +85,8 @@ export function readTiles(glb, extras, problems) {
         problems.require(primitives.length === 1 && (primitives[0].mode ?? 4) === 4, 'place',
             `node ${index}: not one triangle list`);
         problems.require(!node.rotation, 'place', `node ${index} is rotated`);
+        const rounded = (json.extensionsRequired ?? []).includes('KHR_mesh_quantization');
+        problems.require(rounded === Boolean(node.scale), 'place', `node ${index} scales, or its places are not rounded`);
         materials.add(primitives[0].material);
         meshes.add(node.mesh);
         tiles.push(readTile(glb, node, primitives[0], extras, problems));
@@ -143,6 +146,7 @@ function readTile(glb, node, primitive, extras, problems) {
         y: new Float64Array(count),
         z: new Float64Array(count)
     };
+    unscale(tile);
     problems.require(
         Number.isInteger(tile.triangles) && indices.every((i) => i < count), 'accessor', `${node.name}: indices`);
     checkBounds(node.name, values, accessor, problems);
@@ -153,6 +157,20 @@ function readTile(glb, node, primitive, extras, problems) {
     problems.require(!used.includes(0), 'accessor', `${node.name}: a vertex that no triangle uses`);
     for (let i = 0; i < count; ++i) placeVertex(tile, i, extras, problems);
     return tile;
+}
+
+// Directions as they are in the scene. direction_slack: what rounding may have moved a component of one as it is stored.
+function unscale(tile) {
+    const {scale} = tile.node, rounded = (values) => values?.some((v) => v * 32767 % 1 === 0 && v % 1 !== 0)
+        && values.every((v) => Math.abs(v * 32767 - Math.round(v * 32767)) < 1e-6);
+    tile.direction_slack = rounded(tile.normals) ? 0.5 / 32767 : 0;
+    tile.stored_normals = tile.normals?.slice();
+    for (const [values, width, power] of [[tile.normals, 3, -1], [tile.tangents, 4, 1]])
+        for (let i = 0; scale && values && i < values.length; i += width) {
+            for (let k = 0; k < 3; ++k) values[i + k] *= scale[k] ** power;
+            const length = Math.hypot(...values.subarray(i, i + 3));
+            for (let k = 0; k < 3; ++k) values[i + k] /= length;
+        }
 }
 
 function checkBounds(name, values, accessor, problems) {
@@ -167,10 +185,10 @@ function checkBounds(name, values, accessor, problems) {
 
 // A position must be that of a sample; floats carry 24 bits, so the further out, the less exact.
 function placeVertex(tile, i, {spacing_m, size}, problems) {
-    const [tx, ty, tz] = tile.node.translation;
-    tile.x[i] = tx + tile.local[3 * i];
-    tile.y[i] = ty + tile.local[3 * i + 1];
-    tile.z[i] = tz + tile.local[3 * i + 2];
+    const [tx, ty, tz] = tile.node.translation, [sx, sy, sz] = tile.node.scale ?? [1, 1, 1];
+    tile.x[i] = tx + sx * tile.local[3 * i];
+    tile.y[i] = ty + sy * tile.local[3 * i + 1];
+    tile.z[i] = tz + sz * tile.local[3 * i + 2];
     const column = tile.x[i] / spacing_m[0], row = tile.z[i] / spacing_m[1];
     tile.columns[i] = Math.round(column);
     tile.rows[i] = Math.round(row);

@@ -24,7 +24,7 @@ def read_folder(path):
             if not name.endswith(".json"):
                 z, x = map(int, os.path.relpath(root, path).split(os.sep))
                 y, ending = name.split(".")
-                south = (1 << z) - 1 - int(y) if ending == "png" else int(y)
+                south = (1 << z) - 1 - int(y) if ending in ("png", "webp") else int(y)
                 tiles[z, x, south] = open(os.path.join(root, name), "rb").read()
     return tiles, json.load(open(os.path.join(path, index)))
 
@@ -108,7 +108,7 @@ def read_pmtiles(path):
     walk(data[root:root + root_n], 0)
     must((addressed, entries, contents) == (len(tiles), seen[0], len(places)), f"{path}: its counts")
     must((low, high) == (min(tiles)[0], max(tiles)[0]), f"{path}: its levels")
-    starts = {2: b"\x89PNG"}.get(kind) or (b"\x1f\x8b" if outer == 2 else b"")
+    starts = {2: b"\x89PNG", 4: b"RIFF"}.get(kind) or (b"\x1f\x8b" if outer == 2 else b"")
     must(all(t.startswith(starts) for t in tiles.values()), f"{path}: tiles of another kind")
     return tiles, json.loads(gzip.decompress(data[about:about + about_n]))
 

@@ -4,8 +4,8 @@ program. Standard library only; nothing of Fjell but the measuring of check.py.
 
 check3d.py FOLDER POINTS [PLAIN]
 
-POINTS: as of check.py. PLAIN: the same tiles in floats, where those of FOLDER are rounded (KHR_mesh_quantization). For
-every tile: the rules of glTF and of tilesets, that its region holds every vertex of it and of its children and is no
+POINTS: as of check.py. PLAIN: the same tiles in floats, where those of FOLDER are rounded (KHR_mesh_quantization). An
+implicit tree is spelled out first (implicit.py). For every tile: the rules of glTF and of tilesets, that its region holds every vertex of it and of its children and is no
 larger than they need, that no sample under it is farther away than its geometricError - read linearly in degrees, and in
 space - and that tiles of one level have the same vertices where they meet, with walls below.
 Prints one line of JSON; exit code 1 with the first fault on stderr.
@@ -19,6 +19,7 @@ from bisect import bisect_left, bisect_right
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from check import A, B, E2, Tile, fail
 from glb import Glb
+from implicit import spelled_out
 
 
 def geodetic(x, y, z):
@@ -52,8 +53,7 @@ class Tile3d(Tile):
 
     def __init__(self, folder, node, middle, plain):
         self.name = node["content"]["uri"]
-        z, x, y = self.name.removesuffix(".glb").split("/")
-        self.key = int(z), int(x), int(y)
+        self.key = node.get("key") or tuple(map(int, self.name.removesuffix(".glb").split("/")))
         west, south, east, north, self.low, self.high = node["boundingVolume"]["region"]
         self.box = tuple(map(math.degrees, (west, south, east, north)))
         self.error = node["geometricError"]
@@ -147,7 +147,13 @@ def main():
     samples = sorted((float(x), float(y), float(h)) for x, y, h in (line.split() for line in open(points)))
     longitudes = [s[0] for s in samples]
     total = {"tiles": 0, "triangles": 0, "samples": 0, "borders": 0, "border_vertices": 0, "normals": 0}
-    levels, shares = {}, []
+    levels, shares, subtrees = {}, [], []
+    root = tileset["root"]
+    try:
+        root["children"] = [spelled_out(folder, child, tileset["schema"], subtrees) if "implicitTiling" in child else child
+                            for child in root["children"]]
+    except (KeyError, ValueError) as error:
+        fail(f"implicit tree: {error!r}")
 
     def walk(node, parent, middle):
         region = node["boundingVolume"]["region"]
@@ -178,8 +184,8 @@ def main():
             fail(f"{node.get('content')}: its region is larger than {low} to {high} m")
         return low, high, sag, rounding
 
-    walk(tileset["root"], None, [0, 0, 0])
-    files = sum(len(f) for _, _, f in os.walk(folder)) - 1
+    walk(root, None, [0, 0, 0])
+    files = sum(len(f) for _, _, f in os.walk(folder)) - 1 - len(subtrees)
     for z, tiles in sorted(levels.items()):
         seen = 0
         for (x, y), tile in tiles.items():
@@ -221,6 +227,7 @@ def main():
     if files != total["tiles"]:
         fail(f"{files} files, {total['tiles']} tiles in the tree")
     total["levels"] = len(levels)
+    total["subtrees"] = len(subtrees)
     total["tightness"] = sum(shares) / max(1, len(shares))
     print(json.dumps(total))
 

@@ -29,7 +29,7 @@ def main():
     found = {"coloured": 0, "right": 0}
 
     def look(glb, height_of):
-        width, height, pixels = pixels_of(glb.image)
+        width, height, pixels = pixels_of(glb.images["colour"])
         for place, (u, v) in zip(glb.places, glb.uv):
             at = 3 * (min(int(v * height), height - 1) * width + min(int(u * width), width - 1))
             red, green, blue = pixels[at:at + 3]

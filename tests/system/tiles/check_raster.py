@@ -10,13 +10,24 @@ bilinear, or two triangles - than the metadata says, with the neighbours' pixels
 import json
 import math
 import struct
+import subprocess
 import sys
 import zlib
 
 from archive import must, read
 
 
-def pixels_of(png):
+def pixels_of(image):
+    """Rows of RGB. GDAL reads WebP, the standard library PNG."""
+    if image[:4] == b"RIFF":
+        must(image[8:16] == b"WEBPVP8L", "not WebP without loss")
+        open("tile.webp", "wb").write(image)
+        subprocess.run(["gdal_translate", "-q", "-of", "PNG", "tile.webp", "tile.png"], check=True)
+        image = open("tile.png", "rb").read()
+    return pixels_of_png(image)
+
+
+def pixels_of_png(png):
     must(png[:8] == b"\x89PNG\r\n\x1a\n", "no PNG")
     at, packed = 8, b""
     while at < len(png):

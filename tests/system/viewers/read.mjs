@@ -1,9 +1,11 @@
 // Has programs of others read every tile under a folder: .terrain by HERE's decoder of quantized-mesh and loaders.gl,
-// .glb by Khronos' validator of glTF.   read.mjs FOLDER
-// Prints one line of JSON: how many files and triangles, and what the readers found wrong.
-import { readdirSync, readFileSync } from 'node:fs'
+// .glb by Khronos' validator of glTF; and a tileset from its root on by Cesium's 3d-tiles-tools, implicit or not.
+//   read.mjs FOLDER
+// Prints one line of JSON: how many files, triangles and tiles of a tileset, and what the readers found wrong.
+import { existsSync, readdirSync, readFileSync } from 'node:fs'
 import { extname, join } from 'node:path'
 import { gunzipSync } from 'node:zlib'
+import tools from '3d-tiles-tools'
 import decoder from '@here/quantized-mesh-decoder'
 import { QuantizedMeshLoader } from '@loaders.gl/terrain'
 import { validateBytes } from 'gltf-validator'
@@ -11,7 +13,7 @@ import { validateBytes } from 'gltf-validator'
 const { default: decode, DECODING_STEPS } = decoder
 
 const folder = process.argv[2]
-const found = { files: 0, triangles: 0, faults: [] }
+const found = { files: 0, triangles: 0, tiles: 0, faults: [] }
 
 async function readTerrain(name, bytes) {
   const plain = bytes[0] === 0x1f && bytes[1] === 0x8b ? gunzipSync(bytes) : bytes
@@ -43,5 +45,24 @@ for (const entry of readdirSync(folder, { recursive: true, withFileTypes: true }
     found.faults.push(`${name}: ${error}`)
   }
 }
+// Every tile that the tree has, with its content; errors as the tools derive them, tables included.
+async function readTileset(path) {
+  const resolver = new tools.FileResourceResolver(folder)
+  const traverser = new tools.TilesetTraverser(folder, resolver, { depthFirst: true, traverseExternalTilesets: false })
+  await traverser.traverse(JSON.parse(readFileSync(path, 'utf8')), async traversed => {
+    const tile = traversed.asFinalTile(), parent = traversed.getParent()?.asFinalTile()
+    if (parent && !(tile.geometricError <= parent.geometricError))
+      found.faults.push(`${traversed}: ${tile.geometricError} m under ${parent.geometricError} m`)
+    if (tile.implicitTiling) return true // its content is a template; the tiles are below it
+    for (const content of traversed.getFinalContents()) {
+      ++found.tiles
+      if (!existsSync(join(folder, content.uri))) found.faults.push(`${content.uri}: is not there`)
+    }
+    return true
+  })
+}
+
+const tileset = join(folder, 'tileset.json')
+if (existsSync(tileset)) await readTileset(tileset)
 found.faults.splice(5)
 console.log(JSON.stringify(found))

@@ -1,7 +1,7 @@
 // A page in headless Chromium over a pyramid of tiles: how far heights that the viewer tells are from the height
 // field, what requests failed, and whether the sky is seen where ground must be.
 //
-//   show.mjs cesium|three TILES POINTS ERROR_M PICTURE CHROMIUM
+//   show.mjs cesium|three|maplibre TILES POINTS ERROR_M PICTURE CHROMIUM
 //
 // TILES: a folder. POINTS: lines of "longitude latitude height", the samples of the height field. ERROR_M: what tiles
 // of the finest level claim. PICTURE: the last frame, as PNG. Prints one line of JSON. The page is PROGRAM.html beside
@@ -15,7 +15,7 @@ import { chromium } from 'playwright-core'
 const [program, tiles, pointsFile, error_m, picture, executablePath] = process.argv.slice(2)
 const here = dirname(fileURLToPath(import.meta.url))
 const types = { '.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.json': 'application/json',
-  '.css': 'text/css', '.wasm': 'application/wasm', '.glb': 'model/gltf-binary',
+  '.css': 'text/css', '.png': 'image/png', '.webp': 'image/webp', '.wasm': 'application/wasm', '.glb': 'model/gltf-binary',
   '.terrain': 'application/vnd.quantized-mesh' }
 
 // Every 2,000th or so: 1,000 places all over the ground.

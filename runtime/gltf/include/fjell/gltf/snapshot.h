@@ -21,6 +21,8 @@
 // - morphed: heights are between two levels;
 // - lagging: work, pages or vertices that morph by time were waiting;
 // - culled: the ground outside the camera's view was not refined;
+// - rounding_m: what 16 bits move a vertex up or down, at most. Its share adds to the bound as the quantum's does. 0 in
+//   floats;
 // - quantum_m, viewport [w, h], fov_y_deg, eye [x, y, z], spacing_m [x, z], size [columns, rows];
 // - origin_m: of sample (0, 0), along the axes of the CRS; crs_origin and crs_step: origin and spacing in units of the
 //   CRS, e.g. feet (crs_step is null if it is not known); crs: WKT or null;
@@ -84,6 +86,8 @@ struct TileTexels {
     std::span<std::uint8_t> rgb; // sRGB, 3 bytes each; middle grey if the pack has no colour
 };
 
+enum class SnapshotImage : std::uint8_t { png, jpeg };
+
 // What to write, and how large it may get.
 struct SnapshotOptions {
     // Texels a side of an embedded texture, each of which takes up to 3 bytes.
@@ -96,6 +100,12 @@ struct SnapshotOptions {
     bool write =
         // False: do everything but write the file; the counts and the size are exact. The path may be empty.
         true;
+    // JPEG is smaller, and loses some. Normals and occlusion are always PNG.
+    SnapshotImage colours = SnapshotImage::png;
+    // 16 bits a number (KHR_mesh_quantization): half the size. extras say what the rounding moves.
+    bool quantised = false;
+    // Compressed (EXT_meshopt_compression). Readers need its decoder.
+    bool meshopt = false;
     // Paints over the colours of each tile, e.g. fjell::gl::GroundColour with its layers. May throw.
     std::function<void(const TileTexels& texels)> paint = {};
     // Called after every tile, on the caller's thread. Return false to stop: exit code 130, and the path has what it
