@@ -22,6 +22,7 @@ for west in 6 7; do # two degrees of the Alps, made up
   gdal_translate -q -of SRTMHGT -ot Int16 -outsize 1201 1201 -a_srs EPSG:4326 -a_ullr "$(awk "BEGIN { print $west - 1 / 2400 }")" \
     47.000416667 "$(awk "BEGIN { print $west + 1 + 1 / 2400 }")" 45.999583333 dem.tif "N46E00$west.hgt"
 done
+echo '{"type": "Polygon", "coordinates": [[[7.85, 61.12], [8.1, 61.15], [7.95, 61.24], [7.85, 61.12]]]}' >valley.geojson
 
 ran=0
 run() { # PAGE LINE

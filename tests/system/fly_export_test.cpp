@@ -117,9 +117,10 @@ TEST_CASE("an export is the mesh of its frame, and says what was asked, what it 
 
 TEST_CASE("an export is smaller where it may round, compress or lose some of its colours, and says so") {
     const ExportPlace& place = export_place();
-    REQUIRE(
-        run_in(place.folder.path, FJELL_BIN_DIR "/fjell-bake dem.tif -o painted.fjell --tile 64 --quiet --ramp alpine")
-            .code == 0);
+    REQUIRE(run_in(place.folder.path,
+                   FJELL_BIN_DIR "/fjell-bake dem.tif -o painted.fjell --tile 64 --quiet --ramp " FJELL_SOURCE_DIR
+                                 "/content/ramps/alpine.json")
+                .code == 0);
     const auto text_of = [&](const std::string& flags) {
         const Run r = place.fly("painted.fjell --headless --frames 2 --error-px 0.5 --export 1:s.glb " + flags);
         INFO(flags << "\n" << r.err);

@@ -78,7 +78,7 @@ private:
         const std::string rounded = folder_ / (name + "-rounded.glb");
         const gltf::SnapshotCounts small = gltf::write_snapshot(baked_.pack, snapshot, rounded, {.quantised = true});
         CHECK(small.vertices == plain.vertices);
-        CHECK(small.file_bytes + 10 * plain.vertices < plain.file_bytes + 8000);
+        CHECK(small.file_bytes + 7 * plain.vertices < plain.file_bytes + 8000); // 8 a vertex; JSON has more
         files_ += " '" + path + "' '" + rounded + "'";
         return snapshot.info();
     }
