@@ -95,7 +95,7 @@ def of_lines(plot, first, renamed=None):
 
 def page(plots):
     """The part of docs/measured.md that is made: each plot with its values."""
-    speed, triangles, jumps = plots["plots"]
+    speed, triangles, jumps = plots["plots"][:3]
     measured = plots["measured"]
     return ["", f"Machine B: {measured['machine']}, on {measured['date']}.", "",
             "![Median update time over camera speed, on logarithmic axes, of Fjell, recursion, ROAM and CDLOD]"
@@ -122,6 +122,9 @@ def main():
     plots = {"measured": {"command": "./dev plots", "date": datetime.date.today().isoformat(),
                           "machine": machine()},
              "plots": [speed_plot(folder), triangles_plot(folder), jumps_plot(folder)]}
+    with open(path, encoding="utf-8") as file:  # plots of other programs (array_meshes.py) stay
+        names = [plot["name"] for plot in plots["plots"]]
+        plots["plots"] += [plot for plot in json.load(file)["plots"] if plot["name"] not in names]
     text = json.dumps(plots, indent=1)
     with open(path + ".new", "w", encoding="utf-8") as file:
         file.write(text + "\n")
