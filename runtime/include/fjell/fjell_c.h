@@ -217,6 +217,8 @@ FjellStatus fjell_min_lod_grid_of(const FjellTileMap* maps, size_t map_count, Fj
 bool fjell_stream_next_request(FjellStream stream, FjellStreamRequest* request);
 bool fjell_stream_still_wanted(FjellStream stream, uint32_t ticket);
 FjellStatus fjell_stream_provide(FjellStream stream, uint32_t ticket, const void* stored, size_t stored_bytes);
+FjellStatus fjell_stream_provide_decoded(FjellStream stream, uint32_t ticket, const void* decoded,
+                                         size_t decoded_bytes);
 FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted);
 
 // --- fjell/edit.h ---

@@ -9,7 +9,7 @@
 //
 // Memory: one block from the host, of stream_bytes() bytes. All slots are fixed at creation.
 // Threads: update_stream(), stream_retry_failed() and what they return belong to the frame's thread.
-// stream_next_request(), stream_still_wanted(), stream_provide() and stream_fail() belong to the client's threads.
+// stream_next_request(), stream_still_wanted(), stream_provide*() and stream_fail() belong to the client's threads.
 // There are no locks. The frame's thread never waits for a client, and a client never waits for the frame. Client
 // threads wait for each other in one case: if more of them than StreamBudget::decoders are in stream_provide(), they
 // yield until a decoder is free.
@@ -231,6 +231,11 @@ struct StreamRequest {
 // Hands in the bytes of a request. stored: StreamRequest::bytes of them from its offset; they are copied. Checks their
 // hash and decompresses them. Returns corrupt for damaged bytes, which count as a failure of the chunk.
 Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::byte> stored);
+// The same for bytes that the client has checked and decompressed elsewhere, by decode_chunk(): in another process or
+// another module's memory. decoded: what StreamRequest::chunks hold, one after the other; copied. Returns corrupt if
+// there are more or fewer of them than the directory says; bytes that cannot be a page count as a failure of the chunk
+// when they are inserted.
+Status stream_provide_decoded(Stream stream, std::uint32_t ticket, std::span<const std::byte> decoded);
 // Reports that the bytes of a request could not be read. unwanted: they were not read, because the request was
 // cancelled.
 Status stream_fail(Stream stream, std::uint32_t ticket, bool unwanted = false);

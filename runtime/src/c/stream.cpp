@@ -93,6 +93,10 @@ bool fjell_stream_still_wanted(FjellStream stream, uint32_t ticket) {
 FjellStatus fjell_stream_provide(FjellStream stream, uint32_t ticket, const void* stored, size_t stored_bytes) {
     return to_c(stream_provide(to_cpp(stream), ticket, span_of(stored, stored_bytes)));
 }
+FjellStatus fjell_stream_provide_decoded(FjellStream stream, uint32_t ticket, const void* decoded,
+                                         size_t decoded_bytes) {
+    return to_c(stream_provide_decoded(to_cpp(stream), ticket, span_of(decoded, decoded_bytes)));
+}
 FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted) {
     return to_c(stream_fail(to_cpp(stream), ticket, unwanted));
 }

@@ -5,6 +5,7 @@
 #define ZSTD_STATIC_LINKING_ONLY // a decoder in the caller's memory
 #include <zstd.h>
 
+#include <cstring>
 #include <thread>
 
 namespace fjell {
@@ -72,6 +73,12 @@ Request* taken(StreamState& s, std::uint32_t ticket) {
     return &r;
 }
 
+Status damaged(Request& r) {
+    const bool page = r.id.kind == ChunkKind::geometry; // before the entry is given away
+    set_phase(r, Phase::damaged);
+    return {StatusCode::corrupt, page ? "geometry page" : "map"};
+}
+
 // A decoder for as long as this lives. There is one for each of the client's threads that may be here at a time; were
 // there more threads, they would wait.
 class DecoderLease {
@@ -128,25 +135,34 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
     StreamState& s = *found;
     Request* const r = taken(s, ticket);
     if (r == nullptr) return {StatusCode::out_of_range, "ticket"};
-    const auto damaged = [&] {
-        const bool page = r->id.kind == ChunkKind::geometry; // before the entry is given away
-        set_phase(*r, Phase::damaged);
-        return Status{StatusCode::corrupt, page ? "geometry page" : "map"};
-    };
-    if (stored.size() != r->stored_bytes) return damaged();
+    if (stored.size() != r->stored_bytes) return damaged(*r);
     const DecoderLease decoder(s);
     std::size_t raw = 0;
     for (std::uint32_t i = 0; i < r->chunks; ++i) {
         const ChunkEntry e = s.pack->entry(r->first_chunk + i);
         const auto bytes = stored.subspan(static_cast<std::size_t>(e.offset - r->offset), e.stored_bytes);
-        if (e.raw_bytes > r->raw_bytes - raw || hash_of(bytes.data(), bytes.size()) != e.hash) return damaged();
+        if (e.raw_bytes > r->raw_bytes - raw || hash_of(bytes.data(), bytes.size()) != e.hash) return damaged(*r);
         const std::size_t written =
             ZSTD_decompressDCtx(decoder.zstd(), r->raw + raw, r->raw_bytes - raw, bytes.data(), bytes.size());
-        if (ZSTD_isError(written) || written != e.raw_bytes) return damaged();
+        if (ZSTD_isError(written) || written != e.raw_bytes) return damaged(*r);
         raw += written;
     }
     r->raw_bytes = static_cast<std::uint32_t>(raw);
     if (r->id.kind == ChunkKind::colour || r->id.kind == ChunkKind::splat) paint_request(s, *r);
+    set_phase(*r, Phase::ready);
+    return {};
+}
+
+Status stream_provide_decoded(Stream stream, std::uint32_t ticket, std::span<const std::byte> decoded) {
+    StreamState* const s = find_stream(stream);
+    if (s == nullptr) return no_stream;
+    Request* const r = taken(*s, ticket);
+    if (r == nullptr) return {StatusCode::out_of_range, "ticket"};
+    std::uint64_t raw = 0;
+    for (std::uint32_t i = 0; i < r->chunks; ++i) raw += s->pack->entry(r->first_chunk + i).raw_bytes;
+    if (decoded.size() != raw || raw > r->raw_bytes) return damaged(*r);
+    if (!decoded.empty()) std::memcpy(r->raw, decoded.data(), decoded.size());
+    r->raw_bytes = static_cast<std::uint32_t>(raw);
     set_phase(*r, Phase::ready);
     return {};
 }
