@@ -18,6 +18,10 @@ namespace fjell::web {
 // A place for what goes in and comes out. 512 numbers.
 extern double numbers[512];
 
+// Memory, aligned to 64.
+FJELL_CALL void* web_allocate(std::size_t bytes);
+FJELL_CALL void web_free(void* memory);
+
 // Throws an Error with this text in JavaScript. argument: whether the caller's arguments are at fault.
 [[noreturn]] void fail(const std::string& text);
 void require(const Status& status, const char* where);

@@ -114,20 +114,21 @@ CutBudget suited(CutBudget budget, const Terrain& terrain) { // as fjell::io::su
 // The largest size of maps that fits: all tiles have them in this size for good, so nothing is copied on the GPU.
 std::uint32_t tail_log2_of(const PackHeader& h, double bytes) {
     std::uint32_t log2 = std::max(h.colour_log2, h.normal_log2);
-    while (log2 > 2 && 4.0 * tiles_of(h) * std::exp2(2.0 * log2) > bytes) --log2;
+    while (log2 > 2 && 4.0 * h.tiles_x * h.tiles_y * std::exp2(2.0 * log2) > bytes) --log2; // missing tiles, too
     return std::max(log2, 2u);
 }
 
-// What one request may ask for: a page, or mips that lie one after the other.
+// What one request may bring, as it is stored and decoded: a page, or mips that lie one after the other.
 std::size_t largest_request(const Pack& pack) {
     const PackHeader& h = pack.header;
-    std::uint64_t most = 0, sum = 0;
+    std::uint64_t most = 0, stored = 0, decoded = 0;
     ChunkId last;
     for (std::uint64_t chunk = 0; chunk < h.directory_count; ++chunk) {
         const ChunkId id = chunk_id(h, chunk);
+        const ChunkEntry e = pack.entry(chunk);
         const bool follows = id.kind != ChunkKind::geometry && id.kind == last.kind && id.tile == last.tile;
-        sum = (follows ? sum : 0) + pack.entry(chunk).stored_bytes;
-        most = std::max(most, sum);
+        stored = (follows ? stored : 0) + e.stored_bytes, decoded = (follows ? decoded : 0) + e.raw_bytes;
+        most = std::max({most, stored, decoded});
         last = id;
     }
     return static_cast<std::size_t>(most);
@@ -182,7 +183,8 @@ FJELL_CALL void pack_index(const std::byte* header, double file_bytes) {
 }
 
 // index: header, then directory; copied. numbers: where the corners are, and their bytes; then 14 numbers of the pack.
-FJELL_CALL Ground* ground_index(const std::byte* index, std::size_t bytes, double file_bytes) {
+// is_set: of several files. No file alone may be sparse.
+FJELL_CALL Ground* ground_index(const std::byte* index, std::size_t bytes, double file_bytes, bool is_set) {
     auto g = std::make_unique<Ground>();
     g->index.assign(index, index + bytes);
     const std::span all(g->index);
@@ -192,7 +194,7 @@ FJELL_CALL Ground* ground_index(const std::byte* index, std::size_t bytes, doubl
     const PackHeader& h = g->pack.header;
     if (h.order == PageOrder::linear)
         fail("pack: is in linear order, which cannot be streamed; bake it with --order planar");
-    if (h.tiles_held != 0) fail("pack: is a sparse set, which this package does not read");
+    if (h.tiles_held != 0 && !is_set) fail("pack: says that it lacks tiles; copy or bake it again");
     const ChunkEntry corners = g->pack.entry(chunk_index(h, {ChunkKind::corners, 0, 0}));
     const double facts[] = {static_cast<double>(corners.offset),
                             static_cast<double>(corners.stored_bytes),
@@ -322,10 +324,14 @@ FJELL_CALL void ground_changes(Ground* g) {
     take_runs(changes.triangle_bits, changes.triangle_words, g->words, g->triangle_runs);
     numbers[0] = g->vertex_runs.count, numbers[1] = g->triangle_runs.count;
 }
-// A map of a tile that has come, the `command`th of this frame. numbers: kind (0 colour, 1 normal), tile, mips.
+// A map of a tile that has come, the `command`th of this frame. numbers: kind (0 colour, 1 normal), the tile's place
+// among all places row by row, mips.
 FJELL_CALL void ground_map(Ground* g, std::uint32_t command) {
     const MapCommand& m = stream_map_commands(g->stream)[command];
-    numbers[0] = static_cast<double>(m.map), numbers[1] = m.layer, numbers[2] = m.upload_mips, numbers[3] = m.side_log2;
+    const SampleIndex place = g->terrain.tile_place(m.layer); // maps stay in one size: a layer is a tile
+    numbers[0] = static_cast<double>(m.map);
+    numbers[1] = static_cast<double>(place.row) * g->pack.header.tiles_x + place.column, numbers[2] = m.upload_mips,
+    numbers[3] = m.side_log2;
 }
 // Its mip as RGBA: colour, or east and south of the normal. Valid until the next call.
 FJELL_CALL const std::uint8_t* ground_map_mip(Ground* g, std::uint32_t command, std::uint32_t mip) {
@@ -349,19 +355,35 @@ FJELL_CALL const std::uint8_t* ground_map_mip(Ground* g, std::uint32_t command, 
 
 // --- reading
 
-// Whether something is to be read. numbers: ticket, offset, bytes.
+// Whether something is to be read. numbers: ticket, offset, bytes, chunks; of each chunk four more: its bytes as they
+// are stored and decoded, and the halves of its hash. Those are what chunk_decode() needs.
 FJELL_CALL bool ground_next_request(Ground* g) {
     StreamRequest r;
     if (!stream_next_request(g->stream, r)) return false;
-    numbers[0] = r.ticket, numbers[1] = static_cast<double>(r.offset), numbers[2] = r.bytes;
+    numbers[0] = r.ticket, numbers[1] = static_cast<double>(r.offset), numbers[2] = r.bytes, numbers[3] = r.chunks;
+    double* to = numbers + 4;
+    for (std::uint32_t i = 0; i < r.chunks; ++i) {
+        const ChunkEntry e = g->pack.entry(chunk_index(g->pack.header, r.id) + i);
+        *to++ = e.stored_bytes, *to++ = e.raw_bytes;
+        *to++ = static_cast<double>(e.hash >> 32), *to++ = static_cast<double>(e.hash & 0xffff'ffff);
+    }
     return true;
+}
+// Decodes a chunk somewhere else, in a worker. False: it is not what its hash says.
+FJELL_CALL bool chunk_decode(const std::byte* stored, std::size_t stored_bytes, std::byte* decoded,
+                             std::size_t decoded_bytes, std::uint32_t hash_high, std::uint32_t hash_low) {
+    ChunkEntry e{};
+    e.hash = std::uint64_t{hash_high} << 32 | hash_low;
+    e.stored_bytes = static_cast<std::uint32_t>(stored_bytes), e.raw_bytes = static_cast<std::uint32_t>(decoded_bytes);
+    return decode_chunk(e, {stored, stored_bytes}, {decoded, decoded_bytes}).ok();
 }
 FJELL_CALL bool ground_still_wanted(Ground* g, std::uint32_t ticket) {
     return stream_still_wanted(g->stream, ticket);
 }
 // The bytes lie in the staging area. False: they are not what the pack says.
-FJELL_CALL bool ground_provide(Ground* g, std::uint32_t ticket, std::size_t bytes) {
-    return stream_provide(g->stream, ticket, std::span(g->staging).first(bytes)).ok();
+FJELL_CALL bool ground_provide(Ground* g, std::uint32_t ticket, std::size_t bytes, bool decoded) {
+    const std::span given = std::span<const std::byte>(g->staging).first(std::min(bytes, g->staging.size()));
+    return (decoded ? stream_provide_decoded(g->stream, ticket, given) : stream_provide(g->stream, ticket, given)).ok();
 }
 // Without a stream: where the page is that is loaded next. numbers: offset, bytes.
 FJELL_CALL void ground_page(Ground* g, std::uint32_t page) {

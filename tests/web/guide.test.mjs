@@ -1,7 +1,11 @@
 // The code of docs/guides/web.md that node runs; page.test.mjs runs the rest.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
+import { createServer } from "node:http";
 import test from "node:test";
+
+import { terrarium } from "./images.mjs";
+import { hills } from "./surface.mjs";
 
 test("a mesh from an array", async () => {
   // a file of a program: `import { mesh } from "fjell"` stands at its top
@@ -11,6 +15,19 @@ test("a mesh from an array", async () => {
   const made = await mesh(heights, { width, height, maxError: 2, spacing: 10 });
   console.log(made.positions.length / 3, "vertices,", made.triangles.length / 3, "triangles, within", made.trueError, "m");
   assert.ok(made.trueError <= 2);
+});
+
+test("a mesh from a map's tile", async () => {
+  const { mesh } = await import("fjell"), { TileSource } = await import("fjell/tiles");
+  const file = terrarium(hills(256, 256), 256, 256), server = createServer((request, response) => response.end(file));
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const template = `http://127.0.0.1:${server.address().port}/{z}/{x}/{y}.png`;
+  const tiles = new TileSource(template, { encoding: "terrarium" });
+  const tile = await tiles.heights(12, 2137, 1452);
+  const surface = await mesh(tile.heights, { ...tile, maxError: 5 });
+  server.close();
+  server.closeAllConnections();
+  assert.ok(surface.trueError <= 5 && surface.triangles.length > 3000);
 });
 
 test("a terrain", async () => {

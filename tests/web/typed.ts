@@ -1,5 +1,10 @@
 // Compiled by tsc against the package's declarations, and not run.
-import { HttpSource, WorkerSource } from "fjell/loader";
+import { load } from "@loaders.gl/core";
+import { HeightLoader } from "fjell/deck";
+import { HttpSource, SetSource, WorkerSource } from "fjell/loader";
+import { TerrainLayer } from "fjell/maplibre";
+import { heightsOfTile, PmTiles, TileSource } from "fjell/tiles";
+import type { CustomLayerInterface } from "maplibre-gl";
 import { TerrainObject } from "fjell/three";
 import * as THREE from "three";
 import { makeView, mesh, ready, Terrain, version, type Frame, type Mesh, type View } from "fjell";
@@ -21,6 +26,15 @@ export async function use(): Promise<void> {
   new THREE.Scene().add(ground);
   ground.wireframe = ground.update(new THREE.PerspectiveCamera(), new THREE.WebGLRenderer(), 1).converged;
   remote.close();
+  const layer: CustomLayerInterface = new TerrainLayer({ id: "ground", terrain, center: [8, 46], roughness: 0.9 });
+  const loaded = await load("tile.png", HeightLoader, { terrain: { meshMaxError: 5, bounds: [0, 0, 1, 1] } });
+  const tiles = new TileSource(new PmTiles("dem.pmtiles", { tries: 2 }), { encoding: "mapbox" });
+  const tile = await tiles.heights(12, 2137, 1452);
+  if (tile) await mesh(tile.heights, { ...tile, maxError: 2 });
+  const set = new SetSource("set/set.json", { open: (url, options) => new HttpSource(url, options) });
+  console.log(layer.id, loaded.attributes.POSITION.value.length, heightsOfTile([1, 2, 3, 4], (r, g, b) => r + g + b), await set.size());
+  // @ts-expect-error: the terrain is missing
+  new TerrainLayer({ center: [8, 46] });
   // @ts-expect-error: it is a number
   terrain.settings.maxError = "1 px";
   // @ts-expect-error: it is not to be written

@@ -32,11 +32,7 @@ export interface Mesh {
  */
 export function mesh(heights: Heights, options: MeshOptions): Promise<Mesh>;
 
-/**
- * Heights of a raster tile, as maps have them: "terrarium", or "mapbox" (Terrain-RGB). rgba: the data of an ImageData. A
- * transparent texel is NaN.
- */
-export function heightsOfTile(rgba: ArrayLike<number>, encoding?: "terrarium" | "mapbox"): Float32Array;
+export { heightsOfTile } from "./tiles.js";
 
 export interface ReadyOptions {
   /** The WebAssembly: its place, or its bytes. By default it lies beside this file. */
@@ -88,6 +84,8 @@ export function makeView(options: ViewOptions, out?: View): View;
 export interface Source {
   size(): Promise<number>;
   read(offset: number, bytes: number, signal?: AbortSignal): Promise<Uint8Array>;
+  /** What was read from there is damaged: if it is kept somewhere, then not any longer. */
+  forget?(offset: number, bytes: number): void | Promise<void>;
   close?(): void;
 }
 
@@ -123,6 +121,8 @@ export interface HttpOptions {
   tries?: number;
   firstPauseMs?: number;
   longestPauseMs?: number;
+  /** After which a range that has not come is asked for again. A minute by default. */
+  timeoutMs?: number;
   /** All bytes that have come. */
   onProgress?: (bytes: number) => void;
   /** What failed and is tried again. */

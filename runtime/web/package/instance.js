@@ -32,12 +32,8 @@ export function compile(options = {}) {
 /** A module with memory of its own. After it has thrown it must not be called again. */
 export class Instance {
   constructor(module) {
-    const text = (at) => {
-      const bytes = new Uint8Array(this.memory.buffer, at);
-      return new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0)));
-    };
     const given = {
-      fail: (at) => { throw new Error(text(at)); },
+      fail: (at) => { throw new Error(this.text(at)); },
       now_ms: () => performance.now(),
       proc_exit: () => { throw new Error("fjell: stopped"); },
       abort: () => { throw new Error("fjell: stopped"); },
@@ -50,7 +46,13 @@ export class Instance {
     this.calls._initialize?.();
     this.numbersAt = this.calls.web_numbers();
     this.numbers = new Float64Array(this.memory.buffer, this.numbersAt, 512);
-    this.version = text(this.calls.web_version());
+    this.version = this.text(this.calls.web_version());
+  }
+
+  /** Of a string that ends with 0. */
+  text(at) {
+    const bytes = new Uint8Array(this.memory.buffer, at >>> 0);
+    return new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0)));
   }
 
   /** The numbers that calls take and return; memory that has grown is elsewhere. */

@@ -17,6 +17,15 @@ export class HttpSource implements Source {
   read(offset: number, bytes: number, signal?: AbortSignal): Promise<Uint8Array>;
 }
 
+/** A pack set: set.json, and its packs beside it. Terrain.open takes its URL too. */
+export class SetSource implements Source {
+  /** open: makes the source of one of the packs, an HttpSource by default. */
+  constructor(url: string | URL, options?: HttpOptions & { open?: (url: string, options: HttpOptions) => Source });
+  size(): Promise<number>;
+  read(offset: number, bytes: number, signal?: AbortSignal): Promise<Uint8Array>;
+  close(): void;
+}
+
 /** Keeps what was read in the browser's Cache API. */
 export class CachedSource implements Source {
   constructor(source: HttpSource, name?: string);

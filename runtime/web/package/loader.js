@@ -1,7 +1,9 @@
 // Sources for Terrain.open: HTTP ranges here, or in a worker, with a cache.
+import { compile } from "./instance.js";
+import { isSetUrl, SetSource } from "./set.js";
 import { HttpSource, MemorySource } from "./source.js";
 
-export { HttpSource, MemorySource };
+export { HttpSource, MemorySource, SetSource };
 
 /**
  * Keeps ranges of a file in the browser's Cache API under `name`. source: an HttpSource, whose tag is a part of the keys:
@@ -21,9 +23,7 @@ export class CachedSource {
     if (this.#source.tag === undefined) await this.size();
     const tag = this.#source.tag;
     if (!this.#cache || !tag) return this.#source.read(offset, bytes, signal);
-    const key = new URL(this.#source.url, globalThis.location?.href);
-    key.searchParams.set("fjell", `${tag} ${offset} ${bytes}`);
-    const kept = await this.#cache.match(key).catch(() => undefined);
+    const key = this.#key(offset, bytes), kept = await this.#cache.match(key).catch(() => undefined);
     if (kept) {
       const data = new Uint8Array(await kept.arrayBuffer());
       if (data.length === bytes) return data;
@@ -32,15 +32,23 @@ export class CachedSource {
     this.#cache.put(key, new Response(data)).catch(() => {}); // a full disk is no reason to stop
     return data;
   }
+  #key(offset, bytes) {
+    const key = new URL(this.#source.url, globalThis.location?.href);
+    key.searchParams.set("fjell", `${this.#source.tag} ${offset} ${bytes}`);
+    return key;
+  }
+  /** Of what turned out to be damaged: the next read asks the server. */
+  async forget(offset, bytes) { await this.#cache?.delete(this.#key(offset, bytes)).catch(() => {}); }
 }
 
 /**
- * Reads in a worker of its own, so that a busy page does not hold up the network. A worker that does not answer is
- * replaced by a new one, which reads what the old one was to read. options: those of HttpSource but `fetch`; cache: the
- * name of a CachedSource; pingMs: how often the worker is asked whether it lives.
+ * Reads and decodes in a worker of its own, so that a busy page does not hold up the network, nor the other way round.
+ * A worker that does not answer is replaced by a new one, which reads what the old one was to read. url: of a pack or of
+ * a set.json. options: those of HttpSource but `fetch`; cache: the name of a CachedSource; pingMs: how often the worker
+ * is asked whether it lives.
  */
 export class WorkerSource {
-  #url; #options; #worker; #timer; #silent = 0; #deaths = 0; #next = 1; #calls = new Map(); #size;
+  #url; #options; #worker; #timer; #silent = 0; #deaths = 0; #next = 1; #calls = new Map(); #size; #module;
 
   constructor(url, { pingMs = 5000, ...options } = {}) {
     this.#url = String(new URL(url, globalThis.location?.href));
@@ -64,6 +72,7 @@ export class WorkerSource {
     };
     worker.onerror = () => this.#died();
     worker.postMessage({ open: { url: this.#url, options: plain } });
+    if (this.#module) worker.postMessage({ module: this.#module });
     this.#silent = 0;
     this.#timer = setInterval(() => {
       if (this.#calls.size === 0) this.#silent = 0;
@@ -104,8 +113,18 @@ export class WorkerSource {
     });
   }
 
+  get isSet() { return isSetUrl(this.#url); }
   async size() { return (this.#size ??= await this.#ask({ size: true })); }
   read(offset, bytes, signal) { return this.#ask({ read: [offset, bytes] }, signal); }
+  /** Chunks, decoded in the worker. chunks: four numbers each, stored and decoded bytes and the halves of the hash. */
+  async readDecoded(offset, bytes, chunks, signal) {
+    if (!this.#module) {
+      this.#module = await compile();
+      this.#worker?.postMessage({ module: this.#module });
+    }
+    return this.#ask({ read: [offset, bytes], chunks }, signal);
+  }
+  async forget(offset, bytes) { await this.#ask({ forget: [offset, bytes] }); }
   close() {
     this.#stop();
     this.#giveUp("closed");

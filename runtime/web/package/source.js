@@ -25,7 +25,7 @@ export class HttpSource {
 
   constructor(url, options = {}) {
     this.#url = String(url);
-    this.#options = { fetch: (...given) => fetch(...given), tries: 8, firstPauseMs: 250, longestPauseMs: 8000, ...options };
+    this.#options = { fetch: (...given) => fetch(...given), tries: 8, firstPauseMs: 250, longestPauseMs: 8000, timeoutMs: 60_000, ...options };
   }
 
   get url() { return this.#url; }
@@ -49,7 +49,21 @@ export class HttpSource {
     }
   }
 
+  /** A server that does not answer in time is one that fails. */
   async #once(offset, bytes, signal) {
+    const late = new AbortController(), stop = () => late.abort(signal.reason);
+    const timer = setTimeout(() => late.abort(new Error(`${this.#url}: the server has not answered for ${this.#options.timeoutMs / 1e3} s`)), this.#options.timeoutMs);
+    if (signal?.aborted) stop();
+    signal?.addEventListener("abort", stop, { once: true });
+    try {
+      return await this.#answer(offset, bytes, late.signal);
+    } finally {
+      clearTimeout(timer);
+      signal?.removeEventListener("abort", stop);
+    }
+  }
+
+  async #answer(offset, bytes, signal) {
     const url = this.#url;
     const response = await this.#options.fetch(url, { headers: { Range: `bytes=${offset}-${offset + bytes - 1}` }, signal });
     if (response.status === 200) {

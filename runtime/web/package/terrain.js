@@ -1,6 +1,7 @@
 // Terrain: a pack that is streamed, refined to a bound within budgets, and asked for heights and rays.
 import { writeGlb } from "./glb.js";
 import { compile, Instance } from "./instance.js";
+import { isSetUrl, SetSource } from "./set.js";
 import { sourceOf } from "./source.js";
 
 export const defaults = Object.freeze({
@@ -63,7 +64,7 @@ export class Terrain {
   #instance; #calls; #numbers; #ground; #source; #index = 0; #staging; #flights = new Map(); #arrived = []; #closed = false;
   #failure = null; #places;
 
-  /** source: a URL, the bytes of a pack, or an object with size() and read(). */
+  /** source: the URL of a pack or of the set.json of a pack set, the bytes of a pack, or an object with size() and read(). */
   static async open(source, options = {}) {
     const { module, ...rest } = options;
     const unknown = Object.keys(rest).find((name) => !(name in defaults) && name !== "source");
@@ -71,19 +72,32 @@ export class Terrain {
     const budget = { ...defaults, ...rest };
     for (const [name, value] of Object.entries(budget))
       if (typeof defaults[name] === "number" && !(Number.isInteger(value) && value >= 0)) throw new RangeError(`${name}: is ${value}; give a whole number`);
-    const terrain = new Terrain();
-    terrain.#source = sourceOf(source, options.source);
-    await terrain.#open(module ?? (await compile()), budget);
-    return terrain;
+    const from = isSetUrl(source) ? new SetSource(source, options.source) : sourceOf(source, options.source), used = module ?? (await compile());
+    const ranges = new Map(), noted = (offset, bytes) => {
+      ranges.set(offset, bytes);
+      return from.read(offset, bytes);
+    };
+    for (const forgotten = new Set();;) {
+      try {
+        return await new Terrain().#open(used, budget, from, noted);
+      } catch (error) { // perhaps a cache keeps what is damaged: until nothing is left that it may be
+        const suspects = [...ranges].filter(([offset]) => !forgotten.has(offset));
+        if (!from.forget || suspects.length === 0) throw error;
+        for (const [offset, bytes] of suspects) {
+          await from.forget(offset, bytes);
+          forgotten.add(offset);
+        }
+      }
+    }
   }
 
-  async #open(module, budget) {
-    const source = this.#source;
+  async #open(module, budget, source, read) {
+    this.#source = source;
     const size = await source.size();
     if (size < 512) throw new Error("pack: the pack ends too early; copy or bake it again");
     const instance = (this.#instance = new Instance(module));
     const calls = (this.#calls = instance.calls);
-    const header = await source.read(0, 512);
+    const header = await read(0, 512);
     let at = instance.copy(header);
     calls.pack_index(at, size);
     let n = instance.refresh();
@@ -92,16 +106,16 @@ export class Terrain {
     calls.web_free(at);
     const index = new Uint8Array(512 + directoryBytes);
     index.set(header);
-    index.set(await source.read(directoryAt, directoryBytes), 512);
+    index.set(await read(directoryAt, directoryBytes), 512);
     at = instance.copy(index);
-    this.#ground = calls.ground_index(at, index.length, size);
+    this.#ground = calls.ground_index(at, index.length, size, source.isSet === true);
     calls.web_free(at);
     n = instance.refresh();
     const [cornersAt, cornersBytes, columns, rows, dx, dz, low, high, quantum, tilesX, tilesZ, tileCells,
       , , originX, originZ, holes, pages] = n;
     Object.assign(this, { columns, rows, spacing: [dx, dz], extent: [(columns - 1) * dx, (rows - 1) * dz],
       heightRange: [low, high], quantum, tiles: [tilesX, tilesZ], tileCells, origin: [originX, originZ], holes, pages });
-    at = instance.copy(await source.read(cornersAt, cornersBytes));
+    at = instance.copy(await read(cornersAt, cornersBytes));
     n.set([budget.whole ? 0 : budget.pageSlots, budget.vertices, budget.triangles, budget.views, budget.pageRequests,
       budget.mapRequests, budget.maps ? budget.mapBytes : 0, budget.editBlocks]);
     calls.ground_open(this.#ground, at, cornersBytes, budget.whole);
@@ -117,7 +131,8 @@ export class Terrain {
     this.changes = { vertexRuns: nothing, vertexRunCount: 0, triangleRuns: nothing, triangleRunCount: 0 };
     this.morph = { nowS: 0, morphS: 1, views: 0, numbers: new Float32Array(8 * 5) };
     this.#see();
-    if (budget.whole) await this.#loadAll();
+    if (budget.whole) await this.#loadAll(read);
+    return this;
   }
 
   /** Arrays of the module's memory. It does not grow after opening. */
@@ -136,11 +151,11 @@ export class Terrain {
     this.#numbers = this.#instance.refresh();
   }
 
-  async #loadAll() {
+  async #loadAll(read) {
     for (let page = 0; page < this.pages; ++page) {
       this.#calls.ground_page(this.#ground, page);
       const [offset, bytes] = this.#numbers;
-      const at = this.#instance.copy(await this.#source.read(offset, bytes));
+      const at = this.#instance.copy(await read(offset, bytes));
       this.#calls.ground_insert(this.#ground, page, at, bytes);
       this.#calls.web_free(at);
       if (this.#numbers.length === 0) this.#see();
@@ -258,24 +273,24 @@ export class Terrain {
   #serve() {
     const n = this.#numbers, calls = this.#calls, ground = this.#ground, source = this.#source;
     while (calls.ground_next_request(ground)) {
-      const ticket = n[0], offset = n[1], bytes = n[2];
+      const ticket = n[0], offset = n[1], bytes = n[2], chunks = source.readDecoded && Array.from(n.subarray(4, 4 + 4 * n[3]));
       if (source.readNow) {
         this.#provide(ticket, source.readNow(offset, bytes));
         continue;
       }
       const abort = new AbortController();
       this.#flights.set(ticket, abort);
-      source.read(offset, bytes, abort.signal).then(
-        (data) => this.#arrived.push([ticket, data, null]), (error) => this.#arrived.push([ticket, null, error]));
+      (chunks ? source.readDecoded(offset, bytes, chunks, abort.signal) : source.read(offset, bytes, abort.signal)).then(
+        (data) => this.#arrived.push([ticket, data, null, offset]), (error) => this.#arrived.push([ticket, null, error]));
     }
     if (this.#flights.size === 0) return;
     for (const [ticket, abort] of this.#flights) if (!calls.ground_still_wanted(ground, ticket)) abort.abort();
     while (this.#arrived.length > 0) {
-      const [ticket, data, error] = this.#arrived.shift();
+      const [ticket, data, error, offset] = this.#arrived.shift();
       const unwanted = this.#flights.get(ticket)?.signal.aborted ?? false;
       this.#flights.delete(ticket);
       if (data) {
-        this.#provide(ticket, data);
+        if (!this.#provide(ticket, data, source.readDecoded !== undefined)) source.forget?.(offset, data.length);
       } else {
         calls.ground_fail(ground, ticket, unwanted);
         if (!unwanted) this.#failure ??= error;
@@ -283,9 +298,12 @@ export class Terrain {
     }
   }
 
-  #provide(ticket, data) {
-    this.#staging.set(data);
-    if (!this.#calls.ground_provide(this.#ground, ticket, data.length)) this.#failure ??= new Error("pack: the pack is damaged here; copy or bake it again");
+  #provide(ticket, data, decoded = false) {
+    const fits = data.length <= this.#staging.length;
+    if (fits) this.#staging.set(data);
+    if (this.#calls.ground_provide(this.#ground, ticket, fits ? data.length : 0, decoded)) return true;
+    this.#failure ??= new Error("pack: the pack is damaged here; copy or bake it again");
+    return false;
   }
 
   /** The first thing that could not be read; null: everything could. The terrain is coarser there. */

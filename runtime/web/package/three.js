@@ -2,8 +2,6 @@
 // receives shadows, and is hit by rays. Its axes are three's: x east, y up, z south, metres from the first sample.
 import * as THREE from "three";
 
-import { makeView } from "./index.js";
-
 const mostViews = 8;
 
 const vertexHead = /* glsl */ `
@@ -84,6 +82,8 @@ class TileMaps {
   upload(renderer) {
     const gl = renderer.getContext(), properties = renderer.properties.get(this.texture);
     if (!properties.__webglTexture) {
+      const most = gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
+      if (this.side > 0 && this.tiles > most) throw new Error(`maps: the terrain has ${this.tiles} tiles, and this machine ${most} layers of textures; open it without maps`);
       properties.__webglTexture = gl.createTexture();
       properties.__webglInit = true;
       renderer.state.bindTexture(gl.TEXTURE_2D_ARRAY, properties.__webglTexture);
@@ -153,8 +153,9 @@ export class TerrainObject extends THREE.Mesh {
     this.#teach(material, true);
     this.customDepthMaterial = new THREE.MeshDepthMaterial({ depthPacking: THREE.RGBADepthPacking });
     this.#teach(this.customDepthMaterial, false);
-    this.#views = [{ eye: [0, 0, 0], forward: [0, 0, -1], up: [0, 1, 0] }];
+    this.#views = [{ eye: [0, 0, 0], forward: [0, 0, -1], up: [0, 1, 0], maxError: 0 }];
     this.#wireIndices = null;
+    this.#place(0, slots); // a terrain that another object has shown has no changes to tell of these
   }
 
   #teach(material, lit) {
@@ -174,23 +175,27 @@ export class TerrainObject extends THREE.Mesh {
    * terrain's frame.
    */
   update(camera, renderer, nowS) {
-    const { terrain } = this;
+    const { terrain } = this, gl = renderer.getContext();
+    if (gl.isContextLost()) return terrain.frame; // there is no picture to refine for
     this.updateWorldMatrix(true, false);
     camera.updateMatrixWorld();
     const inverse = scratch.matrix.copy(this.matrixWorld).invert();
     const eye = scratch.eye.setFromMatrixPosition(camera.matrixWorld).applyMatrix4(inverse);
     const forward = camera.getWorldDirection(scratch.forward).transformDirection(inverse);
     const up = scratch.up.set(0, 1, 0).transformDirection(camera.matrixWorld).transformDirection(inverse);
-    const size = renderer.getDrawingBufferSize(scratch.size);
-    eye.toArray(scratch.eyeNumbers);
-    forward.toArray(scratch.forwardNumbers);
-    up.toArray(scratch.upNumbers);
-    scratch.options.width = size.x;
-    scratch.options.height = size.y;
-    scratch.options.fovY = camera.getEffectiveFOV() * Math.PI / 180;
-    scratch.options.near = camera.near;
-    scratch.options.far = camera.far;
-    makeView(scratch.options, this.#views[0]);
+    const p = camera.projectionMatrix.elements, view = this.#views[0];
+    if (p[11] === 0) throw new TypeError("camera: has no perspective");
+    eye.toArray(view.eye);
+    forward.toArray(view.forward);
+    up.toArray(view.up);
+    view.left = (p[8] - 1) / p[0]; // of any perspective, with its middle where it may be
+    view.right = (p[8] + 1) / p[0];
+    view.bottom = (p[9] - 1) / p[5];
+    view.top = (p[9] + 1) / p[5];
+    view.width = gl.drawingBufferWidth;
+    view.height = gl.drawingBufferHeight;
+    view.near = camera.near;
+    view.far = camera.far;
     const frame = terrain.update(this.#views, nowS);
     if (frame.mapsArrived > 0) terrain.takeMaps((kind, tile, mip, side, rgba) => this.#maps[kind].add(tile, mip, side, rgba));
     this.#maps.colour.upload(renderer);
@@ -205,19 +210,20 @@ export class TerrainObject extends THREE.Mesh {
   /** The view of the last update. */
   get view() { return this.#views[0]; }
 
+  #place(first, count) {
+    const { terrain } = this, to = this.geometry.attributes.position.array, from = terrain.vertexSlots, heights = terrain.heightSlots;
+    const dx = terrain.spacing[0], dz = terrain.spacing[1];
+    for (let k = 3 * first; k < 3 * (first + count); k += 3) {
+      to[k] = from[k] * dx;
+      to[k + 1] = heights[k + 2];
+      to[k + 2] = from[k + 1] * dz;
+    }
+  }
+
   #takeChanges() {
     const { terrain, geometry } = this, changes = terrain.takeChanges();
-    const position = geometry.attributes.position, to = position.array, from = terrain.vertexSlots, heights = terrain.heightSlots;
-    const [dx, dz] = terrain.spacing;
-    for (let i = 0; i < changes.vertexRunCount; ++i) {
-      const end = 3 * (changes.vertexRuns[2 * i] + changes.vertexRuns[2 * i + 1]);
-      for (let k = 3 * changes.vertexRuns[2 * i]; k < end; k += 3) {
-        to[k] = from[k] * dx;
-        to[k + 1] = heights[k + 2];
-        to[k + 2] = from[k + 1] * dz;
-      }
-    }
-    mark(position, changes.vertexRuns, changes.vertexRunCount, 3);
+    for (let i = 0; i < changes.vertexRunCount; ++i) this.#place(changes.vertexRuns[2 * i], changes.vertexRuns[2 * i + 1]);
+    mark(geometry.attributes.position, changes.vertexRuns, changes.vertexRunCount, 3);
     mark(geometry.attributes.fjell_morph, changes.vertexRuns, changes.vertexRunCount, 4);
     mark(geometry.index, changes.triangleRuns, changes.triangleRunCount, 3);
   }
@@ -307,8 +313,4 @@ export class TerrainObject extends THREE.Mesh {
   }
 }
 
-const scratch = {
-  matrix: new THREE.Matrix4(), eye: new THREE.Vector3(), forward: new THREE.Vector3(), up: new THREE.Vector3(),
-  size: new THREE.Vector2(), eyeNumbers: [0, 0, 0], forwardNumbers: [0, 0, 0], upNumbers: [0, 0, 0], options: {},
-};
-Object.assign(scratch.options, { eye: scratch.eyeNumbers, forward: scratch.forwardNumbers, up: scratch.upNumbers });
+const scratch = { matrix: new THREE.Matrix4(), eye: new THREE.Vector3(), forward: new THREE.Vector3(), up: new THREE.Vector3() };
