@@ -203,7 +203,7 @@ addEventListener("resize", resize);
 resize();
 
 let last = 0;
-renderer.setAnimationLoop((now) => {
+function frame(now) {
   const frameMs = now - last;
   last = now;
   if (!state.terrain) return renderer.render(scene, camera);
@@ -216,18 +216,19 @@ renderer.setAnimationLoop((now) => {
   if (!$("hold").checked || state.frames === 0) state.ground.update(camera, renderer, now / 1e3);
   else camera.updateMatrixWorld();
   renderer.render(scene, camera);
-  const { frame } = state.terrain;
+  const done = state.terrain.frame;
   ++state.frames;
   if (state.frames > 10) state.longestMs = Math.max(state.longestMs, frameMs);
-  if (state.firstPictureMs === null && frame.converged) state.firstPictureMs = performance.now() - state.started;
+  if (state.firstPictureMs === null && done.converged) state.firstPictureMs = performance.now() - state.started;
   if (state.terrain.failure) say(state.terrain.failure.message);
-  else if (frame.inFlight === 0) say("");
-  show(now, frameMs, frame);
-});
+  else if (done.inFlight === 0) say("");
+  show(now, frameMs, done);
+}
+renderer.setAnimationLoop(frame);
 
 const packs = await (await fetch("packs.json")).json();
 packs.forEach(({ name }, i) => $("pack").add(new Option(name, String(i))));
 $("pack").addEventListener("change", () => open(packs[$("pack").value]));
 settle();
 await open(packs[0]);
-globalThis.fjellPage = { state, camera, renderer, scene }; // for tests
+globalThis.fjellPage = { state, camera, renderer, scene, frame }; // for tests

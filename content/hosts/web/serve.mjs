@@ -2,7 +2,7 @@
 import { createReadStream } from "node:fs";
 import { stat } from "node:fs/promises";
 import { createServer } from "node:http";
-import { extname, join, normalize, sep } from "node:path";
+import { extname, join, normalize, resolve, sep } from "node:path";
 import { fileURLToPath } from "node:url";
 
 const types = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css",
@@ -31,14 +31,14 @@ async function answer(folder, request, response) {
 export function serve(folder, port = 0, before = () => false) {
   const server = createServer(async (request, response) => {
     try {
-      if (!(await before(request, response))) await answer(normalize(folder), request, response);
+      if (!(await before(request, response))) await answer(resolve(folder), request, response);
     } catch {
       response.destroy();
     }
   });
-  return new Promise((resolve, reject) => {
-    server.on("error", reject);
-    server.listen(port, "127.0.0.1", () => resolve(server));
+  return new Promise((done, failed) => {
+    server.on("error", failed);
+    server.listen(port, "127.0.0.1", () => done(server));
   });
 }
 
