@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#define XXH_INLINE_ALL // as runtime/src/shared/hash.cpp does
 #include <xxhash.h>
 
 #include "fjell/io/failure.h"
