@@ -22,7 +22,8 @@ using Progress = std::function<void(const char* stage, std::uint64_t done, std::
 struct BakeOptions {
     int tile_log2 = 0; // 0: auto
     ErrorEstimate estimate = ErrorEstimate::max;
-    double nesting = 0.05; // mu, 0.001..1
+    double nesting = 0.05;       // mu, 0.001..1
+    bool room_for_holes = false; // errors have codes for a hole's rim, whether there are holes or not
     PageOrder order = PageOrder::planar;
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost

@@ -169,7 +169,7 @@ std::string BakeContext::identity() const {
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
                        source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],
                        source.crs_wkt, o.horizon_spacing, image ? image->identity() : "") +
-           splat_identity();
+           splat_identity() + (o.room_for_holes ? "\nroom for holes" : "");
 }
 
 std::string BakeContext::splat_identity() const {

@@ -87,8 +87,12 @@ BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
                                                             context.tree.side()});
     // The stored float is what readers test against.
     const double nesting = static_cast<double>(static_cast<float>(context.options.nesting));
-    plan.scales = choose_scales(
-        {context.tree, {source.spacing_m[0], source.spacing_m[1]}, plan.height_scale, found.heights, nesting});
+    plan.scales = choose_scales({context.tree,
+                                 {source.spacing_m[0], source.spacing_m[1]},
+                                 plan.height_scale,
+                                 found.heights,
+                                 nesting,
+                                 context.options.room_for_holes});
     plan.leaf = LeafErrors(plan.scales.errors, plan.height_scale.quantum_m);
     plan.maps = plan_maps(context, found);
     plan.header = make_header(context, found.heights, plan);

@@ -158,6 +158,13 @@ const std::vector<RecipeKey>& recipe_keys() {
          false,
          0.001,
          1},
+        {"room-for-holes",
+         Of::pack,
+         &Recipe::room_for_holes,
+         "yes: stamps may cut holes while the terrain runs, whatever its height steps are (default: no; most packs "
+         "have "
+         "the room anyway)",
+         {"no", "yes"}},
         {"order",
          Of::pack,
          &Recipe::order,
@@ -381,6 +388,7 @@ BakeOptions bake_options(const Recipe& recipe) {
         throw Failure(2, "--splat says how fine splat maps are; give their rules with --layers");
     o.splat_spacing = splat_spacings[word_at(recipe.splat, "splat", 1)];
     o.nesting = recipe.nesting.value_or(o.nesting);
+    o.room_for_holes = word_at(recipe.room_for_holes, "room-for-holes", 0) != 0;
     o.quantum_m = recipe.quantum.value_or(0);
     o.texture_paths = recipe.texture;
     o.texture_bands = recipe.texture_bands.value_or("");

@@ -11,6 +11,7 @@
 #include "baker/georeference/crs_label.h"
 #include "baker/pack/join.h"
 #include "baker/pack/notes.h"
+#include "fjell/edit.h"
 #include "fjell/io/load.h"
 #include "fjell/terrain.h"
 #include "io/file.h"
@@ -104,6 +105,7 @@ json info_json(const PackFile& file) {
            {"height_m", {h.min_m, h.max_m}},
            {"quantum_m", h.quantum_m},
            {"holes", h.voids},
+           {"room_for_holes", has_room_for_holes(h)},
            {"pages_per_tile", pages_of(h).pages_per_tile()},
            {"max_error_m", h.max_error_m},
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},

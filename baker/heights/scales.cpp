@@ -93,7 +93,8 @@ public:
     // Of any sample under a diamond from its triangles; over a hole's rim its own size.
     [[nodiscard]] double error_m(int z, double pad_m) const {
         const double side = 2.0 * (1 << z), climb = climb_m(side, side);
-        return in_.heights.voids == 0 ? climb : std::max(climb, distance_m(side, side, climb) + pad_m) * above;
+        const bool flat = in_.heights.voids == 0 && !in_.room_for_holes;
+        return flat ? climb : std::max(climb, distance_m(side, side, climb) + pad_m) * above;
     }
 
 private:

@@ -47,6 +47,7 @@ struct ScaleInput {
     HeightScale height_scale;
     HeightStatistics heights;
     double nesting = 0.05;
+    bool room_for_holes = false; // even if there are none
 };
 [[nodiscard]] Scales choose_scales(const ScaleInput& input);
 

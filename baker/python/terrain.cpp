@@ -111,7 +111,8 @@ struct Ground {
     }
     void allow_edits(std::uint32_t blocks) {
         auto made = std::make_unique<Edited>();
-        made->budget = {.blocks = blocks, .stamps = 4096};
+        const PackHeader& header = terrain().header();
+        made->budget = {.blocks = blocks, .stamps = 4096, .holes = has_room_for_holes(header)};
         if (!whole) {
             edited = std::move(made);
             begin_updates();

@@ -29,32 +29,32 @@ constexpr std::int32_t block_side = 64;
 class Overlay {
 public:
     Overlay(const HeightSource& source, const std::optional<HeightScale>& scale, const std::string& path)
-        : scale_(scale), path_(path), reader_(source.reader()), grid_(source.columns, source.rows, source.spacing_m) {}
+        : scale_(scale), path_(path), reader_(source.reader()), grid_(source.columns, source.rows, source.spacing_m) {
+        if (const auto* const pack = dynamic_cast<const PackSource*>(&source)) ground_reader_ = pack->ground_reader();
+        fills_ = ground_reader_ != nullptr;
+    }
 
     void apply(const Stamp& stamp) {
         if (paints(stamp.shape)) return paint(stamp);
         const Rect all = edit::samples_of(grid_, stamp);
         // All blocks are evaluated on the ground as it was before any of them changes.
-        std::vector<std::pair<std::vector<float>*, std::vector<float>>> changed;
+        std::vector<std::pair<Block*, Block>> changed;
         for (std::int32_t by = all.y0 / block_side; !all.empty() && by <= all.y1 / block_side; ++by)
             for (std::int32_t bx = all.x0 / block_side; bx <= all.x1 / block_side; ++bx) {
                 const Rect block = samples_of_block(bx, by), piece = all.within(block);
                 if (!edit::may_change(grid_, stamp, piece)) continue;
-                std::vector<float>& before = block_at(bx, by);
-                std::vector<float> after = before;
+                Block& before = block_at(bx, by);
+                Block after = before;
                 for (std::int32_t y = piece.y0; y <= piece.y1; ++y)
-                    for (std::int32_t x = piece.x0; x <= piece.x1; ++x) {
-                        float& height_m = after[index_in_block(x, y)];
-                        if (!std::isnan(height_m)) height_m = stamped(stamp, {x, y}, height_m);
-                    }
-                if (after != before) changed.emplace_back(&before, std::move(after));
+                    for (std::int32_t x = piece.x0; x <= piece.x1; ++x) stamp_sample(stamp, {x, y}, after);
+                changed.emplace_back(&before, std::move(after));
             }
         for (auto& [before, after] : changed) *before = std::move(after);
     }
 
     [[nodiscard]] const edit::PaintSource* paint() const { return painted_.empty() ? nullptr : &paint_; }
 
-    // Of a window that was read from the source: puts in what stamps have made of it.
+    // Of a window that was read from the source, and nothing else: puts in what stamps have made of it.
     void put(const Window& window, float* heights_m, ReadStatistics& statistics) const {
         const Rect wanted{window.x, window.y, window.x + window.columns - 1, window.y + window.rows - 1};
         for (std::int32_t by = wanted.y0 / block_side; by <= wanted.y1 / block_side; ++by)
@@ -64,17 +64,44 @@ public:
                 const Rect part = samples_of_block(bx, by).within(wanted);
                 for (std::int32_t y = part.y0; y <= part.y1; ++y)
                     for (std::int32_t x = part.x0; x <= part.x1; ++x) {
-                        const float height_m = found->second[index_in_block(x, y)];
-                        if (std::isnan(height_m)) continue;
-                        heights_m[static_cast<std::ptrdiff_t>(y - window.y) * window.columns + (x - window.x)] =
-                            height_m;
+                        const Block& block = found->second;
+                        const float height_m = block.heights_m[index_in_block(x, y)];
+                        float& to =
+                            heights_m[static_cast<std::ptrdiff_t>(y - window.y) * window.columns + (x - window.x)];
+                        if (block.holes[index_in_block(x, y)] != 0) {
+                            if (!std::isnan(to) && !fills_) statistics.voids.add(x, y);
+                            to = std::numeric_limits<float>::quiet_NaN();
+                            continue;
+                        }
+                        to = height_m;
                         statistics.least_m = std::min(statistics.least_m, height_m);
                         statistics.most_m = std::max(statistics.most_m, height_m);
                     }
             }
+        if (!fills_) return;
+        statistics.voids = {};
+        for (std::int32_t y = wanted.y0; y <= wanted.y1; ++y)
+            for (std::int32_t x = wanted.x0; x <= wanted.x1; ++x)
+                if (std::isnan(heights_m[static_cast<std::ptrdiff_t>(y - window.y) * window.columns + (x - window.x)]))
+                    statistics.voids.add(x, y);
+    }
+
+    // Samples that are holes, and would not be without stamps.
+    [[nodiscard]] std::uint64_t cut() const {
+        std::uint64_t count = 0;
+        for (const auto& [place, block] : blocks_)
+            for (std::size_t i = 0; i < block.holes.size(); ++i)
+                count += block.holes[i] != 0 && block.were_holes[i] == 0;
+        return count;
     }
 
 private:
+    // Heights, those under holes too: NaN where nothing is known of any. Which samples are holes, and were.
+    struct Block {
+        std::vector<float> heights_m;
+        std::vector<std::uint8_t> holes, were_holes;
+    };
+
     static std::uint64_t key(std::int32_t bx, std::int32_t by) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(by)) << 32 | static_cast<std::uint32_t>(bx);
     }
@@ -85,17 +112,32 @@ private:
     static std::size_t index_in_block(std::int32_t x, std::int32_t y) {
         return static_cast<std::size_t>(y % block_side) * block_side + static_cast<std::size_t>(x % block_side);
     }
-    std::vector<float> read_block(const Rect& block) {
+    Block read_block(const Rect& block) {
         std::vector<float> read(static_cast<std::size_t>(block.columns()) * static_cast<std::size_t>(block.rows()));
         ReadStatistics ignored; // the samples are counted when they are baked
         reader_->read({block.x0, block.y0, block.columns(), block.rows()}, read.data(), ignored);
-        std::vector<float> heights(std::size_t{block_side} * block_side, std::numeric_limits<float>::quiet_NaN());
-        for (std::int32_t y = 0; y < block.rows(); ++y)
-            std::copy_n(read.data() + static_cast<std::ptrdiff_t>(y) * block.columns(), block.columns(),
-                        heights.data() + static_cast<std::ptrdiff_t>(y) * block_side);
-        return heights;
+        constexpr std::size_t area = std::size_t{block_side} * block_side;
+        Block made{
+            std::vector<float>(area, std::numeric_limits<float>::quiet_NaN()), std::vector<std::uint8_t>(area), {}};
+        const auto rows = [&](const auto& put) {
+            for (std::int32_t y = 0; y < block.rows(); ++y)
+                for (std::int32_t x = 0; x < block.columns(); ++x)
+                    put(static_cast<std::size_t>(y) * block_side + static_cast<std::size_t>(x),
+                        read[static_cast<std::size_t>(y) * static_cast<std::size_t>(block.columns()) +
+                             static_cast<std::size_t>(x)]);
+        };
+        rows([&](std::size_t to, float height_m) {
+            made.heights_m[to] = height_m;
+            made.holes[to] = std::isnan(height_m);
+        });
+        made.were_holes = made.holes;
+        if (ground_reader_ != nullptr) {
+            ground_reader_->read({block.x0, block.y0, block.columns(), block.rows()}, read.data(), ignored);
+            rows([&](std::size_t to, float height_m) { made.heights_m[to] = height_m; });
+        }
+        return made;
     }
-    std::vector<float>& block_at(std::int32_t bx, std::int32_t by) {
+    Block& block_at(std::int32_t bx, std::int32_t by) {
         const auto found = blocks_.find(key(bx, by));
         if (found != blocks_.end()) return found->second;
         if ((blocks_.size() + 1) * block_side * block_side > most_edited_samples)
@@ -141,8 +183,11 @@ private:
         const double base = scale_->base_m, step = scale_->quantum_m;
         return base + std::floor((static_cast<double>(height_m) - base) / step + 0.5) * step;
     }
+    // NaN: a hole.
     [[nodiscard]] float height_at(std::int32_t x, std::int32_t y) {
-        return block_at(x / block_side, y / block_side)[index_in_block(x, y)];
+        const Block& block = block_at(x / block_side, y / block_side);
+        const std::size_t at = index_in_block(x, y);
+        return block.holes[at] != 0 ? std::numeric_limits<float>::quiet_NaN() : block.heights_m[at];
     }
     [[nodiscard]] double mean_around(SampleIndex at) {
         const Rect near = Rect{at.column - 1, at.row - 1, at.column + 1, at.row + 1}.within(
@@ -154,12 +199,32 @@ private:
                 if (const float h = height_at(x, y); !std::isnan(h)) sum += height_of(h), ++count;
         return sum / count;
     }
+    void stamp_sample(const Stamp& stamp, SampleIndex at, Block& after) {
+        const std::size_t i = index_in_block(at.column, at.row);
+        float& height_m = after.heights_m[i];
+        std::uint8_t& hole = after.holes[i];
+        const bool restores = stamp.shape == StampShape::restore;
+        if (hole != 0 && !restores && !edit::makes_or_fills_holes(stamp.shape)) return;
+        switch (edit::hole_change(grid_, stamp, at)) {
+        case edit::HoleChange::none: break;
+        case edit::HoleChange::cut: hole = 1; break;
+        case edit::HoleChange::as_in_pack: hole = after.were_holes[i]; break;
+        case edit::HoleChange::fill:
+            if (std::isnan(height_m))
+                throw Failure(1, fmt::format("{}: fills a void at column {}, row {}, where no file has a height; bake "
+                                             "the heights first, and give the pack with the stamps",
+                                             path_, at.column, at.row));
+            hole = 0;
+            break;
+        }
+        if (!std::isnan(height_m)) height_m = stamped(stamp, at, height_m);
+    }
     [[nodiscard]] float stamped(const Stamp& stamp, SampleIndex at, float now_m) {
         edit::Surroundings around{height_of(now_m), 0, 0};
         float pack_m = now_m;
         if (stamp.shape == StampShape::restore) {
             ReadStatistics ignored;
-            reader_->read({at.column, at.row, 1, 1}, &pack_m, ignored);
+            (ground_reader_ != nullptr ? ground_reader_ : reader_)->read({at.column, at.row, 1, 1}, &pack_m, ignored);
             around.pack_m = height_of(pack_m);
         }
         if (stamp.shape == StampShape::smooth) around.mean_m = mean_around(at);
@@ -171,9 +236,10 @@ private:
 
     std::optional<HeightScale> scale_;
     std::string path_;
-    std::unique_ptr<HeightReader> reader_;
+    std::unique_ptr<HeightReader> reader_, ground_reader_; // the latter of a pack
+    bool fills_ = false; // stamps may fill voids of the source; it has no implausible heights then
     edit::StampGrid grid_;
-    std::unordered_map<std::uint64_t, std::vector<float>> blocks_; // whose references stay when others come
+    std::unordered_map<std::uint64_t, Block> blocks_; // whose references stay when others come
     std::unordered_map<std::uint64_t, std::unique_ptr<edit::PaintBlock>> painted_;
     edit::PaintSource paint_{this, find_painted};
 };
@@ -183,8 +249,10 @@ public:
     EditedReader(std::unique_ptr<HeightReader> reader, std::shared_ptr<const Overlay> overlay)
         : reader_(std::move(reader)), overlay_(std::move(overlay)) {}
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
-        reader_->read(window, to, statistics);
-        overlay_->put(window, to, statistics);
+        ReadStatistics own;
+        reader_->read(window, to, own);
+        overlay_->put(window, to, own);
+        statistics.add(own);
     }
     [[nodiscard]] bool covers(const Window& window) override { return reader_->covers(window); }
 
@@ -209,6 +277,8 @@ public:
         hash_ = XXH3_64bits(text.data(), text.size());
         const auto overlay = std::make_shared<Overlay>(*source_, scale_, name);
         for (const io::TimedStamp& stamp : stamps) overlay->apply(stamp.what.stamp());
+        cut_ = overlay->cut();
+        name_ = name;
         overlay_ = overlay;
     }
 
@@ -218,7 +288,12 @@ public:
     [[nodiscard]] int readers(int threads) const override { return source_->readers(threads); }
     [[nodiscard]] std::vector<Window> windows(std::size_t most) const override { return source_->windows(most); }
     [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override {
-        SourceProperties all = source_->properties(statistics);
+        ReadStatistics own = statistics; // without what stamps cut out
+        own.voids.count -= std::min(own.voids.count, cut_);
+        SourceProperties all = source_->properties(own);
+        if (cut_ != 0 && own.voids.count + own.implausible.count > 0 && !all.holes)
+            throw Failure(2, fmt::format("{} cuts holes, and --nodata fill leaves none; take one of them", name_));
+        all.holes = all.holes || cut_ != 0;
         if (!scale_) all.native_quantum_m = 0; // stamps know no step
         return all;
     }
@@ -232,6 +307,8 @@ private:
     std::optional<HeightScale> scale_; // a pack's
     std::shared_ptr<const Overlay> overlay_;
     std::uint64_t hash_ = 0; // of the stamps
+    std::uint64_t cut_ = 0;  // samples
+    std::string name_;
 };
 
 } // namespace

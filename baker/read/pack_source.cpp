@@ -16,8 +16,8 @@ namespace {
 
 class PackReader final : public HeightReader {
 public:
-    explicit PackReader(std::shared_ptr<const io::PackFile> file)
-        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()) {}
+    PackReader(std::shared_ptr<const io::PackFile> file, bool holes)
+        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()), holes_(holes) {}
 
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
         statistics.per_unit = 1; // the height steps are the pack's own
@@ -51,8 +51,8 @@ private:
                 if (c.column < 0 || c.row < 0 || c.column >= window.columns || c.row >= window.rows) continue;
                 to[static_cast<std::size_t>(c.row) * static_cast<std::size_t>(window.columns) +
                    static_cast<std::size_t>(c.column)] =
-                    is_void(from[i]) ? std::numeric_limits<float>::quiet_NaN()
-                                     : data_of(terrain_).height_scale.height_m(entry.base + from[i].height);
+                    holes_ && is_void(from[i]) ? std::numeric_limits<float>::quiet_NaN()
+                                               : data_of(terrain_).height_scale.height_m(entry.base + from[i].height);
             }
         }
     }
@@ -72,6 +72,7 @@ private:
     std::shared_ptr<const io::PackFile> file_;
     TilePages pages_;
     const Terrain& terrain_;
+    const bool holes_; // are NaN
 };
 
 } // namespace
@@ -87,7 +88,11 @@ PackSource::PackSource(const std::string& path) : file_(std::make_shared<io::Pac
 }
 
 std::unique_ptr<HeightReader> PackSource::reader() const {
-    return std::make_unique<PackReader>(file_);
+    return std::make_unique<PackReader>(file_, true);
+}
+
+std::unique_ptr<HeightReader> PackSource::ground_reader() const {
+    return std::make_unique<PackReader>(file_, false);
 }
 
 std::vector<Window> PackSource::windows(std::size_t most) const {

@@ -20,6 +20,8 @@ public:
     // Throws Failure 1 for a page that is damaged.
     [[nodiscard]] std::unique_ptr<HeightReader> reader() const override;
     [[nodiscard]] std::vector<Window> windows(std::size_t most) const override; // along tiles
+    // The same, and a hole's samples have the height that their vertices stand on.
+    [[nodiscard]] std::unique_ptr<HeightReader> ground_reader() const;
     // The pack's own height steps.
     [[nodiscard]] SourceProperties properties(const ReadStatistics& statistics) const override;
     [[nodiscard]] std::string identity() const override; // the pack's hash

@@ -75,6 +75,12 @@ void LiveTerrain::begin(const std::string& name) {
             throw Failure(1, "LiveOptions::journal: needs LiveOptions::edits, which says what it may use");
         kept_ = std::make_unique<Kept>();
         kept_->stamps = Journal(options_.journal, h, JournalAccess::read).stamps();
+        const bool holes = std::ranges::any_of(kept_->stamps, [](const KeptStamp& kept) {
+            return kept.plain.shape == StampShape::hole || kept.plain.shape == StampShape::fill;
+        });
+        if (holes && !(options_.edits->holes && has_room_for_holes(h)))
+            throw Failure(1, options_.journal + ": cuts holes: set EditBudget::holes, and give a pack that is baked "
+                                                "with --room-for-holes yes");
     }
     options_.cut = suited(options_.cut, terrain_);
     cut_block_ = std::make_unique<Block>(cut_bytes(terrain_, options_.cut));

@@ -22,9 +22,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* shape_names[] = {"raise",  "level",   "crater",  "path",  "noise",
-                                       "smooth", "heights", "restore", "paint", "unpaint"};
-static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::unpaint) + 1,
+constexpr const char* shape_names[] = {"raise",   "level",   "crater", "path",    "noise", "smooth",
+                                       "heights", "restore", "paint",  "unpaint", "hole",  "fill"};
+static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::fill) + 1,
               "a shape has a name: add it, and what it reads to the tables below");
 
 constexpr std::uint32_t bit(StampShape shape) {
@@ -39,6 +39,7 @@ constexpr std::uint32_t by_line = bit(StampShape::path);
 constexpr std::uint32_t painting = bits(StampShape::paint, StampShape::unpaint); // by a centre or by a line
 constexpr std::uint32_t all_shapes = (1u << std::size(shape_names)) - 1;
 constexpr std::uint32_t by_centre = all_shapes & ~(by_rectangle | by_line);
+constexpr std::uint32_t moving = all_shapes & ~(painting | bits(StampShape::hole, StampShape::fill));
 
 constexpr double largest = 1e8, smallest = 1e-6;
 
@@ -57,7 +58,7 @@ constexpr NumberOf numbers[] = {
     {"slope_x", &Stamp::slope_x, -largest, largest, bits(StampShape::level), 0},
     {"slope_z", &Stamp::slope_z, -largest, largest, bits(StampShape::level), 0},
     {"strength", &Stamp::strength, 0, 1, all_shapes, 0},
-    {"morph_s", &Stamp::morph_s, 0, largest, all_shapes & ~painting, 0},
+    {"morph_s", &Stamp::morph_s, 0, largest, moving, 0},
     {"wavelength_m", &Stamp::wavelength_m, smallest, largest, bits(StampShape::noise), bits(StampShape::noise)},
 };
 

@@ -19,6 +19,11 @@ void require_edit(const Status& status) {
 
 FlightEdits::FlightEdits(const Terrain& terrain, const EditBudget& budget, std::vector<io::TimedStamp> stamps)
     : budget_(budget), stamps_(std::move(stamps)) {
+    const bool holes = std::ranges::any_of(stamps_, [](const io::TimedStamp& stamp) {
+        const StampShape shape = stamp.what.plain.shape;
+        return shape == StampShape::hole || shape == StampShape::fill;
+    });
+    budget_.holes = budget_.holes || holes;
     create(terrain, live_);
 }
 
@@ -70,6 +75,11 @@ std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views,
         StampId id = 0;
         const Status pushed = push_stamp(live_.edits, stamps_[next_].what.stamp(), id);
         if (pushed.code == StatusCode::out_of_slots) break; // the next update goes on
+        if (pushed.code == StatusCode::out_of_range) {      // a hole, on a pack that has no room for it
+            settle({0, next_}, {StampState::refused, pushed});
+            ++totals_.refused;
+            continue;
+        }
         require_edit(pushed);
         open_.push_back({id, next_});
     }

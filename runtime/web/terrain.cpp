@@ -230,7 +230,7 @@ FJELL_CALL void ground_open(Ground* g, const std::byte* corners, std::size_t byt
     g->terrain_block.allocate(terrain_bytes(h, slots));
     require(create_terrain(g->pack, {corners, bytes}, slots, g->terrain_block.all(), g->terrain), "open");
     if (count(7) != 0) {
-        const EditBudget budget{.blocks = count(7)};
+        const EditBudget budget{.blocks = count(7), .holes = has_room_for_holes(h)};
         g->edits_block.allocate(edits_bytes(h, budget));
         require(create_edits(g->terrain, budget, g->edits_block.all(), g->edits), "open");
     }

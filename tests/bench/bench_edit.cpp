@@ -1,6 +1,6 @@
 // What it costs to edit the ground: a crater of 64 x 64 samples until its bound holds, until its errors are measured
-// again, until normal maps are made anew, and until a live cut shows it; a road; and beside them a bake of the same
-// terrain, and what the same rectangle takes in a height field of Bullet's (bullet_us, where Bullet is installed).
+// again, until normal maps are made anew, and until a live cut shows it; a road; a hole; and beside them a bake of the
+// same terrain, and what the same rectangle takes in a height field of Bullet's (bullet_us, where Bullet is installed).
 //
 // Names: edit/scene/what. Scenes: a part of the mountains of content/terrain with 1,025 x 1,025 samples, and all of it
 // (4,097 x 4,097, 60 m), in tiles of 512 cells: what an edit costs must not grow with the terrain.
@@ -57,18 +57,20 @@ void must(Status s) {
     if (!s.ok()) throw std::runtime_error(std::string(s.field) + ": " + message(s.code));
 }
 
-Scene make(std::int32_t samples) {
-    const std::string path = std::string(FJELL_BENCH_DIR) + "/edit-" + std::to_string(samples) + ".fjell";
+Scene make(std::int32_t samples, bool holes = false) {
+    const std::string path =
+        std::string(FJELL_BENCH_DIR) + "/edit-" + std::to_string(samples) + (holes ? "-room" : "") + ".fjell";
     std::filesystem::create_directories(FJELL_BENCH_DIR);
     baker::BakeOptions options;
     options.tile_log2 = 9;
     options.max_texture_log2 = 9;
+    options.room_for_holes = holes;
     baker::Dem dem = samples == 4097 ? mountains() : part(samples);
     const auto started = Clock::now();
     (void)baker::bake(std::move(dem), options, path);
     Scene s{io::load_pack(path, io::LoadTerrain::yes), {}, {}, {}, {}, {}, 0};
     s.bake_ms = std::chrono::duration<double, std::milli>(Clock::now() - started).count();
-    const EditBudget budget{16384, 256, 256};
+    const EditBudget budget{.blocks = 16384, .stamps = 256, .areas = 256, .holes = holes};
     const std::size_t bytes = edits_bytes(s.pack.pack.header, budget);
     s.edit_memory = io::allocate(bytes);
     must(create_edits(s.pack.terrain, budget, {s.edit_memory.get(), bytes}, s.edits));
@@ -222,6 +224,51 @@ void road(benchmark::State& state, std::int32_t samples) {
     state.counters["measure_us"] = measure_us / n;
 }
 
+// A shaft of 32 samples across that is cut, shown, and filled again; and a crater as above beside it, on ground that
+// may have holes and whose errors count in the steps that this takes.
+void shaft(benchmark::State& state) {
+    static Scene s = make(1025, true);
+    const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> any(-100, 100);
+    std::vector<double> apply, measure, follow, fill, fill_measure, apply_crater;
+    const auto median = [](std::vector<double>& v) {
+        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+        return v[v.size() / 2];
+    };
+    for (auto _ : state) {
+        Stamp stamp;
+        stamp.x_m = middle + any(random) * cell, stamp.z_m = middle + any(random) * cell;
+        const auto push = [&](StampShape shape, std::vector<double>& applied, std::vector<double>* measured) {
+            stamp.shape = shape;
+            StampId id = 0;
+            must(push_stamp(s.edits, stamp, id));
+            EditReport report;
+            must(update_edits(s.edits, {&s.view, 1}, {.max_work = 1}, report));
+            applied.push_back(report.apply_us);
+            must(stamp_state(s.edits, id).status);
+            CutReport cut;
+            must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
+            if (shape == StampShape::hole) follow.push_back(cut.prepare_us + cut.refine_us + cut.output_us);
+            must(update_edits(s.edits, {&s.view, 1}, {}, report));
+            if (measured != nullptr) measured->push_back(report.measure_us);
+            must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
+        };
+        stamp.radius_m = static_cast<float>(24 * cell), stamp.falloff_m = static_cast<float>(8 * cell);
+        stamp.amount_m = static_cast<float>(6 * cell);
+        push(StampShape::crater, apply_crater, nullptr);
+        stamp.radius_m = static_cast<float>(16 * cell), stamp.falloff_m = 0;
+        push(StampShape::hole, apply, &measure);
+        push(StampShape::fill, fill, &fill_measure);
+    }
+    state.counters["apply_us"] = median(apply);
+    state.counters["measure_us"] = median(measure);
+    state.counters["shown_us"] = median(follow);
+    state.counters["fill_us"] = median(fill);
+    state.counters["fill_measure_us"] = median(fill_measure);
+    state.counters["crater_us"] = median(apply_crater);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -230,6 +277,7 @@ int main(int argc, char** argv) {
         benchmark::RegisterBenchmark((of + "crater").c_str(), crater, samples)->Iterations(60);
         benchmark::RegisterBenchmark((of + "road").c_str(), road, samples)->Iterations(6);
     }
+    benchmark::RegisterBenchmark("edit/1025/shaft", shaft)->Iterations(60);
     benchmark::Initialize(&argc, argv);
     benchmark::RunSpecifiedBenchmarks();
 }

@@ -23,14 +23,16 @@ using fuzz::must;
 void stamp(const std::vector<io::TimedStamp>& stamps) {
     static const std::vector<std::byte> file = [] {
         Random random(77);
-        return bake_and_load(random_dem(random, 90, 70, Shape::fractal), small_bake(5)).file;
+        baker::BakeOptions options = small_bake(5);
+        options.room_for_holes = true;
+        return bake_and_load(random_dem(random, 90, 70, Shape::fractal), options).file;
     }();
     Pack pack;
     must(open_pack(file, pack).ok(), "the pack is one");
     const io::AlignedMemory memory = io::allocate(terrain_bytes(pack.header));
     Terrain terrain;
     must(load_terrain(pack, {memory.get(), terrain_bytes(pack.header)}, terrain).ok(), "it is loaded");
-    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8, .paint = 6};
+    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8, .paint = 6, .holes = true};
     const std::size_t bytes = edits_bytes(pack.header, budget);
     const io::AlignedMemory block = io::allocate(bytes);
     Edits edits;

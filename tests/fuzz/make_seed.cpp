@@ -393,7 +393,9 @@ void make_seeds(const std::filesystem::path& folder) {
 {"frame": 1, "shape": "smooth", "at": [400, 400], "radius_m": 100}, {"frame": 3, "shape": "restore", "at": [400, 400],
 "radius_m": 50, "falloff_m": 50}, {"shape": "level", "at": [100, 600], "radius_m": 70, "height_m": 50},
 {"shape": "paint", "at": [300, 200], "radius_m": 60, "falloff_m": 20, "rgb": [200, 10, 10], "material": 3, "strength": 0.7},
-{"shape": "unpaint", "points": [[0, 0], [400, 300]], "radius_m": 9}]})");
+{"shape": "unpaint", "points": [[0, 0], [400, 300]], "radius_m": 9},
+{"frame": 2, "shape": "hole", "at": [420, 380], "radius_m": 40}, {"frame": 4, "shape": "fill", "at": [430, 380],
+"radius_m": 30}]})");
     make_journal(folder / "journal");
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");

@@ -37,6 +37,7 @@ class WithoutHoles {
 public:
     explicit WithoutHoles(const Terrain& terrain) : data_(std::make_unique<TerrainData>(data_of(terrain))) {
         data_->header.voids = 0;
+        data_->holes_made = false;
         HandleAccess::begin(*data_, terrain_);
     }
     [[nodiscard]] const Terrain& terrain() const { return terrain_; }

@@ -88,6 +88,51 @@ TEST_CASE("ground that takes its time is measured on its way, and a recording of
     CHECK(json::parse(again.out)["edits"]["samples"] == e["samples"]);
 }
 
+TEST_CASE("a flight in which holes are cut is what it claims to be, by both methods, and is repeated bit for bit") {
+    const std::string bin = FJELL_BIN_DIR, at = edit_place().folder.path.string(),
+                      shafts = "--edits " FJELL_SOURCE_DIR "/content/edits/shafts.json ";
+    const std::string bake = bin + "/fjell-bake dem.tif --tile 128 --quantum 0.001 --quiet -o "; // in fine steps
+    REQUIRE(run_in(at, bake + "roomy.fjell --room-for-holes yes").code == 0);
+    REQUIRE(run_in(at, bake + "fine.fjell").code == 0);
+    const auto info = [&](const char* pack) {
+        return json::parse(run_in(at, bin + "/fjell-bake info --json - " + pack).out)["room_for_holes"];
+    };
+    CHECK((info("roomy.fjell") == true && info("fine.fjell") == false));
+    const auto fly = [&](const std::string& arguments) {
+        return run_in(at, "ASAN_OPTIONS=detect_leaks=0 " + bin + "/fjell-fly " + arguments);
+    };
+    json samples;
+    for (const char* flags : first_of(3, {"", "--stream on --wait --profile slots.toml", "--method recursive",
+                                          "--method recursive --topology strip", "--morph time"})) {
+        const bool recursive = std::string(flags).find("recursive") != std::string::npos; // which keeps nothing
+        const std::string record = recursive ? "" : "--record holes.record.json ";
+        const Run r = fly("roomy.fjell " + over + shafts + "--verify 1 --json - " + record + flags);
+        INFO(flags << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        const json j = json::parse(r.out), e = j["edits"];
+        CHECK((e["applied"] == 6 && e["refused"] == 0 && e["loose"] == 0));
+        CHECK((samples.is_null() || samples == e["samples"]));
+        samples = e["samples"];
+        CHECK(j["verified_ok"] != false);
+        if (recursive) continue;
+        const Run again = fly("roomy.fjell --headless --replay holes.record.json --verify 1 --json -");
+        INFO(again.err);
+        REQUIRE(again.code == 0);
+        CHECK(json::parse(again.out)["edits"]["samples"] == samples);
+    }
+    // What is baked has the holes that were flown.
+    const Run baked =
+        run_in(at, bin + "/fjell-bake roomy.fjell " + shafts + "-o shafts.fjell --tile 128 --json - --quiet");
+    INFO(baked.err);
+    REQUIRE(baked.code == 0);
+    CHECK(json::parse(baked.out)["holes"].get<int>() > 200);
+    // A pack without room says so, and nothing is lost.
+    const Run refused = fly("fine.fjell " + over + shafts);
+    CHECK(refused.code == 1);
+    CHECK(refused.err.find("bake") != std::string::npos);
+    CHECK(std::count(refused.err.begin(), refused.err.end(), '\n') == 1);
+}
+
 TEST_CASE("pictures and snapshots of a flight show the new ground from its frame on") {
     REQUIRE(edit_place().fly(over + "--render still --export 5:still.glb").code == 0);
     const Run r = edit_place().fly(over + edits + "--render moved --export 0:first.glb --export 5:moved.glb");

@@ -109,7 +109,7 @@ int c_abi_is_compiled(void) {
         AT(points, 64) AT(point_count, 72) AT(first, 76) AT(columns, 84) AT(rows, 88) AT(heights_m, 96) AT(mask, 104)
         AT(morph_s, 112) AT(strength, 116) AT(rgb, 120) AT(material, 123))
     TYPE(FjellEditBudget, 32, AT(struct_size, 0) AT(blocks, 8) AT(stamps, 12) AT(areas, 16) AT(moving, 20)
-        AT(paint, 24))
+        AT(paint, 24) AT(holes, 28))
     TYPE(FjellStampResult, 24, AT(state, 0) AT(status, 8))
     TYPE(FjellEditSettings, 24, AT(struct_size, 0) AT(max_work, 8) AT(max_time_us, 12) AT(now_s, 16))
     TYPE(FjellEditReport, 72, AT(struct_size, 0) AT(applied, 8) AT(refused, 12) AT(waiting, 16) AT(held, 20)

@@ -295,7 +295,9 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     const EditBudget budget{.blocks = 64, .stamps = 4, .areas = 8};
     FjellEditBudget c_budget = fjell_edit_budget_default();
     CHECK((c_budget.blocks == EditBudget{}.blocks && c_budget.stamps == EditBudget{}.stamps &&
-           c_budget.areas == EditBudget{}.areas && c_budget.moving == EditBudget{}.moving));
+           c_budget.areas == EditBudget{}.areas && c_budget.moving == EditBudget{}.moving && !c_budget.holes));
+    CHECK(fjell_has_room_for_holes(fjell_terrain_header(as_c(theirs.terrain))) == has_room_for_holes(ours.pack.header));
+    CHECK(!fjell_has_room_for_holes(nullptr));
     c_budget.blocks = budget.blocks, c_budget.stamps = budget.stamps, c_budget.areas = budget.areas,
     c_budget.moving = budget.moving;
     const FjellTerrain terrain = as_c(theirs.terrain);

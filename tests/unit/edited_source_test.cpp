@@ -24,9 +24,10 @@ io::KeptStamp any_stamp(Random& random, const Terrain& terrain) {
     const double relief = std::max<double>(h.max_m - h.min_m, h.quantum_m * 20);
     io::KeptStamp kept;
     Stamp& s = kept.plain;
-    constexpr StampShape shapes[] = {StampShape::raise, StampShape::level,   StampShape::crater, StampShape::path,
-                                     StampShape::noise, StampShape::heights, StampShape::restore};
-    s.shape = shapes[pick(random, 0, 6)];
+    constexpr StampShape shapes[] = {StampShape::raise, StampShape::level,   StampShape::crater,
+                                     StampShape::path,  StampShape::noise,   StampShape::heights,
+                                     StampShape::hole,  StampShape::restore, StampShape::fill};
+    s.shape = shapes[pick(random, 0, 8)];
     const auto place = [&](double wide) { return uniform(random, -0.1, 1.1) * wide; };
     const auto height = [&] { return static_cast<float>(uniform(random, h.min_m, h.max_m)); };
     if (s.shape == StampShape::heights) {
@@ -37,7 +38,7 @@ io::KeptStamp any_stamp(Random& random, const Terrain& terrain) {
             kept.heights_m.push_back(pick(random, 0, 3) ? height() : std::numeric_limits<float>::quiet_NaN());
         return kept;
     }
-    s.radius_m = static_cast<float>(cell * std::pow(10.0, uniform(random, 0, 1.3)));
+    s.radius_m = static_cast<float>(cell * std::pow(10.0, uniform(random, 0, s.shape == StampShape::fill ? 2 : 1.3)));
     s.falloff_m = static_cast<float>(pick(random, 0, 1) * static_cast<double>(s.radius_m) * uniform(random, 0.2, 2));
     if (s.shape == StampShape::path) {
         for (int i = pick(random, 2, 4); i > 0; --i) kept.points.push_back({place(wx), place(wz), height()});
@@ -55,7 +56,7 @@ io::KeptStamp any_stamp(Random& random, const Terrain& terrain) {
 
 TEST_CASE("a pack and a file of stamps have the heights that are flown with them, and a bake of both has them too") {
     Random random(31);
-    int applied = 0, restored = 0;
+    int applied = 0, restored = 0, were_cut = 0, were_filled = 0;
     for (int round = 0; round < rounds(12, 200); ++round) {
         const int log2 = pick(random, 3, 7);
         Dem dem = random_dem(random, pick(random, 20, 200), pick(random, 20, 200),
@@ -63,9 +64,11 @@ TEST_CASE("a pack and a file of stamps have the heights that are flown with them
         if (round % 2) add_random_holes(random, dem, log2);
         const TemporaryFolder folder;
         const std::string pack_path = folder / "pack.fjell", stamps_path = folder / "stamps.json";
-        (void)bake(dem, small_bake(log2), pack_path);
+        BakeOptions roomy = small_bake(log2);
+        roomy.room_for_holes = true;
+        (void)bake(dem, roomy, pack_path);
         const auto pack = io::load_pack(pack_path, io::LoadTerrain::yes);
-        const EditBudget budget{.blocks = 4096, .stamps = 16, .areas = 256};
+        const EditBudget budget{.blocks = 4096, .stamps = 16, .areas = 256, .holes = true};
         const std::size_t bytes = edits_bytes(pack.terrain.header(), budget);
         const io::AlignedMemory memory = io::allocate(bytes);
         Edits edits;
@@ -85,6 +88,7 @@ TEST_CASE("a pack and a file of stamps have the heights that are flown with them
             ++applied;
             restored += stamp.what.plain.shape == StampShape::restore;
         }
+        if (flown.empty()) continue;
         const std::string text = io::write_stamps(flown);
         spit(stamps_path, text);
         const auto source = edited_source(std::make_unique<PackSource>(pack_path), stamps_path);
@@ -96,7 +100,9 @@ TEST_CASE("a pack and a file of stamps have the heights that are flown with them
             for (int x = 0; x < dem.columns; ++x) {
                 const float height = whole.heights_m[dem.index(x, y)];
                 const bool hole = std::isnan(height);
-                wrong += hole != dem.is_void(x, y) || (!hole && height != data_of(pack.terrain).height_m({x, y}));
+                const bool flown_hole = data_of(pack.terrain).vertex({x, y}).hole;
+                were_cut += flown_hole && !dem.is_void(x, y), were_filled += !flown_hole && dem.is_void(x, y);
+                wrong += hole != flown_hole || (!hole && height != data_of(pack.terrain).height_m({x, y}));
             }
         REQUIRE(wrong == 0);
         REQUIRE(destroy_edits(edits).ok());
@@ -115,6 +121,8 @@ TEST_CASE("a pack and a file of stamps have the heights that are flown with them
     }
     CHECK(applied > rounds(30, 500));
     CHECK(restored > rounds(1, 50));
+    CHECK(were_cut > rounds(100, 2000));
+    CHECK(were_filled > rounds(10, 200));
 }
 
 TEST_CASE("stamps smooth by the ground around, keep voids, and give heights between a file's whole steps") {
@@ -134,4 +142,28 @@ TEST_CASE("stamps smooth by the ground around, keep voids, and give heights betw
     CHECK(whole.heights_m[dem.index(65, 63)] == 10);
     CHECK(whole.heights_m[dem.index(5, 5)] == Approx(10.3).margin(0.01));
     CHECK(source->identity() != PackSource(folder / "pack.fjell").identity());
+}
+
+TEST_CASE("holes of stamps are baked, and what cannot be is refused: a void without ground, holes that are filled") {
+    Dem dem;
+    dem.columns = 70, dem.rows = 66;
+    dem.heights_m.assign(70 * 66, 10.0F);
+    dem.voids.assign(dem.heights_m.size(), 0);
+    dem.voids[dem.index(30, 30)] = 1;
+    const auto stamps = [](const std::string& shape, int column) {
+        return io::parse_stamps(R"({"stamps": [{"shape": ")" + shape + R"(", "first": [)" + std::to_string(column) +
+                                    R"(, 28], "columns": 5, "rows": 5}]})",
+                                "s.json");
+    };
+    const auto cut = edited_source(std::make_unique<DemSource>(dem), stamps("hole", 50), "s.json");
+    const Field field = read_whole(*cut);
+    CHECK(field.statistics.voids.count == 26);
+    CHECK((std::isnan(field.heights_m[dem.index(50, 28)]) && !std::isnan(field.heights_m[dem.index(55, 28)])));
+    CHECK(cut->properties(field.statistics).holes);
+    CHECK_THROWS_WITH((void)edited_source(std::make_unique<DemSource>(dem), stamps("fill", 28), "s.json"),
+                      "s.json: fills a void at column 30, row 30, where no file has a height; bake the heights first, "
+                      "and give the pack with the stamps");
+    const auto no_void =
+        edited_source(std::make_unique<DemSource>(dem), stamps("fill", 50), "s.json"); // ground stays ground
+    CHECK(read_whole(*no_void).statistics.voids.count == 1);
 }

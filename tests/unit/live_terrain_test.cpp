@@ -43,9 +43,10 @@ const io::LiveFrame& settle(io::LiveTerrain& terrain, const View& view, double& 
 
 // A pack with maps in a file, and a profile over which it flies.
 struct LivePlace {
-    LivePlace() {
+    explicit LivePlace(bool room_for_holes = false) {
         Random random(411);
         baker::BakeOptions bake = small_bake(6);
+        bake.room_for_holes = room_for_holes;
         bake.max_texture_log2 = 6;
         (void)baker::bake(random_dem(random, 200, 150, Shape::fractal), bake, pack);
         profile = parse_profile(R"([refine]
@@ -199,7 +200,7 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
 }
 
 TEST_CASE("a terrain that is opened with a journal has the ground that was left, however many stamps that took") {
-    const LivePlace place;
+    const LivePlace place(true);
     io::LiveOptions options = live_options(place.profile);
     options.edits = EditBudget{.stamps = 2}; // fewer than the journal has
     const std::string path = io::journal_path(place.pack);
@@ -230,6 +231,22 @@ TEST_CASE("a terrain that is opened with a journal has the ground that was left,
     CHECK(height() == Approx(before_m + 14).margin(0.5));
     options.edits.reset();
     CHECK(has_part(opening_refusal(place.pack, options), "LiveOptions::edits"));
+    {
+        io::Journal journal(path, io::PackFile(place.pack).pack().header);
+        Stamp shaft;
+        shaft.shape = StampShape::hole, shaft.x_m = x_m, shaft.z_m = z_m, shaft.radius_m = 100;
+        (void)journal.add_stamp(journal.layers()[0].id, io::KeptStamp(shaft));
+    }
+    options.edits = EditBudget{};
+    CHECK(has_part(opening_refusal(place.pack, options), "cuts holes: set EditBudget::holes"));
+    REQUIRE(has_room_for_holes(io::PackFile(place.pack).pack().header));
+    options.edits->holes = true;
+    {
+        io::LiveTerrain terrain(place.pack, options);
+        double now_s = 0;
+        (void)settle(terrain, view, now_s);
+        CHECK(ground_height(terrain.terrain(), x_m, z_m).hole);
+    }
     options.edits = EditBudget{}, options.journal = place.pack;
     CHECK(has_part(opening_refusal(place.pack, options), "is no journal"));
 }

@@ -77,7 +77,7 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
 TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {
     const std::string crater = R"({"shape": "crater", "at": [1, 2], "radius_m": 3, "amount_m": 4})";
     CHECK(stamp_refusal(crater).empty());
-    CHECK(stamp_refusal(crater + ",\n{\"shape\": \"hole\"}")
+    CHECK(stamp_refusal(crater + ",\n{\"shape\": \"tunnel\"}")
               .starts_with("s.json:3: stamp 1: \"shape\" must be one of "
                            "raise, level, crater,"));
     const auto refused = [](const std::string& stamp, const std::string& part) {

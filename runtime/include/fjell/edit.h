@@ -10,6 +10,10 @@
 // (invariants 2 to 4). Later steps measure the coarse errors again; when EditReport::loose is 0 the terrain is the one
 // that a bake of the edited heights with the same scales gives (docs/notes/edits.md says where it is not).
 //
+// Holes. Stamps cut holes and fill them where EditBudget::holes says so and the pack has room (has_room_for_holes()).
+// The triangles with a corner in one are not drawn, from the next update of a cut on. Under a hole that was cut the
+// ground keeps its height, for fill.
+//
 // Memory: one block of the host's, whose size EditBudget says; nothing is allocated afterwards. A stamp that does not
 // fit the budget, the height scale or the pack's codes is refused as a whole, and changes nothing.
 // Threads: push_stamp and stamp_state on any; everything else on the frame's. Never waits, never calls into the kernel.
@@ -40,10 +44,14 @@ enum class StampShape : std::uint32_t {
     noise,   // smooth noise of +-amount_m, wavelength_m from hill to hill, is added
     smooth,  // to the mean of a sample and its eight neighbours
     heights, // to `heights`, a raster of its own
-    restore, // to the pack's heights
+    restore, // to the pack's heights, and to its holes
     // Not the heights: the colour map shows `rgb`, and the splat map `material`.
     paint,
-    unpaint // to the pack's maps, bit for bit where it applies wholly
+    unpaint, // to the pack's maps, bit for bit where it applies wholly
+    // A hole is cut: a tunnel's mouth, a shaft; or filled: the ground is as high as it was when it was cut, and under a
+    // pack's hole as around it.
+    hole,
+    fill
 };
 
 struct StampPoint {
@@ -54,7 +62,9 @@ struct StampPoint {
 inline constexpr std::uint8_t no_material = 255; // of Stamp::material
 
 // What happens to which samples. The shape applies wholly within radius_m of the centre (of the line, for a path), and
-// fades out over falloff_m beyond; `heights` and `mask` apply to their rectangle. Samples that are holes stay holes.
+// fades out over falloff_m beyond; `heights` and `mask` apply to their rectangle. Only `hole`, `fill` and `restore`
+// make holes of ground, or ground of holes: where they apply by a half or more. All others leave samples that are
+// holes.
 struct Stamp {
     StampShape shape = StampShape::raise;
     double x_m = 0, z_m = 0; // the centre, scene axes
@@ -73,7 +83,8 @@ struct Stamp {
     // Seconds of EditSettings::now_s in which the ground moves to what the stamp makes of it; 0: it does at once. All
     // that speaks of the ground speaks of where it is by then. Only a stamp that fits into 72 x 72 samples moves, and
     // EditBudget::moving of them at a time; others come at once. Refused on its way, because stamps beside it have
-    // taken the codes that it needs, it leaves the ground where it is.
+    // taken the codes that it needs, it leaves the ground where it is. One that makes holes, or fills some, comes at
+    // once.
     float morph_s = 0;
     float strength = 1; // 0 to 1: the share of all this that happens
     // Of `paint`, which waits for no pages and comes at once.
@@ -91,7 +102,15 @@ struct EditBudget {
     // Blocks of 32 x 32 samples with paint on them, 11 KB each; 0 to 16,777,216. None are kept for a pack without
     // colour and splat maps.
     std::uint32_t paint = 256;
+    // May stamps cut holes and fill them? 0.3 KB a block more; and small diamonds beside a hole take longer. Needs a
+    // pack with room for it (has_room_for_holes()); create_edits() takes any.
+    bool holes = false;
 };
+
+// Do a pack's codes span what the rim of a hole asks for, the size of the largest triangle over it? They do if it has
+// holes, if it was baked with room for them (fjell-bake --room-for-holes yes), and if the diagonal of its tiles is
+// shorter than some 120,000 of its height steps. False for a header that check_ranges() refuses.
+[[nodiscard]] bool has_room_for_holes(const PackHeader& header);
 
 using StampId = std::uint64_t; // 0: none
 
@@ -118,8 +137,8 @@ Status destroy_edits(const Edits& edits);
 
 // Any thread. What push_stamp() says of a stamp's numbers: out_of_range with the field's name.
 [[nodiscard]] Status check_stamp(const Stamp& stamp);
-// Any thread, O(1). Refuses what check_stamp() refuses, and changes nothing. out_of_slots: the queue is full
-// (EditBudget::stamps).
+// Any thread, O(1). Refuses what check_stamp() refuses, and changes nothing; EditBudget::holes and Stamp::shape are at
+// fault where no stamp may cut a hole, or fill one. out_of_slots: the queue is full (EditBudget::stamps).
 // Example:
 //     fjell::Stamp crater;
 //     crater.shape = fjell::StampShape::crater;
@@ -154,7 +173,7 @@ struct EditReport {
     // Of those the ones that wait for pages, or for errors around them. A stream of the terrain loads such pages, after
     // those that its views want; a host with its own loader has to.
     std::uint32_t held = 0;
-    std::uint32_t samples = 0;    // whose height was changed
+    std::uint32_t samples = 0;    // that were changed
     std::uint32_t loose = 0;      // areas whose coarse errors are not measured again yet
     std::uint32_t unmeasured = 0; // areas that cannot be before more pages are loaded
     std::uint32_t work = 0;       // items spent
@@ -168,7 +187,7 @@ struct EditReport {
 // before an earlier one that overlaps it; then measures errors again, as far as the settings allow.
 Status update_edits(const Edits& edits, std::span<const View> views, const EditSettings& settings, EditReport& report);
 
-// A rectangle of samples whose heights have changed; both ends belong to it.
+// A rectangle of samples whose heights have changed, or that have become holes or ground; both ends belong to it.
 struct GroundRect {
     SampleIndex first, last;
 };

@@ -223,6 +223,7 @@ FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted
 
 // --- fjell/edit.h ---
 
+bool fjell_has_room_for_holes(const FjellPackHeader* header);
 size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget);
 FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budget, void* memory, size_t memory_bytes,
                                FjellEdits* edits);

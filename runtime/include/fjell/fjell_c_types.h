@@ -628,7 +628,9 @@ enum {
     FJELL_STAMP_SHAPE_HEIGHTS,
     FJELL_STAMP_SHAPE_RESTORE,
     FJELL_STAMP_SHAPE_PAINT,
-    FJELL_STAMP_SHAPE_UNPAINT
+    FJELL_STAMP_SHAPE_UNPAINT,
+    FJELL_STAMP_SHAPE_HOLE,
+    FJELL_STAMP_SHAPE_FILL
 };
 
 typedef struct FjellStampPoint {
@@ -668,6 +670,7 @@ typedef struct FjellEditBudget {
     uint32_t areas;
     uint32_t moving;
     uint32_t paint;
+    bool holes;
 } FjellEditBudget;
 
 typedef uint32_t FjellStampState;

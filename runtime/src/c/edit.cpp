@@ -13,6 +13,9 @@ void fjell_set_default_stamp(FjellStamp* stamp) {
 void fjell_set_default_edit_settings(FjellEditSettings* settings) {
     write(EditSettings{}, settings);
 }
+bool fjell_has_room_for_holes(const FjellPackHeader* header) {
+    return has_room_for_holes(at(header));
+}
 size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget) {
     const In in(budget);
     return in.ok ? edits_bytes(at(header), in.value) : 0;

@@ -37,9 +37,16 @@ std::uint32_t slot_of(const Pages& pages, SampleIndex v) {
     return vertex != no_index && is_active(pages, vertex) ? pages.vertex_slot[vertex] : no_index;
 }
 
+// Whether it is a hole: whose triangles are not drawn (relist()).
+void refresh_hole(Mesh& mesh, std::uint32_t slot, bool hole) {
+    mesh.hole[slot] = static_cast<std::uint8_t>((mesh.hole[slot] & ~hole_bit) | (hole ? hole_bit : 0));
+}
+
 void refresh_corner(CutState& s, SampleIndex v) {
     const std::uint32_t slot = slot_of(s.pages, v);
-    const float height_m = s.pages.grid.terrain->height_m(v);
+    const TerrainData::Vertex now = s.pages.grid.terrain->vertex(v);
+    const float height_m = now.height_m;
+    refresh_hole(s.mesh, slot, now.hole);
     if (s.mesh.vertices[slot].height_m == height_m) return;
     s.mesh.vertices[slot].height_m = height_m;
     if (s.mesh.morph != nullptr) s.mesh.morph[slot].morph_from_m = height_m;
@@ -50,6 +57,7 @@ void refresh_corner(CutState& s, SampleIndex v) {
 void refresh_vertex(CutState& s, std::uint32_t vertex, SampleIndex v) {
     const TerrainData::Vertex now = s.pages.grid.terrain->vertex(v);
     const std::uint32_t slot = s.pages.vertex_slot[vertex];
+    refresh_hole(s.mesh, slot, now.hole);
     MeshVertex& drawn = s.mesh.vertices[slot];
     if (s.mesh.morph == nullptr) {
         if (drawn.height_m == now.height_m) return;
@@ -104,7 +112,66 @@ void for_each_vertex(const Pages& pages, const Followed& followed, const Visit& 
                 visit(vertex, plane.at(i, j));
 }
 
-void follow(CutState& s, const Rect& places, int step_log2) {
+// --- triangles that come, because a hole is filled, and those that go, because one is cut
+
+// The triangle of a key, if there is one: drawn or not, as its corners are by now. False: no segment is free.
+bool relist(Mesh& mesh, std::uint32_t tile, std::uint32_t key) {
+    const std::uint32_t slot = mesh.triangle_of[key];
+    if (slot == no_index) return true;
+    const std::uint32_t* const at = mesh.indices + std::size_t{slot} * 3;
+    const MeshTriangle t{at[0], at[1], at[2]};
+    const std::uint32_t from = mesh.segment_tile[slot >> mesh.segment_log2], to = list_for(mesh, tile, t);
+    if (from == to) return true;
+    // Its own segment comes free if it is the only one there.
+    if (needs_segment(mesh, mesh.tiles[to]) && mesh.free_segment_count == 0 && mesh.tiles[from].in_last != 1)
+        return false;
+    remove_triangle(mesh, slot, key);
+    append_triangle(mesh, to, t, key);
+    return true;
+}
+
+// The tile of a triangle of a vertex, by its direction: a side on a border has some in both.
+std::uint32_t tile_of(const Grid& grid, const Site& site, std::uint32_t d) {
+    const Site inside = site.kind == VertexKind::centre
+                            ? site
+                            : parent_site(site, static_cast<int>(site.kind == VertexKind::side_x ? d >> 1 : d & 1));
+    const std::int32_t log2 = grid.steps[inside.z].log2;
+    return grid.terrain->tile_at(inside.i >> log2, inside.j >> log2);
+}
+
+// All triangles with a corner in these places. False: no segment is free.
+bool relist_around(CutState& s, const Rect& places) {
+    const Pages& pages = s.pages;
+    const TerrainData& t = *pages.grid.terrain;
+    bool all = true;
+    // A triangle's right angle lies one step away from its other corners at most.
+    edit::for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
+        const Rect squares = plane.squares(places.grown(1 << plane.z)).within(plane.all(t.tree));
+        if (squares.empty()) return;
+        for_each_vertex(pages, {plane, squares}, [&](std::uint32_t vertex, SampleIndex v) {
+            if (!is_active(pages, vertex)) return;
+            const std::uint32_t slot = pages.vertex_slot[vertex];
+            for (std::uint32_t d = 0; d < 4 && all; ++d)
+                if (s.mesh.triangle_of[slot * 4 + d] != no_index)
+                    all = relist(s.mesh, tile_of(pages.grid, site_at(v), d), slot * 4 + d);
+        });
+    });
+    // Base triangles, of tiles whose root is not active: their right angles are corners.
+    for (std::uint32_t tile = 0; tile < s.mesh.tile_count && all; ++tile) {
+        const SampleIndex at = t.tile_xy(tile);
+        const std::int32_t side = t.tree.side();
+        if (!places.meets({at.column * side, at.row * side, (at.column + 1) * side, (at.row + 1) * side})) continue;
+        for (const Bearing corner : {Bearing::north_east, Bearing::south_west}) {
+            const bool east = corner == Bearing::north_east;
+            const std::uint32_t slot = t.corner_at(at.column + east, at.row + !east);
+            all = all && relist(s.mesh, tile, slot * 4 + static_cast<std::uint32_t>(child_number(corner)));
+        }
+    }
+    return all;
+}
+
+// False: triangles that have become hidden, or that are not any more, find no segment.
+bool follow(CutState& s, const Rect& places, int step_log2, bool holes) {
     Pages& pages = s.pages;
     const TerrainData& t = *pages.grid.terrain;
     for_each_followed(t.tree, places, step_log2, [&](const Followed& f) {
@@ -122,18 +189,21 @@ void follow(CutState& s, const Rect& places, int step_log2) {
             if (g.queue == unqueued && (g.ready() | g.active) != 0) make_due(s.work.schedule, group);
         });
     });
-    if (s.morphing.now.morph == Morph::none) return;
+    const bool listed = !holes || relist_around(s, places);
+    if (s.morphing.now.morph == Morph::none) return listed;
     for_each_followed(t.tree, places, step_log2, [&](const Followed& f) {
         for_each_vertex(pages, f, [&](std::uint32_t vertex, SampleIndex v) {
             if (is_active(pages, vertex) && !morphs_out(s.mesh, pages.vertex_slot[vertex])) refresh_start(s, vertex, v);
         });
     });
+    return listed;
 }
 
 } // namespace
 
 void follow_bases(CutState& s) {
     const TerrainData& t = *s.pages.grid.terrain;
+    s.mesh.some_hidden = s.mesh.some_hidden || t.has_voids(); // edits may have come since it was created
     if (s.pages.seen_bases == t.ground_changes) return;
     s.pages.seen_bases = t.ground_changes;
     for (std::uint32_t slot = 0; slot < s.pages.fresh; ++slot) {
@@ -148,16 +218,23 @@ void follow_ground(CutState& s) {
     const TerrainData& t = *s.pages.grid.terrain;
     if (s.pages.seen_ground == t.ground_changes) return;
     follow_bases(s);
+    bool lacks_segment = false;
     const Rect all = edit::grid_of(t.tree);
     if (t.changed_ground == nullptr || t.ground_changes - s.pages.seen_ground > ground_change_log) {
-        follow(s, all, heights_changed);
+        lacks_segment = !follow(s, all, heights_changed, t.has_voids());
     } else {
         for (std::uint64_t n = s.pages.seen_ground; n < t.ground_changes; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];
-            follow(s, {c.first.column, c.first.row, c.last.column, c.last.row}, c.step_log2);
+            const Rect places{c.first.column, c.first.row, c.last.column, c.last.row};
+            lacks_segment = !follow(s, places, c.step_log2, c.holes) || lacks_segment;
         }
     }
     s.pages.seen_ground = t.ground_changes;
+    if (!lacks_segment) return;
+    // Triangles that are hidden by now have no segment: then from the coarsest mesh, where all have room.
+    s.frame.full_capacities |= cut_budget_triangles;
+    reset(s);
+    begin_at_roots(s.pages, s.work, s.mesh);
 }
 
 } // namespace fjell

@@ -24,10 +24,11 @@ public:
 
     // rect: of the piece and, where pieces after it are not evaluated, one row and column of theirs.
     [[nodiscard]] Change evaluate(const Rect& piece, const Rect& rect, const Rect& places) {
-        return evaluate(piece, rect, places,
-                        [&](SampleIndex at, const Cell& now, Change& change) { return new_steps(at, now, change); });
+        return evaluate(piece, rect, places, [&](SampleIndex at, const Cell& now, bool& hole, Change& change) {
+            return new_steps(at, now, hole, change);
+        });
     }
-    // make: the steps of a place, from those that it has now.
+    // make: the steps of a place, from those that it has now; hole: as it is, and it may make it another.
     template <typename Make>
     [[nodiscard]] Change evaluate(const Rect& piece, const Rect& rect, const Rect& places, const Make& make) {
         e_.piece.rect = rect;
@@ -36,12 +37,19 @@ public:
         for (std::int32_t y = rect.y0; y <= rect.y1; ++y) {
             const Cell* const now = &e_.window.at({rect.x0, y});
             std::int32_t* const to = &e_.piece.at({rect.x0, y});
-            for (std::int32_t k = 0; k < rect.columns(); ++k) to[k] = make(SampleIndex{rect.x0 + k, y}, now[k], change);
+            bool* const holes = &e_.piece.hole_at({rect.x0, y});
+            for (std::int32_t k = 0; k < rect.columns(); ++k) {
+                holes[k] = now[k].hole;
+                to[k] = make(SampleIndex{rect.x0 + k, y}, now[k], holes[k], change);
+            }
             if (y > piece.y1) continue;
             std::int32_t first = INT32_MAX, last = 0;
             for (std::int32_t k = 0; k <= piece.x1 - rect.x0; ++k) {
-                if (to[k] == now[k].steps) continue;
+                const bool becomes = holes[k] != now[k].hole;
+                if (to[k] == now[k].steps && !becomes) continue;
                 first = std::min(first, k), last = k;
+                change.holes = change.holes || becomes;
+                if (becomes && !holes[k]) change.filled.add(to[k]);
                 change.heights.add(to[k]), change.before.add(now[k].steps), change.off.add(to[k] - now[k].steps);
                 ++change.samples;
             }
@@ -52,22 +60,37 @@ public:
     }
 
 private:
-    [[nodiscard]] std::int32_t new_steps(SampleIndex at, const Cell& now, Change& change) {
+    [[nodiscard]] std::int32_t new_steps(SampleIndex at, const Cell& now, bool& hole, Change& change) {
         const SampleIndex sample = t_.tree.sample(at);
-        if (!now.loaded || now.hole || !samples_.contains(sample)) return now.steps;
-        if (sample != at) // it stands where the last one does, which comes before it in its row or column
-            return e_.piece.rect.contains(sample) ? e_.piece.at(sample) : cell_at(t_, sample).steps;
-        Surroundings around{base_m_ + now.steps * quantum_m_, 0, 0};
-        std::int32_t pack = now.steps;
-        if (stamp_.shape == StampShape::restore) {
-            if (!find_pack_height(e_, sample, pack)) return now.steps;
-            around.pack_m = base_m_ + pack * quantum_m_;
+        const bool restores = stamp_.shape == StampShape::restore;
+        if (!now.loaded || !samples_.contains(sample)) return now.steps;
+        if (now.hole && !restores && !makes_or_fills_holes(stamp_.shape)) return now.steps;
+        if (sample != at) { // it stands where the last one does, which comes before it in its row or column
+            if (e_.piece.rect.contains(sample)) {
+                hole = e_.piece.hole_at(sample);
+                return e_.piece.at(sample);
+            }
+            const Cell last = cell_at(t_, sample);
+            hole = last.hole;
+            return last.steps;
         }
+        Surroundings around{base_m_ + now.steps * quantum_m_, 0, 0};
+        InPack pack{now.steps, now.hole};
+        if (restores) {
+            if (!find_in_pack(e_, sample, pack)) return now.steps;
+            around.pack_m = base_m_ + pack.steps * quantum_m_;
+        }
+        if (restores || makes_or_fills_holes(stamp_.shape)) switch (hole_change(grid_, stamp_, sample)) {
+            case HoleChange::none: break;
+            case HoleChange::fill: hole = false; break;
+            case HoleChange::cut: hole = true; break;
+            case HoleChange::as_in_pack: hole = pack.hole; break;
+            }
         if (stamp_.shape == StampShape::smooth) around.mean_m = base_m_ + mean_around(sample) * quantum_m_;
         const double new_m = stamped_m(grid_, stamp_, sample, around);
         if (std::isnan(new_m)) return now.steps;
         // What goes all the way back is the pack's own, whatever rounding says.
-        if (stamp_.shape == StampShape::restore && new_m == around.pack_m) return pack;
+        if (restores && new_m == around.pack_m) return pack.steps;
         const double steps = std::floor((new_m - base_m_) / quantum_m_ + 0.5);
         if (std::abs(steps) < max_height_steps) return static_cast<std::int32_t>(steps);
         change.no_number = true;
@@ -187,19 +210,21 @@ void apply(EditsData& e, const Change& change) {
     for (std::int32_t y = places.y0; y <= places.y1; ++y) {
         Cell* const cells = &e.window.at({places.x0, y});
         const std::int32_t* const to = &e.piece.at({places.x0, y});
+        const bool* const holes = &e.piece.hole_at({places.x0, y});
         if (y < t.tree.rows())
-            remember(e, {places.x0, y}, std::min(places.x1 + 1, t.tree.columns()) - places.x0, cells, to);
-        for (std::int32_t k = 0; k < places.columns(); ++k) cells[k].steps = to[k];
+            remember(e, {places.x0, y}, std::min(places.x1 + 1, t.tree.columns()) - places.x0, cells, {to, holes});
+        for (std::int32_t k = 0; k < places.columns(); ++k) cells[k].steps = to[k], cells[k].hole = holes[k];
     }
+    if (change.holes) look_for_holes(t, e.window);
     for (int z = 0; z < t.tree.tile_log2; ++z) e.window.note(z, places);
     widen(t.range, t.height_scale, change.heights);
     const Ground ground(t, &e.window);
     const bool radii_known = nest_radii(e, ground, places, static_cast<double>(by_m));
-    const int loose_z = raise_errors(e, ground, places, change.off);
+    const int loose_z = raise_errors(e, ground, change);
     write_back(t, e.window, change.heights);
     fence_release();
     store_release(t.ground_epoch, t.ground_epoch + 1);
-    push_change(e, places, heights_changed);
+    push_change(e, places, heights_changed, change.holes);
     if (!radii_known || loose_z < t.tree.tile_log2) push_area(e, places, loose_z, radii_known ? no_radii : 0);
 }
 
@@ -260,7 +285,7 @@ void begin_move(EditsData& e, Waiting& w, const Change& change, double now_s) {
     m.blocks = change.blocks;
     for (std::int32_t y = m.rect.y0; y <= m.rect.y1; ++y)
         for (std::int32_t x = m.rect.x0; x <= m.rect.x1; ++x) {
-            const auto at = static_cast<std::size_t>(&e.piece.at({x, y}) - e.piece.steps);
+            const std::size_t at = e.piece.index({x, y});
             m.from[at] = e.window.at({x, y}).steps, m.to[at] = e.piece.at({x, y});
         }
 }
@@ -273,11 +298,12 @@ bool move_on(EditsData& e, Moving& m, double now_s, Refusal& refusal, std::uint3
     const double share = std::clamp((now_s - m.begun_s) / static_cast<double>(m.stamp.stamp.morph_s), m.share, 1.0);
     read(*e.terrain, m.rect.grown(window_margin), e.window);
     Change change =
-        Evaluation(e, m.stamp.stamp).evaluate(m.rect, m.rect, m.rect, [&](SampleIndex place, const Cell& now, Change&) {
-            const auto at = static_cast<std::size_t>(&e.piece.at(place) - e.piece.steps);
-            if (!now.loaded || m.from[at] == m.to[at]) return now.steps;
-            return m.from[at] + static_cast<std::int32_t>(std::floor((m.to[at] - m.from[at]) * share + 0.5));
-        });
+        Evaluation(e, m.stamp.stamp)
+            .evaluate(m.rect, m.rect, m.rect, [&](SampleIndex place, const Cell& now, bool&, Change&) {
+                const std::size_t at = e.piece.index(place);
+                if (!now.loaded || m.from[at] == m.to[at]) return now.steps;
+                return m.from[at] + static_cast<std::int32_t>(std::floor((m.to[at] - m.from[at]) * share + 0.5));
+            });
     if (change.samples != 0) {
         change.blocks = missing_blocks(e, change.places);
         bool unknown = false, at_once = false;
@@ -323,7 +349,8 @@ bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::
             if (is_only) refusal = refusal_of(e, w.change, nullptr, unknown, w.at_once);
             if (unknown) return look_again();
             if (refusal != Refusal::none) return true;
-            if (is_only && w.stamp.morph_s > 0 && change.samples != 0 && e.moving_count < e.budget.moving) {
+            if (is_only && w.stamp.morph_s > 0 && change.samples != 0 && !change.holes &&
+                e.moving_count < e.budget.moving) {
                 begin_move(e, w, change, now_s);
                 return true;
             }

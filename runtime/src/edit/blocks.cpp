@@ -66,6 +66,7 @@ void remove_block(EditsData& e, std::uint32_t cell) {
     if (number == last) return;
     e.block_table[cell_of_block(e, e.blocks[last].x, e.blocks[last].y)] = number;
     e.blocks[number] = e.blocks[last];
+    if (e.block_holes != nullptr) e.block_holes[number] = e.block_holes[last];
 }
 
 // visit(x, y), in blocks, for the samples that vertices at these places stand at.
@@ -93,23 +94,41 @@ std::uint32_t block_cell_for(EditsData& e, std::int32_t x, std::int32_t y, std::
     b.x = x, b.y = y;
     b.pack_base = before - as_in_pack / 2, b.base = after - as_in_pack / 2;
     std::fill_n(b.edited, block_side * block_side, as_in_pack);
+    if (e.block_holes != nullptr) e.block_holes[number] = {};
     return cell;
 }
-// Sample k's heights before and after.
-void remember(Block& b, std::size_t k, std::int32_t before, std::int32_t after) {
+// Of rows of 32 samples.
+bool has_bit(const std::uint32_t (&rows)[block_side], std::size_t k) {
+    return (rows[k / block_side] >> k % block_side & 1) != 0;
+}
+void set_bit(std::uint32_t (&rows)[block_side], std::size_t k, bool value) {
+    const std::uint32_t bit = std::uint32_t{1} << k % block_side;
+    rows[k / block_side] = (rows[k / block_side] & ~bit) | (value ? bit : 0);
+}
+
+// Sample k of a block, before and after. holes: the block's, or null.
+void remember(Block& b, BlockHoles* holes, std::size_t k, const InPack& before, const InPack& after) {
     if (b.edited[k] == as_in_pack) {
-        make_room(b.pack_base, b.pack, b.edited, before);
-        b.pack[k] = static_cast<std::uint16_t>(before - b.pack_base);
+        make_room(b.pack_base, b.pack, b.edited, before.steps);
+        b.pack[k] = static_cast<std::uint16_t>(before.steps - b.pack_base);
+        if (holes != nullptr) set_bit(holes->pack, k, before.hole), set_bit(holes->edited, k, before.hole);
         ++b.differing;
     }
-    if (after == b.pack_base + b.pack[k]) {
+    bool differs = false;
+    if (holes != nullptr) {
+        holes->differing -= has_bit(holes->edited, k) != has_bit(holes->pack, k);
+        set_bit(holes->edited, k, after.hole);
+        differs = after.hole != has_bit(holes->pack, k);
+        holes->differing += differs;
+    }
+    if (after.steps == b.pack_base + b.pack[k] && !differs) {
         b.edited[k] = as_in_pack;
         --b.differing;
         return;
     }
-    make_room(b.base, b.edited, b.edited, after);
-    b.edited[k] = static_cast<std::uint16_t>(after - b.base);
-    const std::int32_t off = after - (b.pack_base + b.pack[k]);
+    make_room(b.base, b.edited, b.edited, after.steps);
+    b.edited[k] = static_cast<std::uint16_t>(after.steps - b.base);
+    const std::int32_t off = after.steps - (b.pack_base + b.pack[k]);
     b.least_off = std::min(b.least_off, off);
     b.most_off = std::max(b.most_off, off);
 }
@@ -123,25 +142,32 @@ bool counts_from(std::int32_t base, const StepRange& r) {
 
 } // namespace
 
-void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const std::int32_t* after) {
+void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const RowAfter& after) {
+    const auto is_same = [&](std::int32_t k) {
+        return after.steps[k] == before[k].steps && after.holes[k] == before[k].hole;
+    };
     for (std::int32_t k = 0; k < count;) {
         const std::int32_t x = (first.column + k) >> block_log2,
                            end = std::min(count, ((x + 1) << block_log2) - first.column);
-        while (k < end && after[k] == before[k].steps) ++k;
+        while (k < end && is_same(k)) ++k;
         if (k == end) continue;
-        const std::uint32_t cell = block_cell_for(e, x, first.row >> block_log2, before[k].steps, after[k]);
-        Block& b = e.blocks[e.block_table[cell]];
+        const std::uint32_t cell = block_cell_for(e, x, first.row >> block_log2, before[k].steps, after.steps[k]);
+        const std::uint32_t number = e.block_table[cell];
+        Block& b = e.blocks[number];
+        BlockHoles* const holes = e.block_holes != nullptr ? e.block_holes + number : nullptr;
         for (; k < end; ++k)
-            if (after[k] != before[k].steps)
-                remember(b, in_block({first.column + k, first.row}), before[k].steps, after[k]);
+            if (!is_same(k))
+                remember(b, holes, in_block({first.column + k, first.row}), {before[k].steps, before[k].hole},
+                         {after.steps[k], after.holes[k]});
         if (b.differing == 0) remove_block(e, cell);
     }
 }
 
-bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps) {
+bool find_in_pack(const EditsData& e, SampleIndex sample, InPack& pack) {
     const Block* const b = find_edited(e, sample);
     if (b == nullptr) return false;
-    steps = b->pack_base + b->pack[in_block(sample)];
+    pack.steps = b->pack_base + b->pack[in_block(sample)];
+    if (e.block_holes != nullptr) pack.hole = has_bit(e.block_holes[b - e.blocks].pack, in_block(sample));
     return true;
 }
 
@@ -181,7 +207,9 @@ std::uint32_t missing_blocks(EditsData& e, const Rect& places) {
     const auto differs = [&](const Rect& samples) {
         for (std::int32_t y = samples.y0; y <= samples.y1; ++y)
             for (std::int32_t x = samples.x0; x <= samples.x1; ++x)
-                if (e.piece.at({x, y}) != e.window.at({x, y}).steps) return true;
+                if (const Cell& now = e.window.at({x, y});
+                    e.piece.at({x, y}) != now.steps || e.piece.hole_at({x, y}) != now.hole)
+                    return true;
         return false;
     };
     std::uint32_t count = 0;
@@ -191,6 +219,24 @@ std::uint32_t missing_blocks(EditsData& e, const Rect& places) {
         count += find_block(e, x, y) == nullptr && differs(samples.within(places)) ? 1 : 0;
     });
     return count;
+}
+
+bool has_changed_holes(const EditsData& e, const Rect& places) {
+    if (e.block_holes == nullptr) return false;
+    const TerrainData& t = *e.terrain;
+    const Rect r = places.within(grid_of(t.tree));
+    bool has = false;
+    if (r.empty()) return has;
+    if (std::int64_t{r.columns()} * r.rows() < std::int64_t{e.block_count} << 2 * block_log2) {
+        for_each_block(t, r, [&](std::int32_t x, std::int32_t y) {
+            const Block* const b = has ? nullptr : find_block(e, x, y);
+            has = has || (b != nullptr && e.block_holes[b - e.blocks].differing != 0);
+        });
+        return has;
+    }
+    for (std::uint32_t n = 0; n < e.block_count && !has; ++n)
+        has = e.block_holes[n].differing != 0 && places_of_block(t, e.blocks[n]).meets(r);
+    return has;
 }
 
 namespace {
@@ -289,10 +335,11 @@ void grow(const EditsData& e, const DecodedPage& at, std::uint32_t count, const 
         const Rect reach{v.column - out, v.row - out, v.column + out, v.row + out};
         // By each block, not by the rectangle around them: a vertex near one has parents near it too, in any page.
         if (!edited.places.meets(reach) || !has_block(e, reach)) continue;
-        if (!arrays.errors_derived) { // otherwise they will be those of the edited heights
+        if (!arrays.errors_derived) { // otherwise bound_derived(), on those of the edited heights
             const auto by = [&](int) { return by_m; };
             arrays.errors[k] =
                 static_cast<std::uint8_t>(std::min(grown_with_descendants(t, v, arrays.errors[k], by), 255u));
+            if (has_changed_holes(e, reach)) arrays.errors[k] = std::max(arrays.errors[k], rim_code(e, v));
         }
         const float unit_m = t.header.level_radius_m[t.tree.level(v)];
         const double radius_m = static_cast<double>(unit_m * t.radii.factor[arrays.radii[k] & (radius_codes - 1)]) +
@@ -318,9 +365,13 @@ bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, Pa
     for (std::uint32_t k = 0; k < count; ++k) {
         steps[k] = arrays.base + arrays.heights[k];
         const SampleIndex v = at.decoded(k);
-        if ((arrays.radii[k] & void_bit) == 0 && !t.tree.is_corner(v)) {
-            const SampleIndex sample = t.tree.sample(v);
-            if (const Block* const b = find_edited(e, sample)) steps[k] = b->base + b->edited[in_block(sample)];
+        const SampleIndex sample = t.tree.sample(v);
+        if (const Block* const b = t.tree.is_corner(v) ? nullptr : find_edited(e, sample)) {
+            steps[k] = b->base + b->edited[in_block(sample)];
+            if (e.block_holes != nullptr) {
+                const bool hole = has_bit(e.block_holes[b - e.blocks].edited, in_block(sample));
+                arrays.radii[k] = static_cast<std::uint8_t>((arrays.radii[k] & ~void_bit) | (hole ? void_bit : 0));
+            }
         }
         all.add(steps[k]);
     }
@@ -328,6 +379,19 @@ bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, Pa
     for (std::uint32_t k = 0; k < count; ++k) arrays.heights[k] = static_cast<std::uint16_t>(steps[k] - arrays.base);
     grow(e, at, count, edited, arrays);
     return true;
+}
+
+void bound_derived(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays) {
+    const TerrainData& t = *e.terrain;
+    const DecodedPage at(t, tile, page);
+    if (!has_changed_holes(e, at.reach())) return;
+    for (std::uint32_t k = 0; k < t.pages.page_vertices(page); ++k) {
+        const SampleIndex v = at.decoded(k);
+        if (t.tree.is_corner(v)) continue;
+        const std::int32_t out = error_reach(Tree::kind(v)) << Tree::step_log2(v);
+        if (has_changed_holes(e, {v.column - out, v.row - out, v.column + out, v.row + out}))
+            arrays.errors[k] = std::max(arrays.errors[k], rim_code(e, v));
+    }
 }
 
 void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page) {

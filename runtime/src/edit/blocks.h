@@ -7,9 +7,17 @@ namespace fjell::edit {
 
 // What samples of a row become: `count` of them, from `first` on. There are blocks for those that change, or room for
 // them (missing_blocks()).
-void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const std::int32_t* after);
-// The pack's height of a sample that has been edited; otherwise false.
-[[nodiscard]] bool find_pack_height(const EditsData& e, SampleIndex sample, std::int32_t& steps);
+struct RowAfter {
+    const std::int32_t* steps;
+    const bool* holes;
+};
+void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* before, const RowAfter& after);
+// What a sample is in the pack, if it has been edited; otherwise false.
+struct InPack {
+    std::int32_t steps;
+    bool hole;
+};
+[[nodiscard]] bool find_in_pack(const EditsData& e, SampleIndex sample, InPack& pack);
 
 // Are samples of the block at a place, in blocks, edited?
 [[nodiscard]] bool has_block_at(const EditsData& e, std::int32_t x, std::int32_t y);
@@ -22,11 +30,15 @@ void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* b
 
 // What errors of vertices around these places may be larger by than the pack says, in metres.
 [[nodiscard]] double growth_m(const EditsData& e, const Rect& places);
+// Has any ground there become a hole, or any hole ground?
+[[nodiscard]] bool has_changed_holes(const EditsData& e, const Rect& places);
 
 // A page of the pack is about to be loaded: its heights as they are edited, its errors and spheres as large as they may
-// be by now. arrays: decoded, errors not yet derived. False: nothing near it is edited. Otherwise nest_over_page() once
-// its records are in place: what is above it nests over it again, and all is measured later.
+// be by now. arrays: decoded, errors not yet derived. False: nothing near it is edited. Otherwise bound_derived() once
+// they are, and nest_over_page() once its records are in place: what is above it nests over it again, and all is
+// measured later.
 [[nodiscard]] bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);
+void bound_derived(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);
 void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page);
 
 } // namespace fjell::edit

@@ -28,7 +28,7 @@ std::uint32_t table_size(const EditBudget& budget) {
 }
 
 struct Layout {
-    std::size_t queue, results, waiting, moving, blocks, table, areas, paint, end;
+    std::size_t queue, results, waiting, moving, blocks, holes, table, areas, paint, end;
 };
 bool has_maps(const PackHeader& header) {
     return header.colour_log2 != 0 || header.splat_log2 != 0;
@@ -41,6 +41,7 @@ Layout layout_of(const PackHeader& header, const EditBudget& budget) {
     l.waiting = block.place(budget.stamps, sizeof(Waiting));
     l.moving = block.place(budget.moving, sizeof(Moving));
     l.blocks = block.place(budget.blocks, sizeof(Block));
+    l.holes = block.place(budget.holes ? budget.blocks : 0, sizeof(BlockHoles));
     l.table = block.place(table_size(budget), sizeof(std::uint32_t));
     l.areas = block.place(budget.areas, sizeof(Area));
     l.paint = block.place(has_maps(header) ? paint_bytes_of(budget.paint) : 0, 1);
@@ -87,6 +88,10 @@ void set_result(EditsData& e, StampId id, StampState state, StatusCode code = St
 
 } // namespace
 
+bool has_room_for_holes(const PackHeader& h) {
+    return check_ranges(h).ok() && rims_have_codes(h);
+}
+
 std::size_t edits_bytes(const PackHeader& header, const EditBudget& budget) {
     if (!check_ranges(header).ok() || !check_budget(budget).ok()) return 0;
     return layout_of(header, budget).end;
@@ -117,11 +122,14 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     e.waiting = reinterpret_cast<Waiting*>(at + l.waiting);
     e.moving = reinterpret_cast<Moving*>(at + l.moving);
     e.blocks = reinterpret_cast<Block*>(at + l.blocks);
+    e.block_holes = budget.holes ? reinterpret_cast<BlockHoles*>(at + l.holes) : nullptr;
     e.block_table = reinterpret_cast<std::uint32_t*>(at + l.table);
     e.block_table_size = table_size(budget);
     std::fill_n(e.block_table, e.block_table_size, no_index);
     e.areas = reinterpret_cast<Area*>(at + l.areas);
     if (has_maps(t->header)) e.paint = make_paint(t->header, budget.paint, at + l.paint);
+    if (budget.holes) t->holes_made = true;
+    e.room_for_holes = t->has_voids() && rims_have_codes(t->header);
     e.steepest_m = steepest_of_codes(e);
     HandleAccess::begin(e, edits);
     t->edits = &e;
@@ -148,6 +156,12 @@ Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id) {
     EditsData* const e = find_edits(edits);
     if (e == nullptr) return no_edits;
     if (Status s = check_stamp(stamp); !s.ok()) return s;
+    if (makes_or_fills_holes(stamp.shape)) {
+        if (!e->budget.holes) return {StatusCode::out_of_range, "EditBudget::holes"};
+        if (!e->room_for_holes)
+            return {StatusCode::out_of_range,
+                    "Stamp::shape (holes need a pack that is baked with --room-for-holes yes)"};
+    }
     for (std::uint64_t at = e->tail.load(std::memory_order_relaxed);;) {
         QueueCell& cell = e->queue[at & (e->queue_size - 1)];
         const auto ahead = static_cast<std::int64_t>(cell.turn.load(std::memory_order_acquire) - at);

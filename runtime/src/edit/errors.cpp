@@ -7,14 +7,26 @@ namespace fjell::edit {
 
 namespace {
 
+DiamondTerms terms_of(const EditsData& e) {
+    const TerrainData& t = *e.terrain;
+    return {t.errors,
+            static_cast<double>(t.header.quantum_m),
+            {t.header.spacing_m[0], t.header.spacing_m[1]},
+            e.radius.ground_pad_m,
+            e.radius.height_pad_m,
+            t.header.estimate == ErrorEstimate::midpoint};
+}
+
 // The largest vertical difference between a triangle and the ground under it. The tree itself says where to look: below
 // a triangle that the tree splits, nothing is farther from its plane than its splitting vertex' error; so most of it
 // need not be looked at (branch and bound). In units of 1 / 2s steps, whole numbers.
 class Search {
 public:
-    Search(const Ground& ground, SampleIndex v, std::uint32_t least)
-        : t_(ground.terrain), ground_(ground), s_(1 << Tree::step_log2(v)),
-          unit_m_(0.5 * static_cast<double>(t_.header.quantum_m) / s_) {
+    // jumps: the error is the surface's jump at the vertex, and what is here counts at a hole's rim alone.
+    Search(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least, bool jumps)
+        : t_(ground.terrain), ground_(ground), terms_(terms_of(e)), s_(1 << Tree::step_log2(v)),
+          unit_m_(0.5 * static_cast<double>(t_.header.quantum_m) / s_), holes_(t_.has_voids()), jumps_(jumps),
+          side_m_(e.radius.side_edge_m), centre_m_(e.radius.centre_edge_m) {
         raise(least);
     }
     // split: the vertex that splits it, whose own error is not known.
@@ -24,6 +36,15 @@ public:
             raise(255);
             exact_ = false;
             return;
+        }
+        kinds_ = none;
+        if (holes_) {
+            for (const Cell& corner : {a, b, c}) see_kind(corner.hole);
+            look(apex, ends[0], ends[1], split, 255);
+            all_kinds_ |= kinds_;
+            if (kinds_ == hole) return;
+            if (kinds_ == both) see(longest_edge_m(apex, ends)), rim_ = true;
+            if (jumps_ && kinds_ != both) return;
         }
         // The plane: 2s h = origin + gx x + gy y, from the apex. Its legs are along axes or diagonals.
         const std::int64_t bx = ends[0].column - apex.column, by = ends[0].row - apex.row,
@@ -38,8 +59,44 @@ public:
     }
     [[nodiscard]] std::uint32_t code() const { return code_; }
     [[nodiscard]] bool exact() const { return exact_; }
+    // Is there ground under any of the triangles; and has one of them a hole under it as well?
+    [[nodiscard]] bool has_ground() const { return !holes_ || (all_kinds_ & land) != 0; }
+    [[nodiscard]] bool has_rim() const { return rim_; }
 
 private:
+    // What has been seen under a triangle.
+    static constexpr std::uint32_t none = 0, land = 1, hole = 2, both = 3;
+    void see_kind(bool is_hole) { kinds_ |= is_hole ? hole : land; }
+    // Is there ground as well as a hole? An error is the longest edge at least where there is: so below a triangle that
+    // is split by a vertex with a smaller error all is of one kind, and need not be looked at.
+    void look(SampleIndex right, SampleIndex one, SampleIndex other, SampleIndex m, std::uint32_t code) {
+        const Cell cell = ground_.at(m);
+        if (cell.loaded) see_kind(cell.hole);
+        if (kinds_ == both || t_.errors.metres[code] < shortest_m(m)) return;
+        if (!cell.loaded) { // whatever it is
+            exact_ = false;
+            kinds_ = both;
+            return;
+        }
+        look_below(m, right, one, code);
+        if (kinds_ != both) look_below(m, other, right, code);
+    }
+    void look_below(SampleIndex right, SampleIndex one, SampleIndex other, std::uint32_t parent) {
+        const SampleIndex sum = one + other;
+        if (((sum.column | sum.row) & 1) != 0) return;
+        const SampleIndex m{sum.column / 2, sum.row / 2};
+        const Cell cell = ground_.at(m);
+        const std::uint32_t nested = parent > t_.errors.nesting_steps ? parent - t_.errors.nesting_steps : 0;
+        look(right, one, other, m, cell.loaded ? cell.error : nested);
+    }
+    // The longest edge of its triangles, as the crow flies along the ground: no more than that.
+    [[nodiscard]] float shortest_m(SampleIndex m) const {
+        const auto step = static_cast<float>(1 << Tree::step_log2(m));
+        return step * (Tree::kind(m) == VertexKind::centre ? centre_m_ : side_m_);
+    }
+    [[nodiscard]] double longest_edge_m(SampleIndex apex, const SampleIndex (&ends)[2]) const {
+        return diamonds::longest_edge_m(ground_, terms_, apex, ends[0], ends[1]);
+    }
     struct Corner {
         SampleIndex at;
         std::int64_t off; // |2s (h - plane)|
@@ -66,7 +123,7 @@ private:
                  std::uint32_t code) {
         if (within_m(a, b, c, code) * (1 - 0x1p-40) <= enough_m_) return;
         const Corner middle{m, off(m, steps)};
-        see(static_cast<double>(middle.off) * unit_m_);
+        if (!holes_ || !ground_.at(m).hole) see(static_cast<double>(middle.off) * unit_m_);
         below(middle, a, b, code);
         below(middle, c, a, code);
     }
@@ -87,15 +144,21 @@ private:
 
     const TerrainData& t_;
     const Ground& ground_;
+    const DiamondTerms terms_;
     std::int32_t s_;
     double unit_m_, enough_m_ = 0;
     std::uint32_t code_ = 0;
     bool exact_ = true;
     std::int64_t gx_ = 0, gy_ = 0, origin_ = 0;
     SampleIndex at_{};
+    const bool holes_, jumps_;
+    const float side_m_, centre_m_;
+    std::uint32_t kinds_ = none, all_kinds_ = none;
+    bool rim_ = false;
 };
 
-// Diamonds up to this step (its log2) are looked at sample by sample where they must be: with holes, or at the rim.
+// Diamonds up to this step (its log2) are looked at sample by sample where they must be: at the rim, and for midpoint
+// errors at that of a hole.
 constexpr int looked_through = 8;
 
 Measured scan(const EditsData& e, const Ground& ground, SampleIndex v) {
@@ -107,29 +170,33 @@ Measured scan(const EditsData& e, const Ground& ground, SampleIndex v) {
     for (std::int32_t y = under.y0; y <= under.y1; ++y)
         for (std::int32_t x = under.x0; x <= under.x1; ++x)
             if (!ground.at({x, y}).loaded) return as_it_is;
-    const DiamondTerms terms{t.errors,
-                             static_cast<double>(t.header.quantum_m),
-                             {t.header.spacing_m[0], t.header.spacing_m[1]},
-                             e.radius.ground_pad_m,
-                             e.radius.height_pad_m,
-                             t.header.estimate == ErrorEstimate::midpoint};
-    return {diamond_error(ground, terms, v, [&](SampleIndex apex) { return t.tree.contains(apex); }).code, true};
+    return {diamond_error(ground, terms_of(e), v, [&](SampleIndex apex) { return t.tree.contains(apex); }).code, true};
 }
 
 // Of the ground under its triangles alone. least: a smaller code is not told from this one.
 Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least) {
     const TerrainData& t = ground.terrain;
-    if (straddles_rim(t.tree, v) || t.has_voids()) return scan(e, ground, v);
+    if (straddles_rim(t.tree, v)) return scan(e, ground, v);
     const Diamond d = diamond(t.tree, v);
+    const auto search_all = [&](Search& search) {
+        for (const SampleIndex apex : d.apexes)
+            if (t.tree.contains(apex)) search.triangle(apex, d.ends, v);
+    };
     if (Tree::step_log2(v) == 0 || t.header.estimate == ErrorEstimate::midpoint) {
         const Cell own = ground.at(v), a = ground.at(d.ends[0]), b = ground.at(d.ends[1]);
         if (!a.loaded || !b.loaded || !own.loaded) return {255, false};
         const std::int64_t jump = std::abs(2 * std::int64_t{own.steps} - a.steps - b.steps);
-        return {t.memory->leaf.code(static_cast<std::uint32_t>(jump)), true};
+        const Measured at_vertex{t.memory->leaf.code(static_cast<std::uint32_t>(jump)), true};
+        if (!t.has_voids()) return at_vertex;
+        Search search(e, ground, v, at_vertex.code, true);
+        search_all(search);
+        if (!search.has_ground() && search.exact()) return {0, true};
+        // Midpoint errors below say nothing of the samples that a rim's triangles are off by.
+        if (search.has_rim() && Tree::step_log2(v) != 0) return scan(e, ground, v);
+        return {search.code(), search.exact()};
     }
-    Search search(ground, v, least);
-    for (const SampleIndex apex : d.apexes)
-        if (t.tree.contains(apex)) search.triangle(apex, d.ends, v);
+    Search search(e, ground, v, least, false);
+    search_all(search);
     return {search.code(), search.exact()};
 }
 
@@ -233,6 +300,42 @@ Measured measure(const EditsData& e, const Ground& ground, SampleIndex v, const 
     return own;
 }
 
+// As diamonds::longest_edge_m() of the same way.
+double rim_m(const PackHeader& header, const Pads& pads, int z, double climb_m) {
+    const double side = 2.0 * (1 << z), dx = side * header.spacing_m[0], dz = side * header.spacing_m[1];
+    return (std::sqrt(dx * dx + dz * dz + climb_m * climb_m) + (2 * pads.ground_m + pads.height_m)) * (1 + 0x1p-20);
+}
+
+std::uint8_t rim_code(const EditsData& e, SampleIndex v) {
+    const TerrainData& t = *e.terrain;
+    const double climb_m = (t.range.high_steps - t.range.low_steps) * static_cast<double>(t.header.quantum_m);
+    const std::uint32_t levels = levels_below(v);
+    const Pads pads{e.radius.ground_pad_m, e.radius.height_pad_m};
+    std::uint32_t most = 0;
+    for (std::uint32_t d = 0; d <= levels; ++d) // what is below nests in it
+        most = std::max(most, t.errors.code_up(rim_m(t.header, pads, static_cast<int>(levels - d) / 2, climb_m)) +
+                                  d * t.errors.nesting_steps);
+    return static_cast<std::uint8_t>(std::min(most, 255u));
+}
+
+double rim_around_m(const EditsData& e, const Ground& ground, SampleIndex v, const StepRange& filled) {
+    const TerrainData& t = *e.terrain;
+    StepRange heights = filled;
+    bool all = t.header.estimate != ErrorEstimate::midpoint; // its codes bound no sample
+    const auto see = [&](SampleIndex at) {
+        const Cell cell = ground.at(at);
+        all = all && cell.loaded;
+        if (cell.loaded) heights.add(cell.steps);
+    };
+    const Diamond d = diamond(t.tree, v);
+    for (const SampleIndex at : {v, d.ends[0], d.ends[1]}) see(at);
+    for (const SampleIndex apex : d.apexes)
+        if (t.tree.contains(apex)) see(apex);
+    if (!all) heights.add({t.range.low_steps, t.range.high_steps});
+    return rim_m(t.header, {e.radius.ground_pad_m, e.radius.height_pad_m}, Tree::step_log2(v),
+                 heights.span() * static_cast<double>(t.header.quantum_m));
+}
+
 std::uint32_t grown(const TerrainData& t, std::uint32_t code, double by_m) {
     return t.errors.code_up(static_cast<double>(t.errors.metres[code]) + by_m);
 }
@@ -243,11 +346,16 @@ std::uint32_t grown(const TerrainData& t, std::uint32_t code, double by_m) {
 // e + (most - least). Codes round up, so they bound it; and each is raised to what its children ask for, from fine to
 // coarse, so they nest.
 //
+// Where samples become holes, or ground, a diamond with such a sample under it is off by rim_around_m() at most: by the
+// longest edge of its triangles, if a rim runs under it; by e, at what was ground; and by the heights between all its
+// corners and what has become ground, there.
+//
 // Only vertices with changed ground under them, and those above a vertex whose code has changed, need another one: all
 // others nest and bound as they did. One that is not loaded counts as changed.
-int raise_errors(EditsData& e, const Ground& ground, const Rect& places, const StepRange& off) {
+int raise_errors(EditsData& e, const Ground& ground, const Change& change) {
     TerrainData& t = *e.terrain;
-    const double by_m = off.span() * static_cast<double>(t.header.quantum_m);
+    const Rect& places = change.places;
+    const double by_m = change.off.span() * static_cast<double>(t.header.quantum_m);
     int loose_z = std::min(t.header.estimate == ErrorEstimate::midpoint ? t.tree.tile_log2 : measured_at_once + 1,
                            t.tree.tile_log2);
     std::uint32_t most = 0;
@@ -262,7 +370,9 @@ int raise_errors(EditsData& e, const Ground& ground, const Rect& places, const S
         const auto may_be = [&] {
             // The ground under its triangles has changed, or that under a vertex below it may have.
             const bool affected = touched.contains(v) || !asked.all;
-            return std::max(affected ? grown(t, own.error, by_m) : own.error, asked.code);
+            const std::uint32_t code = std::max(affected ? grown(t, own.error, by_m) : own.error, asked.code);
+            if (!change.holes || !touched.contains(v)) return code;
+            return std::max<std::uint32_t>(code, t.errors.code_up(rim_around_m(e, ground, v, change.filled)));
         };
         std::uint32_t code = 256;
         // Measured too where it has grown again and again, until no code is left.

@@ -1,6 +1,7 @@
 // Errors of vertices on ground that has been edited: measured as a bake measures them, or bounded.
 #pragma once
 
+#include "edit/radii.h"
 #include "edit/state.h"
 
 namespace fjell::edit {
@@ -37,10 +38,18 @@ template <typename By>
     return most;
 }
 
-// Errors of all vertices around places whose heights have changed, by at least `off.low` and at most `off.high` steps,
-// 0 among them: they bound the new ground, and nest. Returns the step (its log2) from which on they may be larger than
-// a bake's.
-[[nodiscard]] int raise_errors(EditsData& e, const Ground& ground, const Rect& places, const StepRange& off);
+// The longest edge of a triangle under a diamond of this step whose corners' heights are within climb_m, and what
+// heights there may be off by: what the rim of a hole may ask for.
+[[nodiscard]] double rim_m(const PackHeader& header, const Pads& pads, int z, double climb_m);
+// A code with room for a rim anywhere under a vertex, and under what is below it.
+[[nodiscard]] std::uint8_t rim_code(const EditsData& e, SampleIndex v);
+// What a vertex' error is at most where samples under its diamond have become holes, or ground at heights within
+// `filled`.
+[[nodiscard]] double rim_around_m(const EditsData& e, const Ground& ground, SampleIndex v, const StepRange& filled);
+
+// Errors of all vertices around what has changed: they bound the new ground, and nest. Returns the step (its log2) from
+// which on they may be larger than a bake's.
+[[nodiscard]] int raise_errors(EditsData& e, const Ground& ground, const Change& change);
 
 // The largest error of all (TerrainData::range).
 void note_error(TerrainData& t, std::uint32_t code);

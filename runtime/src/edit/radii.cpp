@@ -4,15 +4,22 @@
 
 namespace fjell::edit {
 
+Pads pads_of(const PackHeader& h, const Tree& tree) {
+    const double extent = std::max({tree.grid_columns() * h.spacing_m[0], tree.grid_rows() * h.spacing_m[1], 1e4});
+    const double least = h.min_m, most = h.max_m;
+    return {extent * 0x1p-22, (std::max(std::abs(least), std::abs(most)) + most - least) * 0x1p-22};
+}
+
 RadiusTerms radius_terms(const TerrainData& t) {
     const PackHeader& h = t.header;
     RadiusTerms r{};
-    const double extent = std::max({t.tree.grid_columns() * h.spacing_m[0], t.tree.grid_rows() * h.spacing_m[1], 1e4});
-    const double least = h.min_m, most = h.max_m;
-    r.ground_pad_m = extent * 0x1p-22;
-    r.height_pad_m = (std::max(std::abs(least), std::abs(most)) + most - least) * 0x1p-22;
+    const Pads pads = pads_of(h, t.tree);
+    r.ground_pad_m = pads.ground_m;
+    r.height_pad_m = pads.height_m;
     r.half_quantum_m = 0.5 * static_cast<double>(h.quantum_m);
     r.quantum = h.quantum_m;
+    r.side_edge_m = static_cast<float>(2 * std::min(h.spacing_m[0], h.spacing_m[1])) * (1 - 0x1p-10f);
+    r.centre_edge_m = static_cast<float>(2 * std::hypot(h.spacing_m[0], h.spacing_m[1])) * (1 - 0x1p-10f);
     r.height_pad = static_cast<float>(r.height_pad_m);
     r.leaf_pad = static_cast<float>(r.half_quantum_m);
     for (int z = 0; z < t.tree.tile_log2; ++z) {
@@ -281,9 +288,10 @@ void contain_children(const EditsData& e, const Ground& ground, const Plane& pla
     (void)Nesting(e, ground, 0).contain(plane, i, j);
 }
 
-void push_change(EditsData& e, const Rect& places, int step_log2) {
+void push_change(EditsData& e, const Rect& places, int step_log2, bool holes) {
     TerrainData& t = *e.terrain;
-    e.changes[t.ground_changes++ % ground_change_log] = {{places.x0, places.y0}, {places.x1, places.y1}, step_log2};
+    e.changes[t.ground_changes++ % ground_change_log] = {
+        {places.x0, places.y0}, {places.x1, places.y1}, step_log2, holes};
 }
 
 } // namespace fjell::edit

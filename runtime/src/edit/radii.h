@@ -6,6 +6,11 @@
 namespace fjell::edit {
 
 [[nodiscard]] RadiusTerms radius_terms(const TerrainData& t);
+// What ways along the ground, and heights, may be longer by where they are floats.
+struct Pads {
+    double ground_m, height_m;
+};
+[[nodiscard]] Pads pads_of(const PackHeader& header, const Tree& tree);
 
 // Radii of all vertices whose spheres may depend on heights at `changed`, of all steps. Where something below a vertex
 // is not loaded, its radius is raised by what heights have moved by at most: by_m. Returns whether all was loaded.
@@ -20,6 +25,6 @@ namespace fjell::edit {
 void contain_children(const EditsData& e, const Ground& ground, const Plane& plane, std::int32_t i, std::int32_t j);
 
 // For those who follow (TerrainData::changed_ground). step_log2: heights_changed, or of the vertices that have changed.
-void push_change(EditsData& e, const Rect& places, int step_log2);
+void push_change(EditsData& e, const Rect& places, int step_log2, bool holes = false);
 
 } // namespace fjell::edit

@@ -23,6 +23,7 @@ struct LevelFit {
 LevelFit fit_levels(const EditsData& e, double steepest_m, double range_m) {
     const TerrainData& t = *e.terrain;
     const double sx = t.header.spacing_m[0], sz = t.header.spacing_m[1];
+    const Pads pads{e.radius.ground_pad_m, e.radius.height_pad_m};
     LevelFit fit;
     double radius_m = 0; // at most, of the level below
     for (int below = 0; below < 2 * t.tree.tile_log2; ++below) {
@@ -37,7 +38,9 @@ LevelFit fit_levels(const EditsData& e, double steepest_m, double range_m) {
         fit.radii[below] = radius_m <= largest_m;
         radius_m = std::clamp(radius_m * static_cast<double>(RadiusScale::ratio), unit_m, largest_m); // as it is stored
         const auto level = static_cast<std::uint32_t>(2 * t.tree.tile_log2 - 1 - below);
-        const double error_m = std::min(range_m, 4 * step * steepest_m);
+        const double climb_most_m = std::min(range_m, 4 * step * steepest_m);
+        const double error_m =
+            e.room_for_holes ? rim_m(t.header, pads, below / 2, climb_most_m) : climb_most_m; // which is no more
         fit.errors[below] = static_cast<double>(t.errors.metres[255]) >= error_m &&
                             t.errors.code_up(error_m) + t.errors.nesting_steps * level <= 255;
         fit.all = fit.all && fit.radii[below] && fit.errors[below];
@@ -55,13 +58,20 @@ Fit keep_codes(EditsData& e, const Change& change, const LevelFit& levels, doubl
     const auto apart_m = [&](double samples) { return std::min(all_m, samples * bend_m); };
     const auto by_m = [&](int z) { return apart_m(4.0 * (1 << z)); };
     double radius_by_m = 0;
+    // Of what has its own level's codes all above it have room, too.
+    const auto has_rim_code = [&](SampleIndex v) {
+        if (!change.holes) return true;
+        const double rim = rim_around_m(e, ground, v, change.filled) + by_m(Tree::step_log2(v));
+        return static_cast<double>(t.errors.metres[255]) >= rim &&
+               t.errors.code_up(rim) + t.errors.nesting_steps * static_cast<std::uint32_t>(t.tree.level(v)) <= 255;
+    };
     const auto keeps_code = [&](SampleIndex v, const Cell& own) {
         const std::uint32_t below = levels_below(v), code = own.radius + below + 1;
         const float unit_m = e.radius.unit_m[below];
         return (levels.radii[below] ||
                 (code < radius_codes && static_cast<double>(unit_m * t.radii.factor[code]) + radius_by_m <=
                                             static_cast<double>(unit_m * t.radii.factor[radius_codes - 1]))) &&
-               (levels.errors[below] || grown_with_descendants(t, v, own.error, by_m) <= 255);
+               (levels.errors[below] || (grown_with_descendants(t, v, own.error, by_m) <= 255 && has_rim_code(v)));
     };
     Fit fit = Fit::yes;
     for_each_plane(0, t.tree.tile_log2 - 1, [&](const Plane& plane) {
@@ -85,6 +95,19 @@ double pack_range_m(const EditsData& e) {
 }
 
 } // namespace
+
+bool rims_have_codes(const PackHeader& h) {
+    const ErrorScale errors = ErrorScale::make(h.error_floor_m, h.error_ratio, h.error_nesting_steps);
+    const Pads pads = pads_of(h, tree_of(h));
+    const int levels = 2 * static_cast<int>(h.tile_log2);
+    for (int level = 0; level < levels; ++level) {
+        const double rim = rim_m(h, pads, (levels - 1 - level) / 2, 0);
+        if (static_cast<double>(errors.metres[255]) < rim ||
+            errors.code_up(rim) + errors.nesting_steps * static_cast<std::uint32_t>(level) > 255)
+            return false;
+    }
+    return true;
+}
 
 double steepest_of_codes(const EditsData& e) {
     double low = 0, high = 1e6;

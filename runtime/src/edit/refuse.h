@@ -9,6 +9,9 @@ namespace fjell::edit {
 // are within the pack's.
 [[nodiscard]] double steepest_of_codes(const EditsData& e);
 
+// Have all levels codes for the rim of a hole, on flat ground at least?
+[[nodiscard]] bool rims_have_codes(const PackHeader& header);
+
 // Have all spheres and errors codes while a stamp's ground comes, piece by piece, and then? unknown: ask again when
 // is_at_rest(), for codes may be larger than they need be. at_once: if its pieces come together.
 enum class Fit { yes, no, unknown };

@@ -26,15 +26,23 @@ struct Block {
     std::uint16_t pack[block_side * block_side];   // steps above pack_base, where `edited` says that there are any
     std::uint16_t edited[block_side * block_side]; // steps above base, or as_in_pack
 };
+// Which of a block's samples are holes, by rows; only where stamps may make some (EditBudget::holes). Of those that
+// `edited` has, both; what differs in this alone has its height there.
+struct BlockHoles {
+    std::uint32_t pack[block_side], edited[block_side];
+    std::int32_t differing; // samples
+};
 
 // What a stamp makes of a piece.
 struct Piece {
     Rect rect;                                         // places
     std::int32_t steps[largest_piece * largest_piece]; // by rows of largest_piece
-    [[nodiscard]] std::int32_t& at(SampleIndex v) {
-        return steps[static_cast<std::size_t>(v.row - rect.y0) * largest_piece +
-                     static_cast<std::size_t>(v.column - rect.x0)];
+    bool holes[largest_piece * largest_piece];
+    [[nodiscard]] std::size_t index(SampleIndex v) const {
+        return static_cast<std::size_t>(v.row - rect.y0) * largest_piece + static_cast<std::size_t>(v.column - rect.x0);
     }
+    [[nodiscard]] std::int32_t& at(SampleIndex v) { return steps[index(v)]; }
+    [[nodiscard]] bool& hole_at(SampleIndex v) { return holes[index(v)]; }
 };
 
 // What a stamp changes, of a piece or of all that have been looked at.
@@ -46,12 +54,16 @@ struct Change {
     std::int32_t bend = 0;                             // that neighbours move apart by, at most
     std::uint32_t samples = 0, pieces = 0, blocks = 0; // blocks that it needs
     bool no_number = false;                            // a height is none
+    bool holes = false;                                // samples become holes, or ground
+    StepRange filled;                                  // heights of those that become ground
     void add(const Change& c) {
         places = places.with(c.places);
         heights.add(c.heights), before.add(c.before), off.add(c.off);
         steepest = std::max(steepest, c.steepest), bend = std::max(bend, c.bend);
         samples += c.samples, pieces += c.pieces, blocks += c.blocks;
         no_number = no_number || c.no_number;
+        holes = holes || c.holes;
+        filled.add(c.filled);
     }
 };
 
@@ -116,6 +128,7 @@ struct RadiusTerms {
     float along_x[max_tile_log2], along_y[max_tile_log2], across[max_tile_log2]; // squares of ways along the ground
     float unit_m[2 * max_tile_log2];                                             // sides at 2 z, centres at 2 z + 1
     double ground_pad_m, height_pad_m, half_quantum_m;
+    float side_edge_m, centre_edge_m; // hypotenuses of step 1 are as long at least
 };
 
 } // namespace edit
@@ -140,6 +153,7 @@ struct EditsData {
     edit::Moving* moving;
     std::uint32_t moving_count;
     edit::Block* blocks;
+    edit::BlockHoles* block_holes; // by their numbers; null: EditBudget::holes is false
     std::uint32_t block_count;
     std::uint32_t* block_table; // by hash of their places: number, or no_index
     std::uint32_t block_table_size;
@@ -148,6 +162,7 @@ struct EditsData {
     edit::Rect measured; // vertices of step 2^measured_z whose errors are others, and nobody knows
     int measured_z;
     double steepest_m; // ground with such steps between neighbours has codes wherever the pack's heights end
+    bool room_for_holes;
     GroundChange changes[ground_change_log];
     PaintData* paint; // null: the pack has no maps for it
     edit::Window window;

@@ -33,7 +33,17 @@ void read(const TerrainData& t, const Rect& rect, Window& window) {
         });
     });
     for_each_corner(t, window.rect, [&](SampleIndex at, std::uint32_t) { window.at(at) = cell_at(t, at); });
-    window.complete = window.loaded && !t.has_voids();
+    look_for_holes(t, window);
+}
+
+void look_for_holes(const TerrainData& t, Window& window) {
+    window.complete = window.loaded;
+    for (std::int32_t y = window.rect.y0; t.has_voids() && window.complete && y <= window.rect.y1; ++y) {
+        const Cell* const row = &window.at({window.rect.x0, y});
+        bool hole = false; // or-ed together: nothing ends the loop
+        for (std::int32_t k = 0; k < window.rect.columns(); ++k) hole |= row[k].hole;
+        window.complete = !hole;
+    }
 }
 
 namespace {
@@ -77,7 +87,7 @@ void write_back(const TerrainData& t, Window& window, const StepRange& heights) 
                 }
                 const VertexRecord old = to[k],
                                    record{static_cast<std::uint16_t>(cell.steps - entry.base), cell.error,
-                                          static_cast<std::uint8_t>((old.radius & void_bit) | cell.radius)};
+                                          static_cast<std::uint8_t>(cell.radius | (cell.hole ? void_bit : 0))};
                 if (bits_as<std::uint32_t>(record) != bits_as<std::uint32_t>(old))
                     write_record(to + k, bits_as<std::uint32_t>(record));
             }
@@ -85,8 +95,9 @@ void write_back(const TerrainData& t, Window& window, const StepRange& heights) 
     });
     for_each_corner(t, window.rect, [&](SampleIndex at, std::uint32_t number) {
         std::uint32_t& corner = m.corners[number];
+        const Cell& cell = window.at(at);
         const std::uint32_t stored =
-            (static_cast<std::uint32_t>(window.at(at).steps) & ~corner_void_bit) | (corner & corner_void_bit);
+            (static_cast<std::uint32_t>(cell.steps) & ~corner_void_bit) | (cell.hole ? corner_void_bit : 0);
         if (stored != corner) store_word_relaxed(&corner, stored);
     });
 }

@@ -117,6 +117,8 @@ private:
 
 // Reads all within `rect`.
 void read(const TerrainData& t, const Rect& rect, Window& window);
+// Is one of its places a hole? When some have become one, or ground.
+void look_for_holes(const TerrainData& t, Window& window);
 // Writes what differs where it was noted, and corners. heights: of those that do; pages whose base they do not count
 // from get another one.
 void write_back(const TerrainData& t, Window& window, const StepRange& heights);

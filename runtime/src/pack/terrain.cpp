@@ -173,6 +173,7 @@ Status insert(TerrainData& terrain, std::uint32_t tile, std::uint32_t page, std:
             return {StatusCode::coarser_page_first, "geometry page"};
         gather_corners({terrain, table, terrain.tile_xy(tile)}, position, m.coarse);
         derive_errors(m.coarse, terrain.errors, m.leaf, m.arrays);
+        if (edited) edit::bound_derived(*terrain.edits, tile, page, m.arrays);
     }
     const std::uint32_t slot = m.free_slots[--m.free_count];
     FJELL_ASSERT(slot < terrain.slot_count && m.slot_page[slot] == no_index && terrain.pages_missing != 0);

@@ -177,10 +177,19 @@ double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, 
         return std::isnan(height_m) ? unchanged : towards(height_m);
     }
     case StampShape::paint:
-    case StampShape::unpaint: return unchanged;
+    case StampShape::unpaint:
+    case StampShape::hole:
+    case StampShape::fill: return unchanged;
     case StampShape::restore: break;
     }
     return weight == 1 ? now.pack_m : towards(now.pack_m);
+}
+
+HoleChange hole_change(const StampGrid& grid, const Stamp& stamp, SampleIndex sample) {
+    const bool back = stamp.shape == StampShape::restore;
+    if ((!back && !makes_or_fills_holes(stamp.shape)) || stamp_weight(grid, stamp, sample) < 0.5)
+        return HoleChange::none;
+    return back ? HoleChange::as_in_pack : stamp.shape == StampShape::hole ? HoleChange::cut : HoleChange::fill;
 }
 
 } // namespace fjell::edit
@@ -190,8 +199,7 @@ namespace fjell {
 Status check_stamp(const Stamp& s) {
     const auto bad = [](const char* field) { return Status{StatusCode::out_of_range, field}; };
     const auto finite = [](double v) { return std::abs(v) < 1e9; };
-    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::unpaint))
-        return bad("Stamp::shape");
+    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::fill)) return bad("Stamp::shape");
     if (!finite(s.x_m)) return bad("Stamp::x_m");
     if (!finite(s.z_m)) return bad("Stamp::z_m");
     if (!(s.radius_m >= 0) || !finite(s.radius_m)) return bad("Stamp::radius_m");

@@ -63,4 +63,11 @@ struct Surroundings {
     return shape == StampShape::paint || shape == StampShape::unpaint;
 }
 
+// What it makes of a sample's being a hole: nothing, or ground, or a hole, or what it is in the pack.
+enum class HoleChange : std::uint8_t { none, fill, cut, as_in_pack };
+[[nodiscard]] HoleChange hole_change(const StampGrid& grid, const Stamp& stamp, SampleIndex sample);
+[[nodiscard]] inline bool makes_or_fills_holes(StampShape shape) {
+    return shape == StampShape::hole || shape == StampShape::fill;
+}
+
 } // namespace fjell::edit

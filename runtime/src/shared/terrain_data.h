@@ -25,10 +25,11 @@ struct alignas(8) PageEntry { // read at once by queries of other threads
 
 // Ground that edits (fjell/edit.h) have changed: places from first to last, both included. step_log2: errors and
 // spheres of the vertices there, of this step; heights_changed: heights, and with them what lies around the places, of
-// every step.
+// every step. holes: samples there have become holes, or ground.
 struct GroundChange {
     SampleIndex first, last;
     int step_log2;
+    bool holes;
 };
 inline constexpr int heights_changed = -1;
 inline constexpr std::uint32_t ground_change_log = 1024; // changes that TerrainData::changed_ground remembers
@@ -95,6 +96,7 @@ struct TerrainData {
     // after, which differ by editing_m at most (query/steady.h).
     std::uint32_t ground_epoch = 0;
     float editing_m = 0;
+    bool holes_made = false; // by edits, or they may make some (EditBudget::holes)
 
     [[nodiscard]] std::uint32_t tile_count() const { return tiles_of(header); }
     [[nodiscard]] bool is_sparse() const { return tile_numbers != nullptr; }
@@ -129,7 +131,8 @@ struct TerrainData {
         return corner_numbers != nullptr ? corner_numbers[place] : static_cast<std::uint32_t>(place);
     }
     [[nodiscard]] std::uint32_t page_count() const { return tile_count() * pages_per_tile; }
-    [[nodiscard]] bool has_voids() const { return header.voids != 0; } // in the tiles that there are
+    // In the tiles that there are: there may be some.
+    [[nodiscard]] bool has_voids() const { return header.voids != 0 || holes_made; }
 
     // Position of a sample, one fixed float expression: the baker measures radii with the very same one.
     [[nodiscard]] float x_m(std::int32_t column) const { return static_cast<float>(column) * spacing_x_m; }

@@ -52,11 +52,17 @@ edit::Rect places_around(const TerrainData& t, std::uint32_t tile, std::uint32_t
 Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const TerrainData& t = *s.terrain;
     const PageBound bound = s.pack->entry(chunk_index(t.header, {ChunkKind::geometry, tile, page})).bound;
-    // What was edited may stand, hide and reach farther.
+    // What was edited may stand, hide and reach farther; and the rim of a hole is drawn to within its triangles' size.
     const auto by_m =
         t.edits != nullptr ? static_cast<float>(edit::growth_m(*t.edits, places_around(t, tile, page))) : 0.0f;
-    const edit::Rect own = places_of(t, tile, page).rect;
+    const PagePlaces places = places_of(t, tile, page);
+    const edit::Rect own = places.rect;
     const SampleIndex a = t.tree.sample({own.x0, own.y0}), b = t.tree.sample({own.x1, own.y1});
+    const bool has_rim = t.edits != nullptr && edit::has_changed_holes(*t.edits, own.grown(places.step));
+    const double climb_m = static_cast<double>(t.range.high_m) - static_cast<double>(t.range.low_m);
+    const double side = 2.0 * places.step;
+    const auto rim_m = static_cast<float>(
+        has_rim ? std::hypot(side * t.header.spacing_m[0], side * t.header.spacing_m[1], climb_m) * grow : 0.0);
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.column),
@@ -65,7 +71,7 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
             height(((std::uint32_t{bound.high} + 1) << shift) - 1) + by_m,
             t.z_m(a.row),
             t.z_m(b.row),
-            t.errors.metres[bound.error] + by_m,
+            std::max(t.errors.metres[bound.error] + by_m, rim_m),
             t.header.level_radius_m[bound_level(t.pages, page)] * t.radii.factor[bound.radius] +
                 by_m * static_cast<float>(2 * max_tile_log2 + 1)};
 }
