@@ -447,7 +447,9 @@ std::vector<Verb> picture_verbs() {
              return MarkPlace{x, w.number("z in metres")};
          }},
         {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE]",
-         "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater or restore", brush},
+         "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater, restore, hole or "
+         "fill",
+         brush},
         {"stroke", "X Z [X Z ...]", "a stroke of the brush along these places, in metres", stroke},
         {"edit-layer", "add NAME | choose|remove|on|off N | strength N SHARE | move N TO",
          "the layers that strokes lie on; N counts from the bottom, from 0", edit_layer},

@@ -32,7 +32,8 @@ constexpr std::int64_t most_renewed = std::int64_t{1} << 20; // samples of one s
 
 Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::uint32_t seed) {
     constexpr StampShape shapes[] = {StampShape::restore, StampShape::raise, StampShape::raise,  StampShape::level,
-                                     StampShape::smooth,  StampShape::noise, StampShape::crater, StampShape::restore};
+                                     StampShape::smooth,  StampShape::noise, StampShape::crater, StampShape::restore,
+                                     StampShape::hole,    StampShape::fill};
     static_assert(std::size(shapes) == std::size(brush_tool_names), "a brush was added: say what it does");
     Stamp s;
     s.shape = shapes[static_cast<std::size_t>(brush.tool)];
@@ -102,6 +103,8 @@ void Digging::dab(const Stamp& stamp) {
         throw io::Failure(1, problem_.empty() ? "this terrain's ground cannot be changed: it lacks tiles" : problem_);
     if (const Status status = check_stamp(stamp); !status.ok())
         throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
+    if (edit::makes_or_fills_holes(stamp.shape) && !edits_->budget().holes)
+        throw io::Failure(2, "this pack has no room for holes; bake it with --room-for-holes yes");
     io::Journal& to = journal();
     if (layers().empty()) add_layer("ground");
     const io::JournalLayer& layer = to.layers()[*chosen()];
@@ -350,6 +353,9 @@ void Digging::renew(std::span<const io::KeptStamp> changed) {
     std::unique_ptr<baker::HeightSource> source = std::make_unique<baker::PackSource>(pack_);
     if (!stamps.empty()) source = baker::edited_source(std::move(source), stamps, path_);
     const auto reader = source->reader();
+    const auto is_of_holes = [](const io::KeptStamp& stamp) { return edit::makes_or_fills_holes(stamp.plain.shape); };
+    const bool holes =
+        std::ranges::any_of(changed, is_of_holes) || std::ranges::any_of(stamps, is_of_holes, &io::TimedStamp::what);
     for (const Rect& rect : rects) {
         const auto rows = static_cast<std::int32_t>(
             std::clamp<std::int64_t>(most_renewed / rect.columns(), 1, std::int64_t{rect.rows()}));
@@ -362,7 +368,20 @@ void Digging::renew(std::span<const io::KeptStamp> changed) {
                                    static_cast<std::size_t>(stamp.plain.rows));
             baker::ReadStatistics ignored;
             reader->read({rect.x0, y, stamp.plain.columns, stamp.plain.rows}, stamp.heights_m.data(), ignored);
+            if (!holes) {
+                edits_->push(std::move(stamp));
+                continue;
+            }
+            io::KeptStamp fill = stamp, cut = stamp;
+            fill.plain.shape = StampShape::fill, cut.plain.shape = StampShape::hole;
+            for (const float height_m : stamp.heights_m) {
+                fill.mask.push_back(std::isnan(height_m) ? 0 : 255);
+                cut.mask.push_back(std::isnan(height_m) ? 255 : 0);
+            }
+            fill.heights_m = cut.heights_m = {};
+            edits_->push(std::move(fill));
             edits_->push(std::move(stamp));
+            edits_->push(std::move(cut));
         }
     }
 }

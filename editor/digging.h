@@ -24,9 +24,9 @@
 
 namespace fjell::editor {
 
-enum class BrushTool : std::uint8_t { off, raise, lower, level, smooth, noise, crater, restore };
-inline constexpr const char* brush_tool_names[] = {"off",    "raise", "lower",  "level",
-                                                   "smooth", "noise", "crater", "restore"};
+enum class BrushTool : std::uint8_t { off, raise, lower, level, smooth, noise, crater, restore, hole, fill };
+inline constexpr const char* brush_tool_names[] = {"off",   "raise",  "lower",   "level", "smooth",
+                                                   "noise", "crater", "restore", "hole",  "fill"};
 
 struct Brush {
     BrushTool tool = BrushTool::off;

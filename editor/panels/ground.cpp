@@ -11,7 +11,8 @@ namespace fjell::editor {
 
 namespace {
 
-constexpr const char* tool_labels[] = {"Off", "Raise", "Lower", "Level", "Smooth", "Noise", "Crater", "Restore"};
+constexpr const char* tool_labels[] = {"Off",   "Raise",  "Lower",   "Level", "Smooth",
+                                       "Noise", "Crater", "Restore", "Hole",  "Fill"};
 constexpr const char* tool_abouts[] = {
     "The left button looks around.",
     "Adds metres to the ground.",
@@ -21,6 +22,8 @@ constexpr const char* tool_abouts[] = {
     "Adds hills as wide as the brush.",
     "A bowl with a rim.",
     "Brings back the pack's ground.",
+    "Cuts the ground away: a shaft, or a tunnel's mouth.",
+    "Closes holes.",
 };
 static_assert(std::size(tool_labels) == std::size(brush_tool_names) &&
                   std::size(tool_abouts) == std::size(brush_tool_names),

@@ -92,6 +92,7 @@ void make_edits(const FlightOptions& options, Session& session) {
     }
     const bool sparse = session.terrain().header().tiles_held != 0; // takes none
     if (stamps.empty() && (!options.editable || sparse)) return;
+    if (options.editable) budget.holes = has_room_for_holes(session.terrain().header());
     session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));
     if (session.reference) session.edits->mirror(session.reference->terrain);
 }

@@ -65,10 +65,12 @@ struct DugTerrain {
         source->reader()->read({0, 0, source->columns, source->rows}, heights.data(), ignored);
         int count = 0;
         for (std::int32_t y = 0; y < source->rows; ++y)
-            for (std::int32_t x = 0; x < source->columns; ++x)
-                count += terrain_vertex(session.terrain(), {x, y}).height_m !=
-                         heights[static_cast<std::size_t>(y) * static_cast<std::size_t>(source->columns) +
-                                 static_cast<std::size_t>(x)];
+            for (std::int32_t x = 0; x < source->columns; ++x) {
+                const TerrainVertex v = terrain_vertex(session.terrain(), {x, y});
+                const float height_m = heights[static_cast<std::size_t>(y) * static_cast<std::size_t>(source->columns) +
+                                               static_cast<std::size_t>(x)];
+                count += v.hole != std::isnan(height_m) || (!v.hole && v.height_m != height_m);
+            }
         return count;
     }
     session::Session session;
@@ -88,7 +90,7 @@ std::string layers_told(const Digging& digging) {
 Brush any_brush(Random& random, const Terrain& terrain) {
     const double spacing_m = terrain.spacing_x_m(), relief_m = terrain.header().max_m - terrain.header().min_m;
     Brush b;
-    b.tool = static_cast<BrushTool>(pick(random, 1, 7));
+    b.tool = static_cast<BrushTool>(pick(random, 1, 9));
     b.radius_m = spacing_m * uniform(random, 1, 9), b.falloff_m = spacing_m * uniform(random, 0, 9);
     b.amount_m = relief_m * uniform(random, 0.005, 0.03), b.strength = uniform(random, 0.1, 1);
     return b;
