@@ -111,7 +111,7 @@ struct Ground {
     }
     void allow_edits(std::uint32_t blocks) {
         auto made = std::make_unique<Edited>();
-        const PackHeader& header = terrain().header();
+        const PackHeader header = whole ? whole->terrain.header() : io::PackFile(path).pack().header; // not open yet
         made->budget = {.blocks = blocks, .stamps = 4096, .holes = has_room_for_holes(header)};
         if (!whole) {
             edited = std::move(made);

@@ -79,6 +79,14 @@ Status damaged(Request& r) {
     return {StatusCode::corrupt, page ? "geometry page" : "map"};
 }
 
+// Maps come with their paint, whoever has decoded them.
+Status decoded_to(const StreamState& s, Request& r, std::uint32_t raw_bytes) {
+    r.raw_bytes = raw_bytes;
+    if (r.id.kind == ChunkKind::colour || r.id.kind == ChunkKind::splat) paint_request(s, r);
+    set_phase(r, Phase::ready);
+    return {};
+}
+
 // A decoder for as long as this lives. There is one for each of the client's threads that may be here at a time; were
 // there more threads, they would wait.
 class DecoderLease {
@@ -147,10 +155,7 @@ Status stream_provide(Stream stream, std::uint32_t ticket, std::span<const std::
         if (ZSTD_isError(written) || written != e.raw_bytes) return damaged(*r);
         raw += written;
     }
-    r->raw_bytes = static_cast<std::uint32_t>(raw);
-    if (r->id.kind == ChunkKind::colour || r->id.kind == ChunkKind::splat) paint_request(s, *r);
-    set_phase(*r, Phase::ready);
-    return {};
+    return decoded_to(s, *r, static_cast<std::uint32_t>(raw));
 }
 
 Status stream_provide_decoded(Stream stream, std::uint32_t ticket, std::span<const std::byte> decoded) {
@@ -162,9 +167,7 @@ Status stream_provide_decoded(Stream stream, std::uint32_t ticket, std::span<con
     for (std::uint32_t i = 0; i < r->chunks; ++i) raw += s->pack->entry(r->first_chunk + i).raw_bytes;
     if (decoded.size() != raw || raw > r->raw_bytes) return damaged(*r);
     if (!decoded.empty()) std::memcpy(r->raw, decoded.data(), decoded.size());
-    r->raw_bytes = static_cast<std::uint32_t>(raw);
-    set_phase(*r, Phase::ready);
-    return {};
+    return decoded_to(*s, *r, static_cast<std::uint32_t>(raw));
 }
 
 Status stream_fail(Stream stream, std::uint32_t ticket, bool unwanted) {
