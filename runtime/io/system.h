@@ -44,7 +44,7 @@ int close_file(int fd) noexcept; // an error
 // An existing file, to be read and written, alone: EBUSY where another program has it so.
 [[nodiscard]] int open_to_extend(const std::string& path) noexcept;
 [[nodiscard]] int cut_to(int fd, std::uint64_t bytes) noexcept; // its length; an error
-void drop_cache(int fd) noexcept; // what the system keeps of the file, if it listens
+void drop_cache(int fd) noexcept;                               // what the system keeps of the file, if it listens
 
 extern const int stale_error; // for a file that is another than it was: ESTALE, where there is that
 [[nodiscard]] bool is_full(int error) noexcept;
