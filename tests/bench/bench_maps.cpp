@@ -97,10 +97,10 @@ void bc1(benchmark::State& state) {
     std::vector<std::byte> to(512 * 512 / 2);
     for (auto _ : state)
         for (std::size_t y = 0; y < 512; y += 4) {
-            baker::ColourRows rows{};
+            ColourRows rows{};
             for (std::size_t i = 0; i < 4; ++i)
                 for (std::size_t c = 0; c < 3; ++c) rows.rows[i][c] = texels().data() + (y ^ (c * 128)) * 512 + i * 512;
-            baker::encode_bc1(rows, 128, to.data() + y / 4 * 1024);
+            encode_bc1(rows, 128, to.data() + y / 4 * 1024);
         }
     per_sample(state, 512.0 * 512.0);
 }
@@ -109,10 +109,10 @@ void bc5(benchmark::State& state) {
     std::vector<std::byte> to(512 * 512);
     for (auto _ : state)
         for (std::size_t y = 0; y < 512; y += 4) {
-            baker::NormalRows rows{};
+            NormalRows rows{};
             for (std::size_t i = 0; i < 4; ++i)
                 for (std::size_t c = 0; c < 2; ++c) rows.rows[i][c] = texels().data() + (y ^ (c * 128)) * 512 + i * 512;
-            baker::encode_bc5(rows, 128, to.data() + y / 4 * 2048);
+            encode_bc5(rows, 128, to.data() + y / 4 * 2048);
         }
     per_sample(state, 512.0 * 512.0);
 }
