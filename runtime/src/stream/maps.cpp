@@ -202,8 +202,8 @@ void show_again(StreamState& s, Request& r) {
     const std::byte* from = r.raw;
     for (std::uint32_t i = 0; i < r.chunks; ++i) {
         const edit::MapRect& part = r.parts[i];
-        const std::size_t bytes =
-            std::size_t{part.columns} * part.rows / 16 * block_bytes(static_cast<MapKind>(map_of_chunks(r.id.kind)));
+        const std::size_t bytes = std::size_t{part.columns} * part.rows / 16 *
+                                  static_cast<std::size_t>(block_bytes(static_cast<MapKind>(map_of_chunks(r.id.kind))));
         if (bytes != 0)
             s.patches[s.patch_count++] = {.map = static_cast<MapKind>(map_of_chunks(r.id.kind)),
                                           .side_log2 = static_cast<std::uint8_t>(requested_log2(m, r) - i),
