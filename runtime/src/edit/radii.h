@@ -19,7 +19,7 @@ struct Pads {
 [[nodiscard]] bool nest_radii(EditsData& e, const Ground& ground, const Rect& changed, double by_m);
 // The same of pages that have come: of all vertices of 2^from_z and larger steps that may depend on `places`, all of
 // which are noted.
-[[nodiscard]] bool nest_radii_of_pages(EditsData& e, const Rect& places, int from_z);
+[[nodiscard]] bool nest_radii_of_pages(EditsData& e, const Rect& places, int from_z, Missing& missing);
 
 // Raises the radius of one vertex to what those of its children that are loaded ask for.
 void contain_children(const EditsData& e, const Ground& ground, const Plane& plane, std::int32_t i, std::int32_t j);

@@ -204,15 +204,17 @@ MapRect PaintGrid::texels_over(const Rect& samples, std::uint32_t side) const {
     struct Run {
         std::uint32_t first = 0, count = 0;
     };
-    const auto run = [&](std::int32_t from, std::int32_t to, std::int32_t origin) {
-        const double begin = std::floor((from - origin - reach) / spacing),
-                     end = std::ceil((to - origin + reach) / spacing);
+    const auto run = [&](std::int32_t from, std::int32_t to, std::int32_t origin, std::int32_t rim) {
+        const double begin = std::floor((std::min(from, rim) - origin - reach) / spacing);
+        double end = std::ceil((to - origin + reach) / spacing);
+        if (to + reach + spacing >= rim) end = side; // texels beyond the rim show what it does
         if (end < 0 || begin >= side) return Run{};
         const auto a = static_cast<std::uint32_t>(std::max(begin, 0.0)) / 4 * 4,
                    b = static_cast<std::uint32_t>(std::min(end, side - 1.0)) / 4 * 4 + 4;
         return Run{a, b - a};
     };
-    const Run x = run(samples.x0, samples.x1, first.column), y = run(samples.y0, samples.y1, first.row);
+    const Run x = run(samples.x0, samples.x1, first.column, last.column),
+              y = run(samples.y0, samples.y1, first.row, last.row);
     if (x.count == 0 || y.count == 0) return {};
     return {x.first, y.first, x.count, y.count};
 }

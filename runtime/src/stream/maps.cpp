@@ -453,7 +453,8 @@ void request_repaints(StreamState& s) {
         MapState& m = s.maps[kind];
         for (std::uint32_t i = 0; m.sizes.top_log2 != 0 && i < s.tiles; ++i) {
             MapTile& tile = m.tiles[i];
-            if (tile.size_log2 == 0) continue;
+            // One after the other: of two of a mip the later one, with more paint, might be shown first.
+            if (tile.size_log2 == 0 || tile.repaints != 0) continue;
             // Coarse mips first: a tail is small.
             for (std::uint32_t log2 = m.sizes.tail_log2; log2 <= tile.size_log2; ++log2) {
                 const std::uint32_t sizes = sizes_of_request(m, log2);
