@@ -97,7 +97,7 @@ FJELL_CLONES void find_ends(Colours& s) {
     }
     for (int i = 0; i < 16; ++i)
         for (std::size_t l = 0; l < lanes; ++l)
-            s.index[i][l] = static_cast<float>(static_cast<std::int32_t>((s.index[i][l] - low[l]) * high[l] + 0.5f));
+            s.index[i][l] = static_cast<float>(nearest<std::int32_t>((s.index[i][l] - low[l]) * high[l]));
 }
 
 FJELL_CLONES void improve_ends(Colours& s) {
@@ -128,7 +128,7 @@ FJELL_CLONES void quantise_ends(Colours& s) {
                 float v = s.ends[e][c][l];
                 v = v < 0 ? 0 : v;
                 v = v > 255 ? 255 : v;
-                const auto q = static_cast<std::int32_t>(v * per + 0.5f);
+                const auto q = nearest<std::int32_t>(v * per);
                 s.packed[e][l] = c == 0 ? q << place : s.packed[e][l] | q << place;
                 s.ends[e][c][l] = static_cast<float>(q << shift | q >> down);
             }
@@ -152,7 +152,7 @@ FJELL_CLONES void choose_indices(Colours& s) {
             float t = (a * q[0][l] + b * q[1][l] + c * q[2][l]) * per[l];
             t = t < 0 ? 0 : t;
             t = t > 3 ? 3 : t;
-            const auto k = static_cast<std::int32_t>(t + 0.5f);
+            const auto k = nearest<std::int32_t>(t);
             const float part = static_cast<float>(k) * (1.0f / 3);
             const float u = a - q[0][l] * part, v = b - q[1][l] * part, w = c - q[2][l] * part;
             s.error[l] += u * u + v * v + w * w;
@@ -195,7 +195,7 @@ void try_one_colour(Colours& s, std::size_t l) {
     const Mixes::Pair* pair[3];
     float error = s.spread[l];
     for (int c = 0; c < 3; ++c) {
-        pair[c] = &(c == 1 ? mixes.of6 : mixes.of5)[static_cast<std::size_t>(s.mean[c][l] + 0.5f)];
+        pair[c] = &(c == 1 ? mixes.of6 : mixes.of5)[nearest<std::size_t>(s.mean[c][l])];
         const float off = s.mean[c][l] - static_cast<float>(pair[c]->value);
         error += 16 * off * off;
     }
@@ -238,7 +238,7 @@ FJELL_CLONES void encode_values(const Ints (&p)[16], Ints& low, Ints& high, Word
     for (std::size_t l = 0; l < lanes; ++l) per[l] = high[l] > low[l] ? 7 / static_cast<float>(high[l] - low[l]) : 0;
     for (int i = 0; i < 16; ++i)
         for (std::size_t l = 0; l < lanes; ++l) {
-            const auto k = static_cast<std::int32_t>(static_cast<float>(p[i][l] - low[l]) * per[l] + 0.5f);
+            const auto k = nearest<std::int32_t>(static_cast<float>(p[i][l] - low[l]) * per[l]);
             // From the low end 0..7 to the stored order: high, low, then down from the high end.
             const std::int32_t code = k == 0 ? 1 : (8 - k) & 7;
             const std::int32_t stored = k == 7 ? 0 : code;

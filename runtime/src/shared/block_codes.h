@@ -11,6 +11,12 @@
 
 namespace fjell {
 
+// The nearest whole number of what is not negative. lround() would be a call, where lanes are to be vectors.
+template <typename Whole, typename Real>
+[[nodiscard]] constexpr Whole nearest(Real value) {
+    return static_cast<Whole>(value + Real{1} / 2);
+}
+
 // Four rows of texels, planar, to count blocks. rgb: 0..255 (sRGB); rows[y][c]. Error against the block's best line
 // through colour space: that of 5-6-5 end points. A block of one colour is off by at most 2 of 255.
 struct ColourRows {

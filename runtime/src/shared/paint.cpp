@@ -152,9 +152,9 @@ bool paint_block(const StampGrid& grid, const Stamp& stamp, PaintBlock& block) {
     bool changed = false;
     for (std::int32_t y = samples.y0; y <= samples.y1; ++y)
         for (std::int32_t x = samples.x0; x <= samples.x1; ++x) {
-            const auto hides = static_cast<std::uint32_t>(stamp_weight(grid, stamp, {x, y}) * 255 + 0.5);
+            const auto hides = nearest<std::uint32_t>(stamp_weight(grid, stamp, {x, y}) * 255);
             if (hides == 0) continue;
-            const auto k = static_cast<std::size_t>((y - y0) * paint_side + (x - x0));
+            const auto k = static_cast<std::size_t>(y - y0) * paint_side + static_cast<std::size_t>(x - x0);
             const std::uint32_t colour = block.colours[k], material = block.materials[k];
             std::uint32_t painted = 0;
             if (stamp.shape == StampShape::paint)
@@ -433,10 +433,10 @@ void store_splat_texel(const float (&shares)[max_splat_names], std::byte* to) {
     const float scale = kept > 0 ? 255 * std::min(all, 1.0f) / kept : 0;
     int weight[splat_layers], sum = 0;
     for (std::size_t k = 0; k < splat_layers; ++k) {
-        weight[k] = static_cast<int>(std::max(shares[best[k]], 0.0f) * scale + 0.5f);
+        weight[k] = nearest<int>(std::max(shares[best[k]], 0.0f) * scale);
         sum += weight[k];
     }
-    const int wanted = static_cast<int>(std::min(all, 1.0f) * 255 + 0.5f);
+    const int wanted = nearest<int>(std::min(all, 1.0f) * 255);
     weight[0] += std::max(wanted - sum, 0);
     for (std::size_t k = splat_layers; sum > wanted; --sum) {
         while (weight[k - 1] == 0) --k;
