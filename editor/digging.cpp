@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -27,6 +27,82 @@ bool is_paint(const io::KeptStamp& stamp) {
 }
 
 constexpr std::int64_t most_renewed = std::int64_t{1} << 20; // samples of one stamp
+
+edit::StampGrid grid_of(const PackHeader& h) {
+    return {static_cast<std::int32_t>(h.columns), static_cast<std::int32_t>(h.rows), h.spacing_m};
+}
+
+// Where heights may be others than before `changed` came or went. stamps: all that apply.
+std::vector<Rect> areas_of(const edit::StampGrid& grid, std::span<const io::KeptStamp> changed,
+                           std::span<const io::KeptStamp> stamps) {
+    std::vector<Rect> areas; // those that meet are one
+    Rect whole;
+    for (const io::KeptStamp& stamp : changed) {
+        Rect area = edit::samples_of(grid, stamp.stamp());
+        if (area.empty() || is_paint(stamp)) continue;
+        for (const io::KeptStamp& smooths : stamps) // what is smoothed depends on its neighbours
+            if (smooths.plain.shape == StampShape::smooth &&
+                edit::samples_of(grid, smooths.stamp()).meets(area.grown(1)))
+                area = area.grown(1).within({0, 0, grid.columns - 1, grid.rows - 1});
+        whole = whole.with(area);
+        for (std::size_t i = 0; i < areas.size();) {
+            if (!areas[i].meets(area)) {
+                ++i;
+                continue;
+            }
+            area = area.with(areas[i]);
+            areas.erase(areas.begin() + static_cast<std::ptrdiff_t>(i));
+            i = 0;
+        }
+        areas.push_back(area);
+    }
+    // As one stamp if that is not too large: ground that is between what was and what will be need not fit a page.
+    if (std::int64_t{whole.columns()} * whole.rows() <= most_renewed && !whole.empty()) return {whole};
+    return areas;
+}
+
+// Those heights as a stamp, and one of what is a hole and what is not where holes may have come or gone.
+void add_ground(std::vector<io::KeptStamp>& to, baker::HeightReader& reader, const Rect& area, bool holes) {
+    io::KeptStamp ground;
+    ground.plain.shape = StampShape::heights;
+    ground.plain.first = {area.x0, area.y0};
+    ground.plain.columns = area.columns(), ground.plain.rows = area.rows();
+    ground.heights_m.resize(static_cast<std::size_t>(area.columns()) * static_cast<std::size_t>(area.rows()));
+    baker::ReadStatistics ignored;
+    reader.read({area.x0, area.y0, area.columns(), area.rows()}, ground.heights_m.data(), ignored);
+    if (!holes) return to.push_back(std::move(ground));
+    io::KeptStamp fill, cut;
+    fill.plain = cut.plain = ground.plain;
+    fill.plain.shape = StampShape::fill, cut.plain.shape = StampShape::hole;
+    for (const float height_m : ground.heights_m) {
+        fill.mask.push_back(std::isnan(height_m) ? 0 : 255);
+        cut.mask.push_back(std::isnan(height_m) ? 255 : 0);
+    }
+    to.push_back(std::move(fill));
+    to.push_back(std::move(ground));
+    to.push_back(std::move(cut));
+}
+
+// What a pack's ground is with `stamps`, as heights of where `changed` may matter. So no ground on the way has to fit
+// the pack's scales, as it would stamp by stamp.
+std::vector<io::KeptStamp> ground_of(const std::string& pack, const PackHeader& header,
+                                     const std::vector<io::KeptStamp>& stamps, std::span<const io::KeptStamp> changed) {
+    const auto is_of_holes = [](const io::KeptStamp& stamp) { return edit::makes_or_fills_holes(stamp.plain.shape); };
+    const bool holes = std::ranges::any_of(changed, is_of_holes) || std::ranges::any_of(stamps, is_of_holes);
+    std::vector<io::TimedStamp> timed;
+    for (const io::KeptStamp& stamp : stamps) timed.push_back({0, stamp});
+    std::unique_ptr<baker::HeightSource> source = std::make_unique<baker::PackSource>(pack);
+    if (!timed.empty()) source = baker::edited_source(std::move(source), timed, pack);
+    const auto reader = source->reader();
+    std::vector<io::KeptStamp> ground;
+    for (const Rect& area : areas_of(grid_of(header), changed, stamps)) {
+        const auto rows = static_cast<std::int32_t>(
+            std::clamp<std::int64_t>(most_renewed / area.columns(), 1, std::int64_t{area.rows()}));
+        for (std::int32_t y = area.y0; y <= area.y1; y += rows)
+            add_ground(ground, *reader, {area.x0, y, area.x1, std::min(y + rows - 1, area.y1)}, holes);
+    }
+    return ground;
+}
 
 } // namespace
 
@@ -53,8 +129,13 @@ void open_with_journal(session::FlightOptions& options) {
     const std::string path = io::journal_path(options.pack);
     if (!io::is_journal(path)) return;
     try {
-        const io::PackFile pack(options.pack);
-        if (pack.pack().header.tiles_held == 0) options.stamps = io::read_stamps(path, &pack.pack().header);
+        const PackHeader header = io::PackFile(options.pack).pack().header;
+        if (header.tiles_held != 0) return;
+        const std::vector<io::KeptStamp> stamps = io::Journal(path, header, io::JournalAccess::read).stamps();
+        for (io::KeptStamp& ground : ground_of(options.pack, header, stamps, stamps))
+            options.stamps.push_back({0, std::move(ground)});
+        for (const io::KeptStamp& stamp : stamps)
+            if (is_paint(stamp)) options.stamps.push_back({0, stamp});
     } catch (const io::Failure&) { // Digging finds the same
     }
 }
@@ -64,7 +145,8 @@ Digging::Digging(std::string pack, const PackHeader& header)
     io::os::FileInfo there;
     if (!io::os::look(path_, there)) return;
     try {
-        (void)journal();
+        if (const std::uint64_t bytes = journal().dropped_bytes(); bytes != 0)
+            notice_ = fmt::format("{}: left out {} bytes of an incomplete record at its end", path_, bytes);
     } catch (const io::Failure& failure) {
         problem_ = failure.what();
     }
@@ -200,10 +282,10 @@ void Digging::put_layer(std::optional<LayerState>& from, std::optional<LayerStat
     } else {
         const std::uint32_t before = to->layer.id, id = journal().add_layer(to->layer.name);
         std::vector<io::KeptStamp> stamps;
-        std::vector<std::pair<std::uint64_t, std::uint64_t>> renamed;
+        std::unordered_map<std::uint64_t, std::uint64_t> renamed;
         for (const io::JournalStamp& stamp : to->layer.stamps) stamps.push_back(stamp.what);
         const std::uint64_t first = journal().add_stamps(id, stamps);
-        for (std::size_t i = 0; i < stamps.size(); ++i) renamed.emplace_back(to->layer.stamps[i].id, first + i);
+        for (std::size_t i = 0; i < stamps.size(); ++i) renamed[to->layer.stamps[i].id] = first + i;
         to->layer.id = id;
         journal().set_layer({id, to->layer.name, to->layer.on, to->layer.strength, {}}, to->place);
         renew_layer(layers()[to->place]);
@@ -214,11 +296,7 @@ void Digging::put_layer(std::optional<LayerState>& from, std::optional<LayerStat
                 for (std::optional<LayerState>* const state : {&step.before, &step.after})
                     if (*state && (*state)->layer.id == before) (*state)->layer.id = id;
                 for (std::uint64_t& stamp : step.ids)
-                    for (const auto& [old, now] : renamed)
-                        if (stamp == old) {
-                            stamp = now;
-                            break;
-                        }
+                    if (const auto found = renamed.find(stamp); found != renamed.end()) stamp = found->second;
             }
     }
     journal().commit();
@@ -241,20 +319,29 @@ void Digging::repeat(Step& step) {
     renew(step.stamps);
 }
 
-void Digging::undo() {
+// The last step of the one list becomes the last of the other, or stays where it is if that fails.
+void Digging::pass(std::vector<Step>& from, std::vector<Step>& to, void (Digging::*how)(Step&), Last last) {
     end_stroke();
-    if (undo_.empty()) return;
+    if (from.empty()) return;
     ++version_;
-    Step step = std::move(undo_.back());
-    undo_.pop_back();
+    Step step = std::move(from.back());
+    from.pop_back();
     try {
-        take_back(step);
+        (this->*how)(step);
     } catch (...) {
-        undo_.push_back(std::move(step));
+        from.push_back(std::move(step));
         throw;
     }
-    redo_.push_back(std::move(step));
-    last_ = Last::undo;
+    to.push_back(std::move(step));
+    last_ = last;
+}
+
+void Digging::undo() {
+    pass(undo_, redo_, &Digging::take_back, Last::undo);
+}
+
+void Digging::redo() {
+    pass(redo_, undo_, &Digging::repeat, Last::redo);
 }
 
 void Digging::take_back_refused() {
@@ -271,33 +358,15 @@ void Digging::take_back_refused() {
     last_ = Last::nothing; // what was there is not refused for what it is
 }
 
-void Digging::redo() {
-    end_stroke();
-    if (redo_.empty()) return;
-    ++version_;
-    Step step = std::move(redo_.back());
-    redo_.pop_back();
-    try {
-        repeat(step);
-    } catch (...) {
-        redo_.push_back(std::move(step));
-        throw;
-    }
-    undo_.push_back(std::move(step));
-    last_ = Last::redo;
-}
-
 void Digging::renew_layer(const io::JournalLayer& layer) {
     std::vector<io::KeptStamp> stamps;
     for (const io::JournalStamp& stamp : layer.stamps) stamps.push_back(stamp.what);
     renew(stamps);
 }
 
-// The samples that these stamps may change get what the journal makes of them now.
 // Paint mixes with what is below it, so what lies on an area is taken off and painted again, with all that meets it.
 void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
-    const edit::StampGrid grid(static_cast<std::int32_t>(header_.columns), static_cast<std::int32_t>(header_.rows),
-                               header_.spacing_m);
+    const edit::StampGrid grid = grid_of(header_);
     Rect all;
     for (const io::KeptStamp& stamp : changed)
         if (is_paint(stamp)) all = all.with(edit::samples_of(grid, stamp.stamp()));
@@ -323,67 +392,11 @@ void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
         if (again[i]) edits_->push(std::move(stamps[i]));
 }
 
+// The samples that these stamps may change get what the journal makes of them now.
 void Digging::renew(std::span<const io::KeptStamp> changed) {
     if (edits_ == nullptr || changed.empty()) return;
     renew_paint(changed);
-    const edit::StampGrid grid(static_cast<std::int32_t>(header_.columns), static_cast<std::int32_t>(header_.rows),
-                               header_.spacing_m);
-    std::vector<io::TimedStamp> stamps;
-    for (io::KeptStamp& stamp : journal().stamps()) stamps.push_back({0, std::move(stamp)});
-    std::vector<Rect> rects; // those that meet are one
-    for (const io::KeptStamp& stamp : changed) {
-        Rect all = edit::samples_of(grid, stamp.stamp());
-        if (all.empty() || is_paint(stamp)) continue;
-        // What is smoothed later depends on its neighbours.
-        for (const io::TimedStamp& later : stamps)
-            if (later.what.plain.shape == StampShape::smooth &&
-                edit::samples_of(grid, later.what.stamp()).meets(all.grown(1)))
-                all = all.grown(1).within({0, 0, grid.columns - 1, grid.rows - 1});
-        for (std::size_t i = 0; i < rects.size();) {
-            if (!rects[i].meets(all)) {
-                ++i;
-                continue;
-            }
-            all = all.with(rects[i]);
-            rects.erase(rects.begin() + static_cast<std::ptrdiff_t>(i));
-            i = 0;
-        }
-        rects.push_back(all);
-    }
-    std::unique_ptr<baker::HeightSource> source = std::make_unique<baker::PackSource>(pack_);
-    if (!stamps.empty()) source = baker::edited_source(std::move(source), stamps, path_);
-    const auto reader = source->reader();
-    const auto is_of_holes = [](const io::KeptStamp& stamp) { return edit::makes_or_fills_holes(stamp.plain.shape); };
-    const bool holes =
-        std::ranges::any_of(changed, is_of_holes) || std::ranges::any_of(stamps, is_of_holes, &io::TimedStamp::what);
-    for (const Rect& rect : rects) {
-        const auto rows = static_cast<std::int32_t>(
-            std::clamp<std::int64_t>(most_renewed / rect.columns(), 1, std::int64_t{rect.rows()}));
-        for (std::int32_t y = rect.y0; y <= rect.y1; y += rows) {
-            io::KeptStamp stamp;
-            stamp.plain.shape = StampShape::heights;
-            stamp.plain.first = {rect.x0, y};
-            stamp.plain.columns = rect.columns(), stamp.plain.rows = std::min(rows, rect.y1 - y + 1);
-            stamp.heights_m.resize(static_cast<std::size_t>(stamp.plain.columns) *
-                                   static_cast<std::size_t>(stamp.plain.rows));
-            baker::ReadStatistics ignored;
-            reader->read({rect.x0, y, stamp.plain.columns, stamp.plain.rows}, stamp.heights_m.data(), ignored);
-            if (!holes) {
-                edits_->push(std::move(stamp));
-                continue;
-            }
-            io::KeptStamp fill = stamp, cut = stamp;
-            fill.plain.shape = StampShape::fill, cut.plain.shape = StampShape::hole;
-            for (const float height_m : stamp.heights_m) {
-                fill.mask.push_back(std::isnan(height_m) ? 0 : 255);
-                cut.mask.push_back(std::isnan(height_m) ? 255 : 0);
-            }
-            fill.heights_m = cut.heights_m = {};
-            edits_->push(std::move(fill));
-            edits_->push(std::move(stamp));
-            edits_->push(std::move(cut));
-        }
-    }
+    for (io::KeptStamp& stamp : ground_of(pack_, header_, journal().stamps(), changed)) edits_->push(std::move(stamp));
 }
 
 } // namespace fjell::editor

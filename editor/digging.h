@@ -57,6 +57,7 @@ public:
     [[nodiscard]] std::optional<std::size_t> chosen() const;
     void choose(std::size_t place);
 
+    [[nodiscard]] const std::string& notice() const { return notice_; } // of opening the journal; empty: none
     // Another one whenever what the accessors give has changed.
     [[nodiscard]] std::uint64_t version() const { return version_; }
 
@@ -99,6 +100,8 @@ private:
     io::Journal& journal();
     [[nodiscard]] std::size_t place_of(std::uint32_t layer) const;
     void did(Step step);
+    enum class Last : std::uint8_t { nothing, step, undo, redo }; // done, and may be refused
+    void pass(std::vector<Step>& from, std::vector<Step>& to, void (Digging::*how)(Step&), Last last);
     void take_back(Step& step);
     void repeat(Step& step);
     void put_layer(std::optional<LayerState>& from, std::optional<LayerState>& to);
@@ -106,7 +109,7 @@ private:
     void renew_paint(std::span<const io::KeptStamp> changed);
     void renew_layer(const io::JournalLayer& layer);
 
-    std::string pack_, path_, problem_;
+    std::string pack_, path_, problem_, notice_;
     PackHeader header_;
     std::unique_ptr<io::Journal> journal_;
     session::FlightEdits* edits_ = nullptr;
@@ -114,7 +117,7 @@ private:
     std::uint64_t version_ = 1;
     std::vector<io::KeptStamp> stroke_;
     std::vector<Step> undo_, redo_;
-    enum class Last : std::uint8_t { nothing, step, undo, redo } last_ = Last::nothing; // done, and may be refused
+    Last last_ = Last::nothing;
 };
 
 } // namespace fjell::editor

@@ -163,7 +163,11 @@ void Engine::adopt(Opened opened, const session::FlightOptions& o) {
     if (!renderer) renderer = session::make_renderer(o, *session);
     set_renderer(std::move(renderer)); // which points into the terrain: the old one goes before the old session
     session_ = std::move(session);
-    if (!digging_ || pack_ != o.pack) digging_ = std::make_unique<Digging>(o.pack, session_->loaded.pack.header);
+    if (!digging_ || pack_ != o.pack) {
+        digging_ = std::make_unique<Digging>(o.pack, session_->loaded.pack.header);
+        for (const std::string* const text : {&digging_->problem(), &digging_->notice()})
+            if (!text->empty()) messages_.push_back(*text);
+    }
     digging_->use(session_->edits.get());
     if (session_->edits) session_->edits->limit_us(most_edit_us);
     coordinates_ = std::move(coordinates);
@@ -243,8 +247,13 @@ session::FrameEntry Engine::update(const View& view, const Profile& profile, dou
 }
 
 void Engine::refuse_edit(const std::string& why) {
-    digging_->take_back_refused();
-    messages_.push_back(fmt::format("the ground there cannot take that, so it was taken back: {}", why));
+    try {
+        digging_->take_back_refused();
+        messages_.push_back(fmt::format("the ground there cannot take that, so it was taken back: {}", why));
+    } catch (const io::Failure& failure) { // in the middle of a frame
+        messages_.push_back(
+            fmt::format("the ground there cannot take that ({}), and the journal keeps it: {}", why, failure.what()));
+    }
 }
 
 void Engine::rehearse(const State& state, bool all) {

@@ -184,8 +184,6 @@ struct Ground {
     std::optional<std::array<double, 2>> last_dab;  // of the stroke that is under way
     double level_m = 0;                             // its height, of BrushTool::level
 };
-// After whatever may have changed it, and once a frame. session: its ground.
-void follow_ground(Ground& ground, const Digging& digging, const session::Session& session, const View& view);
 
 // Of near ground, as they are drawn.
 struct MaterialsInUse {

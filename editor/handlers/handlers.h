@@ -76,6 +76,8 @@ void continue_saving(HandlerContext context);
 
 // --- ground
 [[nodiscard]] Digging& digging(HandlerContext context); // of what is open; Failure 2 when nothing is
+// What panels show of it, once a frame.
+void follow_ground(Ground& ground, const Digging& digging, const session::Session& session, const View& view);
 void handle(const AimBrush& c, HandlerContext context);
 void handle(const StrokeGround& c, HandlerContext context);
 
