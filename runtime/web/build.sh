@@ -24,8 +24,8 @@ module() { # SIMD OPTIMISATION FILE
 version=$(sed -n 's/^project(fjell VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
 rm -rf "$folder/package"
 mkdir -p "$folder/package"
-module ON -O3 fjell.wasm
-module OFF -Oz fjell-scalar.wasm
+module ON "-O3 -flto" fjell.wasm
+module OFF "-Oz -flto" fjell-scalar.wasm
 cp "$here"/package/*.js "$here"/package/*.d.ts "$here/package/README.md" "$root/LICENSE" "$folder/package"
 for file in package.json version.js; do
   sed "s/@FJELL_VERSION@/$version/" "$here/package/$file.in" >"$folder/package/$file"

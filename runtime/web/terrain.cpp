@@ -441,9 +441,15 @@ FJELL_CALL double ground_drawn_height(Ground* g, std::uint32_t vertex) {
 
 // --- changes of the ground
 
-// numbers: shape, x, z, radius, falloff, amount, height, slope x, slope z, wavelength, seed.
-FJELL_CALL void ground_edit(Ground* g) {
+const char* why(const Status& status) {
+    return *status.field ? status.field : message(status.code);
+}
+
+// numbers: shape, x, z, radius, falloff, amount, height, slope x, slope z, wavelength, seed; afterwards the stamp's
+// number. Returns why it is refused, or an empty text.
+FJELL_CALL const char* ground_edit(Ground* g) {
     Stamp s;
+    static_assert(StampShape::fill == static_cast<StampShape>(11)); // package/terrain.js numbers them too
     s.shape = static_cast<StampShape>(numbers[0]);
     s.x_m = numbers[1], s.z_m = numbers[2];
     s.radius_m = static_cast<float>(numbers[3]), s.falloff_m = static_cast<float>(numbers[4]);
@@ -451,7 +457,16 @@ FJELL_CALL void ground_edit(Ground* g) {
     s.slope_x = static_cast<float>(numbers[7]), s.slope_z = static_cast<float>(numbers[8]);
     s.wavelength_m = static_cast<float>(numbers[9]), s.seed = static_cast<std::uint32_t>(numbers[10]);
     StampId id = 0;
-    require(push_stamp(g->edits, s, id), "edit");
+    const Status pushed = push_stamp(g->edits, s, id);
+    numbers[0] = static_cast<double>(id);
+    return pushed.ok() ? "" : why(pushed);
+}
+
+// numbers: its StampState. Returns why it is refused, or an empty text.
+FJELL_CALL const char* ground_edit_state(Ground* g, double id) {
+    const StampResult result = stamp_state(g->edits, static_cast<StampId>(id));
+    numbers[0] = static_cast<double>(result.state);
+    return result.state == StampState::refused ? why(result.status) : "";
 }
 
 } // namespace fjell::web

@@ -111,13 +111,14 @@ TEST_CASE("a pack and a file of stamps have the heights that are flown with them
         recipe.edits = stamps_path;
         const BakeSummary said = bake(*open_inputs(recipe), small_bake(log2), folder / "baked.fjell");
         const Field baked = read_whole(PackSource(folder / "baked.fjell"));
-        double most = 0;
+        double most = 0; // beyond half a step and what the two floats may round
         for (std::size_t i = 0; i < baked.heights_m.size(); ++i) {
             REQUIRE(std::isnan(baked.heights_m[i]) == std::isnan(whole.heights_m[i]));
             if (!std::isnan(whole.heights_m[i]))
-                most = std::max(most, std::fabs(static_cast<double>(baked.heights_m[i]) - whole.heights_m[i]));
+                most = std::max(most, std::fabs(static_cast<double>(baked.heights_m[i]) - whole.heights_m[i]) -
+                                          0x1p-23 * static_cast<double>(std::fabs(whole.heights_m[i])));
         }
-        CHECK(most <= 0.51 * static_cast<double>(said.quantum_m)); // a taller tile may take a larger step
+        CHECK(most <= 0.5001 * static_cast<double>(said.quantum_m)); // a taller tile may take a larger step
     }
     CHECK(applied > rounds(30, 500));
     CHECK(restored > rounds(1, 50));

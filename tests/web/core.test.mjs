@@ -143,15 +143,16 @@ test("a flight keeps the heap and the budget of each frame, and comes to rest as
       terrain.takeChanges();
     }
   };
-  fly(1200);
-  globalThis.gc();
-  const before = process.memoryUsage();
-  fly(3600); // a minute
-  globalThis.gc();
-  const after = process.memoryUsage();
+  const minute = () => {
+    fly(3600);
+    globalThis.gc();
+    return process.memoryUsage();
+  };
+  const before = minute(); // when all is compiled that will be, or nearly: so the least of several
+  const more = [minute(), minute(), minute()].map((after) => after.heapUsed - before.heapUsed);
   assert.ok(terrain.frame.activations + terrain.frame.deactivations > 0, "it flies");
-  assert.ok(after.heapUsed - before.heapUsed < 200_000, `${after.heapUsed - before.heapUsed} bytes more after 3,600 frames`);
-  assert.ok(after.arrayBuffers <= before.arrayBuffers);
+  assert.ok(Math.min(...more) < 50_000, `${more} bytes more after one minute, two and three`);
+  assert.ok(process.memoryUsage().arrayBuffers <= before.arrayBuffers);
   assert.ok(arrays.every((array) => array.length > 0), "the memory has not grown");
   assert.equal(terrain.indexSlots.buffer, arrays[0].buffer);
   const rested = await terrain.settle(views, now), there = await Terrain.open(pack);
@@ -202,8 +203,24 @@ test("an edit changes the ground, and is refused without room for it", async () 
   await terrain.settle(views);
   assert.ok(Math.abs(terrain.height(...middle) - before - 100) <= terrain.quantum);
   assert.throws(() => terrain.edit({ shape: "raise", at: middle, amount: 100 }), /edit: a number/);
-  assert.throws(() => terrain.edit({ shape: "hole", at: middle, radius: 1 }), /shape/);
+  assert.throws(() => terrain.edit({ shape: "path", at: middle, radius: 1 }), /shape/);
+  const hole = terrain.edit({ shape: "hole", at: middle, radius: 200 });
+  assert.equal(terrain.editState(hole).state, "waiting");
+  await terrain.settle(views);
+  assert.deepEqual(terrain.editState(hole), { state: "applied", why: "" });
+  assert.ok(Number.isNaN(terrain.height(...middle)));
+  assert.equal(terrain.ray([middle[0], 9000, middle[1]], [0, -1, 0]), null);
+  terrain.edit({ shape: "fill", at: middle, radius: 400 });
+  await terrain.settle(views);
+  assert.ok(Number.isFinite(terrain.height(...middle)));
+  const wall = terrain.edit({ shape: "raise", at: middle, radius: 200, amount: 60_000 });
+  await terrain.settle(views);
+  const { state, why } = terrain.editState(wall);
+  assert.equal(state, "refused");
+  assert.match(why, /^Stamp /);
+  assert.equal(terrain.editState(wall + 1).state, "unknown");
   const fixed = await Terrain.open(pack);
+  assert.equal(fixed.editState(1).state, "unknown");
   assert.throws(() => fixed.edit({ shape: "raise", at: middle, radius: 1 }), /editBlocks/);
 });
 

@@ -253,7 +253,9 @@ export class Terrain {
   height(x: number, z: number): number;
   ground(x: number, z: number): { height: number; error: number; normal: [number, number, number] } | null;
   ray(origin: Vec3, direction: Vec3, maxDistance?: number): Hit | null;
-  edit(stamp: Stamp): void;
+  /** Returns the edit's number, for editState(). Throws what can be said at once. */
+  edit(stamp: Stamp): number;
+  editState(edit: number): { state: "unknown" | "waiting" | "applied" | "refused" | "moving"; why: string };
   /** The mesh of the last update as binary glTF, with normals and without textures. */
   snapshot(view?: View): Uint8Array;
   close(): void;

@@ -355,17 +355,27 @@ export class Terrain {
     return { distance: n[1], position: [n[2], n[3], n[4]], normal: [n[5], n[6], n[7]], error: n[8] };
   }
 
-  /** Changes the ground from the next update on; of a terrain that was opened with editBlocks. */
+  /** Changes the ground from the next update on; of a terrain that was opened with editBlocks. Returns its number. */
   edit({ shape, at: [x, z], radius, falloff = 0, amount = 0, height = 0, slope = [0, 0], wavelength = 0, seed = 0 }) {
     this.#open_or_throw();
-    const shapes = ["raise", "level", "crater", "path", "noise", "smooth", "heights", "restore", "hole", "fill"];
+    const shapes = ["raise", "level", "crater", "path", "noise", "smooth", "heights", "restore", "paint", "unpaint", "hole", "fill"]; // StampShape
     if (this.budget.editBlocks === 0) throw new Error("editBlocks: is 0; open the terrain with more to edit it");
-    if (!shapes.includes(shape) || shape === "path" || shape === "heights") throw new RangeError(`shape: is ${shape}; give raise, level, crater, noise, smooth, restore, hole or fill`);
+    if (!shapes.includes(shape) || ["path", "heights", "paint", "unpaint"].includes(shape)) throw new RangeError(`shape: is ${shape}; give raise, level, crater, noise, smooth, restore, hole or fill`);
     this.#numbers.set([shapes.indexOf(shape), x, z, radius, falloff, amount, height, slope[0], slope[1], wavelength, seed]);
     const { numbers } = this.#instance;
     const bad = Array.from(numbers.subarray(0, 11)).some((value) => !Number.isFinite(value));
     if (bad || !(radius > 0)) throw new RangeError("edit: a number is missing or none");
-    this.#calls.ground_edit(this.#ground);
+    const why = this.#instance.text(this.#calls.ground_edit(this.#ground));
+    if (why) throw new Error(`edit: ${why}`);
+    return numbers[0];
+  }
+
+  /** What has become of an edit, by its number: the state, and why it is refused. */
+  editState(edit) {
+    this.#open_or_throw();
+    if (this.budget.editBlocks === 0) return { state: "unknown", why: "" };
+    const why = this.#instance.text(this.#calls.ground_edit_state(this.#ground, edit));
+    return { state: ["unknown", "waiting", "applied", "refused", "moving"][this.#numbers[0]], why };
   }
 
   /** The mesh of the last update as binary glTF. */
