@@ -3,11 +3,13 @@
     PYTHONPATH=build/release/python python3 tests/bench/array_meshes.py HEIGHTS... NODE_MODULES
 
 HEIGHTS: .npy or what GDAL's Python reads; its largest square of 2^n + 1 samples. FILE@X,Y: 257 x 257 samples from there
-on. Of one the errors are 5 and 20 m; of several 1% of each tile's relief, and the table has a line for each. Each of the
-others is asked for smaller errors until its true one, as NumPy measures it, is no larger than Fjell's. Times are the
-least of five calls, of that last one alone; Node's after it has compiled. Prints a table, and JSON with --json.
---plot FILE: instead, the triangles of all tiles for several errors, as one of the plots of docs/plots.json, which
-`fjell-lab --draw` draws.
+on. FOLDER: the twelve tiles of docs/measured.md, of the real heights that lie in it and of content/terrain, which
+build/release/bin/fjell-bake makes. Of one the errors are 5 and 20 m; of several 1% of each tile's relief, and the table
+has a line for each. Each of the others is asked for smaller errors until its true one, as NumPy measures it, is no
+larger than Fjell's. Times are the least of five calls, of that last one alone; Node's after it has compiled. Of several,
+the vertices that cesium-terrain-builder would choose are counted as well (by_chunks). Prints a table, and JSON with
+--json. --plot FILE: instead, the triangles of all tiles for several errors, as one of the plots of docs/plots.json,
+which `fjell-lab --draw` draws.
 """
 
 import json
@@ -21,7 +23,8 @@ import numpy as np
 
 import fjell
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python"))
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+sys.path.insert(0, os.path.join(ROOT, "tests", "python"))
 from measured import measure  # noqa: E402
 
 NODE = """
@@ -98,6 +101,32 @@ def by_scipy(heights, worst):
         step //= 2
 
 
+def by_chunks(heights, error):
+    """Triangles by the rule of cesium-terrain-builder's meshes, after Ulrich's chunked levels of detail (2002): a vertex
+    is active where the middle of its hypotenuse is off by `error` or more, and so is each that an active one needs."""
+    last, heights = len(heights) - 1, heights.astype(float)
+    active = np.zeros(heights.shape, bool)
+
+    def activate(ys, xs, dy, dx_of):  # dy, dx: from the middle of the hypotenuse to an end, and turned, to an apex
+        y, x = np.meshgrid(ys, xs, indexing="ij")
+        dx = dx_of(y, x)
+        active[y, x] |= np.abs(heights[y, x] - (heights[y - dy, x - dx] + heights[y + dy, x + dx]) / 2) >= error
+        for to_y, to_x in ((y + dx, x - dy), (y - dx, x + dy)):
+            there = active[y, x] & (to_y >= 0) & (to_y <= last) & (to_x >= 0) & (to_x <= last)
+            active[to_y[there], to_x[there]] = True
+
+    half = 1
+    while half < last:  # from the finest generation up: sides of squares, then their centres
+        even, odd = np.arange(0, last + 1, 2 * half), np.arange(half, last, 2 * half)
+        activate(even, odd, 0, lambda y, x: half)
+        activate(odd, even, half, lambda y, x: 0)
+        activate(odd, odd, half, lambda y, x: np.where((y // (2 * half) + x // (2 * half)) % 2 == 0, half, -half))
+        half *= 2
+    active[::last, ::last] = False  # the corners, which split nothing
+    inner = int(active[1:-1, 1:-1].sum())
+    return 2 + inner + int(active.sum())
+
+
 def rows(heights, modules, errors):
     folder = tempfile.mkdtemp()
     for error in errors:
@@ -121,6 +150,39 @@ def rows(heights, modules, errors):
         row = by_scipy(heights, worst)
         if row:
             yield row
+
+
+# Those of docs/measured.md: name, file, west and north. The last two files are made.
+TWELVE = (
+    ("Jotunheimen, 117 m", "norway_jotunheimen_117m_512_f32.tif", 0, 0),
+    ("Jotunheimen, south-east", "norway_jotunheimen_117m_512_f32.tif", 255, 255),
+    ("Puget Sound, 160 m, peninsula", "puget_sound_160m_1025_u16.png", 0, 0),
+    ("Puget Sound, middle", "puget_sound_160m_1025_u16.png", 350, 350),
+    ("Puget Sound, south-east", "puget_sound_160m_1025_u16.png", 700, 700),
+    ("Sierra Nevada, 90 m, west", "spain_sierra_nevada_srtm3_3601x2401_i16.tif", 1000, 800),
+    ("Sierra Nevada, east", "spain_sierra_nevada_srtm3_3601x2401_i16.tif", 2400, 1200),
+    ("Grand Canyon, 60 m, heights in 8 bits", "grand_canyon_60m_4097x2049_u8.png", 1000, 600),
+    ("Grand Canyon, east", "grand_canyon_60m_4097x2049_u8.png", 2500, 1000),
+    ("Mount St. Helens, 30 m", "SainteHelens_usgs.dem", 30, 100),
+    ("mountains made up, 60 m", "mountains-small.tif", 100, 100),
+    ("hills made up, 1 m", "hills.tif", 500, 300),
+)
+
+
+def twelve_of(folder):
+    """Names and files, as load() takes them, of the twelve tiles."""
+    made = tempfile.mkdtemp()
+    for name in ("mountains-small", "hills"):
+        subprocess.run([os.path.join(ROOT, "build/release/bin/fjell-bake"), "synth", os.path.join(ROOT, f"content/terrain/{name}.json"),
+                        "-o", os.path.join(made, name + ".tif"), "--quiet"], check=True)  # fmt: skip
+    places = [os.path.join(f, name) for _, name, _, _ in TWELVE for f in (folder, made) if os.path.exists(os.path.join(f, name))]
+    return [(of[0], f"{place}@{of[2]},{of[3]}") for of, place in zip(TWELVE, places, strict=True)]
+
+
+def tiles_of(files):
+    if len(files) == 1 and os.path.isdir(files[0]):
+        return twelve_of(files[0])
+    return [(os.path.basename(f).split(".")[0].split("@")[0] + f[f.find("@") :] * ("@" in f), f) for f in files]
 
 
 def load(given):
@@ -152,16 +214,17 @@ def of_one(heights, modules):
     return "\n".join(lines)
 
 
-def of_several(files, modules):
+def of_several(given, modules):
     """Each method's last row: where its true error is no larger than Fjell's. Martini's first: what it makes of a wish."""
     tiles = []
-    for file in files:
+    for name, file in given:
         heights = load(file)
         found = list(rows(heights, modules, (float(heights.max() - heights.min()) / 100,)))
         of = {r["method"]: r for r in found}
         first = next(r for r in found if r["method"] == "Martini")
-        name = os.path.basename(file).split(".")[0].split("@")[0] + file[file.find("@") :] * ("@" in file)
-        tiles.append({"tile": name, "over": first["true_m"] / first["asked_m"], **of})
+        # Martini leaves out what is off by exactly the error.
+        chunks = by_chunks(heights, np.nextafter(first["asked_m"], np.inf)) - first["triangles"]
+        tiles.append({"tile": name, "over": first["true_m"] / first["asked_m"], "chunks_more": chunks, **of})
         print(name, file=sys.stderr)
     if "--json" in sys.argv:
         return json.dumps(tiles, indent=2)
@@ -180,27 +243,30 @@ def of_several(files, modules):
         fewer = np.median([t["Fjell"]["triangles"] / t[method]["triangles"] for t in tiles])
         times = [t[method]["ms"] / t["Fjell"]["ms"] for t in tiles]
         lines.append(
-            f"{method}: median of Fjell's triangles over its {fewer:.2f}, of its time over Fjell's {np.median(times):.1f}"
+            f"{method}: median of Fjell's triangles over its {fewer:.2f}, of its time over Fjell's {np.median(times):.1f}, "
+            f"{min(times):.1f} to {max(times):.1f}"
         )
+    apart = [t["chunks_more"] for t in tiles]
+    lines.append(f"cesium-terrain-builder's rule, asked as Martini is: {min(apart)} to {max(apart)} triangles more than Martini's")
     return "\n".join(lines)
 
 
-def plot_of(files, modules, path):
+def plot_of(given, modules, path):
     """Triangles of all tiles, by the share of each one's relief that the error may be."""
     global calls
     calls = 1
-    methods, shares = ("Fjell", "Martini", "Delatin"), (0.5, 1, 2, 4)
+    methods, shares = ("Fjell", "Martini", "Delatin"), (0.5, 1, 2, 5)
     totals = {method: [[share, 0] for share in shares] for method in methods}
-    for file in files:
+    for name, file in given:
         heights = load(file)
         for i, share in enumerate(shares):
             of = {r["method"]: r for r in rows(heights, modules, (float(heights.max() - heights.min()) * share / 100,))}
             for method in methods:
                 totals[method][i][1] += of[method]["triangles"]
-        print(file, file=sys.stderr)
+        print(name, file=sys.stderr)
     made = {
         "name": "plot-meshes",
-        "title": f"Triangles of {len(files)} tiles at the same true error",
+        "title": f"Triangles of {len(given)} tiles at the same true error",
         "x_label": "error, percent of a tile's relief",
         "y_label": "triangles of all tiles",
         "lines": [{"label": method, "points": totals[method]} for method in methods],
@@ -217,10 +283,11 @@ def main():
     if "--plot" in sys.argv:
         at = sys.argv.index("--plot")
         *files, modules = sys.argv[1:at] + sys.argv[at + 2 :]
-        print(plot_of(files, modules, sys.argv[at + 1]))
+        print(plot_of(tiles_of(files), modules, sys.argv[at + 1]))
         return
     *files, modules = [a for a in sys.argv[1:] if a != "--json"]
-    print(of_one(load(files[0]), modules) if len(files) == 1 else of_several(files, modules))
+    tiles = tiles_of(files)
+    print(of_one(load(tiles[0][1]), modules) if len(tiles) == 1 else of_several(tiles, modules))
 
 
 if __name__ == "__main__":
