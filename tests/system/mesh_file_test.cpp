@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,47 @@ TEST_CASE("with its normal texture a coarse mesh is lit as all samples would be"
     }
 }
 
+TEST_CASE("assimp reads meshes with their textures, and not what it has no reader for") {
+    const TemporaryFolder folder;
+    if (run_in(folder.path, "command -v assimp").code != 0) {
+        WARN("there is no assimp, which ./dev test --long installs: it reads no mesh");
+        return;
+    }
+    write_mountains(folder, 97, 60, "30", false);
+    done(folder, bake + "dem.asc -o pack.fjell --quiet --horizons half");
+    const auto numbers_after = [&](const std::string& text, const std::string& label) {
+        const std::size_t at = text.find(label);
+        REQUIRE(at != std::string::npos);
+        std::istringstream words(text.substr(at + label.size()));
+        std::vector<double> found;
+        for (std::string word; words >> word;) {
+            if (word.starts_with("(")) word.erase(0, 1);
+            found.push_back(std::stod(word));
+            if (found.size() == 3 || label.find("point") == std::string::npos) break;
+        }
+        return found;
+    };
+    for (const std::string way : {"mesh.glb --colours --normal-map --occlusion", "mesh.ply", "mesh.obj", "mesh.stl"}) {
+        CAPTURE(way);
+        const json said =
+            json::parse(done(folder, bake + "mesh pack.fjell -o " + way + " --max-error-m 20 --quiet --json -"));
+        const std::string read = done(folder, "assimp info " + way.substr(0, 8));
+        CAPTURE(read);
+        CHECK(numbers_after(read, "\nFaces:")[0] == said["triangles"]);
+        CHECK(numbers_after(read, "\nTextures (embed.):")[0] == (way.ends_with("occlusion") ? 3 : 0));
+        const bool z_up = way.ends_with(".ply") || way.ends_with(".stl");
+        const auto low = numbers_after(read, "\nMinimum point"), high = numbers_after(read, "\nMaximum point");
+        CHECK(high[0] - low[0] == Approx(96 * 30));
+        CHECK(high[z_up ? 1 : 2] - low[z_up ? 1 : 2] == Approx(59 * 30));
+        CHECK(high[z_up ? 2 : 1] > low[z_up ? 2 : 1] + 600);
+    }
+    // It ignores that KHR_mesh_quantization is required, so only the other extension stops it.
+    done(folder, bake + "mesh pack.fjell -o packed.glb --max-error-m 20 --meshopt --quiet");
+    const Run packed = run_in(folder.path, "assimp info packed.glb");
+    CHECK(packed.code != 0);
+    CHECK((packed.out + packed.err).find("missing the \"uri\" attribute") != std::string::npos);
+}
+
 TEST_CASE("a mesh of a polygon has its samples and no others") {
     const TemporaryFolder folder;
     write_mountains(folder, 97, 60, "30", true);
@@ -291,6 +333,26 @@ TEST_CASE("heights for engines are the field's, as the summary beside them says"
             CHECK(found["shared"].get<int>() >= (w.files - 1) * (w.columns / 2));
             CHECK(folder.names().size() == static_cast<std::size_t>(w.files) + 2);
         }
+}
+
+TEST_CASE("GDAL and PIL find the numbers of a raw file in a picture of heights") {
+    const TemporaryFolder folder;
+    write_mountains(folder, 97, 60, "30", false);
+    done(folder, bake + "heights dem.asc -o h.png --quiet && " + bake + "heights dem.asc -o raw.r16 --quiet");
+    const std::string numbers = slurp(folder / "raw.r16");
+    REQUIRE(numbers.size() == 2 * 97 * 60);
+    done(folder, "gdal_translate -q -of ENVI h.png gdal.bin");
+    CHECK(slurp(folder / "gdal.bin") == numbers);
+    const std::string script = "'from PIL import Image; import array, sys; i = Image.open(\"h.png\"); "
+                               "assert i.size == (97, 60), i.size; a = array.array(\"H\", i.getdata()); "
+                               "sys.byteorder == \"big\" and a.byteswap(); open(\"pil.bin\", \"wb\").write(a)'";
+    for (const std::string python : {"python3", "/usr/bin/python3"}) // the first may be one without Debian's packages
+        if (run_in(folder.path, python + " -c 'import PIL'").code == 0) {
+            done(folder, python + " -c " + script);
+            CHECK(slurp(folder / "pil.bin") == numbers);
+            return;
+        }
+    WARN("there is no PIL, which ./dev test --long installs: it reads no picture of heights");
 }
 
 TEST_CASE("raw heights come back as they were, and a step of a GeoTIFF lies where it was") {
