@@ -138,7 +138,12 @@ std::function<Command(Words&)> with_point() {
     return [](Words& w) { return C{w.count(a_point)}; };
 }
 
-// Of an export: nothing, "converged" or a threshold; and the size of its texels.
+[[nodiscard]] bool yes_or_no(const std::string& word, const char* what) {
+    if (word != "yes" && word != "no") throw Failure(2, fmt::format("{}: {} must be yes or no", word, what));
+    return word == "yes";
+}
+
+// Of an export: nothing, "converged" or a threshold; the size of its texels, and what makes the file smaller.
 void mesh_choice(Words& w, ExportMesh& c) {
     if (w.more() && !w.is_option()) {
         const std::string word = w.text("");
@@ -146,7 +151,13 @@ void mesh_choice(Words& w, ExportMesh& c) {
         if (!c.converged)
             c.error_px = Words::number_of(word, "the threshold, unless it is the word converged or texel_m=M,");
     }
-    w.options({{"texel_m", [&](const std::string& v) { c.texel_m = Words::number_in(v, "texel_m", 0, 1e6); }}});
+    w.options({{"texel_m", [&](const std::string& v) { c.texel_m = Words::number_in(v, "texel_m", 0, 1e6); }},
+               {"quantised", [&](const std::string& v) { c.quantised = yes_or_no(v, "quantised"); }},
+               {"meshopt", [&](const std::string& v) { c.meshopt = yes_or_no(v, "meshopt"); }},
+               {"texture", [&](const std::string& v) {
+                    if (v != "png" && v != "jpeg") throw Failure(2, fmt::format("{}: texture must be png or jpeg", v));
+                    c.jpeg = v == "jpeg";
+                }}});
 }
 
 constexpr double degree = 3.14159265358979323846 / 180;
@@ -252,16 +263,8 @@ Command tune(Words& w) {
                {"budget_us", [&](const std::string& v) { s.budget_us = Words::number_in(v, "budget_us", 10, 1e6); }},
                {"frames", [&](const std::string& v) { s.frames = Words::count_of(v, "frames", 0, 1e5); }},
                {"csv", [&](const std::string& v) { t.csv = v; }},
-               {"apply",
-                [&](const std::string& v) {
-                    if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: apply must be yes or no", v));
-                    s.apply = v == "yes";
-                }},
-               {"also",
-                [&](const std::string& v) {
-                    if (v != "yes" && v != "no") throw Failure(2, fmt::format("{}: also must be yes or no", v));
-                    s.also = v == "yes";
-                }},
+               {"apply", [&](const std::string& v) { s.apply = yes_or_no(v, "apply"); }},
+               {"also", [&](const std::string& v) { s.also = yes_or_no(v, "also"); }},
                {"least_px",
                 [&](const std::string& v) {
                     s.least_px = Words::number_in(v, "least_px", ranges::least_threshold_px, ranges::most_threshold_px);
@@ -529,18 +532,18 @@ std::vector<Verb> program_verbs() {
              const std::string path = w.text("a file");
              return RunBenchmark{path, w.more() ? w.count("frames") : 0};
          }},
-        {"export", "FILE.glb [converged|ERROR_PX] [texel_m=M]",
+        {"export", "FILE.glb [converged|ERROR_PX] [texel_m=M] [quantised=yes|no] [meshopt=yes|no] [texture=png|jpeg]",
          "the mesh as drawn now, or the converged mesh of this view, or the whole terrain at a threshold",
          [](Words& w) {
              ExportMesh c{w.text("a file")};
              mesh_choice(w, c);
              return c;
          }},
-        {"preview", "[converged|ERROR_PX] [texel_m=M]", "counts and file size of an export; nothing is written",
+        {"preview", "[converged|ERROR_PX] [options of export]", "counts and file size of an export; nothing is written",
          [](Words& w) {
-             ExportMesh c;
-             mesh_choice(w, c);
-             return PreviewExport{c.converged, c.error_px, c.texel_m};
+             PreviewExport c;
+             mesh_choice(w, c.mesh);
+             return c;
          }},
         {"cancel", "", "cancels the running job", plain<CancelJob>()},
         {"screenshot", "FILE.png [terrain]", "the window, or the terrain alone",

@@ -296,10 +296,10 @@ struct ExportMesh {
     bool converged = false; // what the view would settle on; otherwise the frame's mesh as it stands
     double error_px = 0;    // not 0: the whole terrain at this threshold instead
     double texel_m = 0;     // of its textures; 0: as fine as the maps are
+    bool quantised = false, meshopt = false, jpeg = false; // as gltf::SnapshotOptions has them; jpeg: its colours
 };
 struct PreviewExport { // size and counts of it, nothing written
-    bool converged = false;
-    double error_px = 0, texel_m = 0;
+    ExportMesh mesh;   // without a path
 };
 struct CancelJob {};
 struct UseTuned {}; // sets what auto-tuning found last, in one step

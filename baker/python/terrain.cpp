@@ -466,7 +466,10 @@ public:
         return made;
     }
 
-    [[nodiscard]] py::dict snapshot(const std::string& path, const View& view) {
+    [[nodiscard]] py::dict snapshot(const std::string& path, const View& view, double texel_m, bool quantised,
+                                    bool meshopt, const std::string& texture) {
+        if (texture != "png" && texture != "jpeg")
+            throw py::value_error(texture + ": texture must be \"png\" or \"jpeg\"");
         const auto g = ground();
         const gltf::SnapshotCounts counts = watched([&] {
             const std::lock_guard hold(g->lock);
@@ -474,7 +477,12 @@ public:
             g->view = view;
             (void)settle(*g->live, g->edited.get(), view, g->clock_s);
             const io::LiveTerrain& live = g->live->ground;
-            return gltf::write_snapshot(live, gltf::take_snapshot(live, view), path);
+            return gltf::write_snapshot(
+                live, gltf::take_snapshot(live, view), path,
+                {.texel_m = texel_m,
+                 .colours = texture == "jpeg" ? gltf::SnapshotImage::jpeg : gltf::SnapshotImage::png,
+                 .quantised = quantised,
+                 .meshopt = meshopt});
         });
         py::dict said;
         said["tiles"] = counts.tiles, said["vertices"] = counts.vertices, said["triangles"] = counts.triangles;

@@ -38,6 +38,7 @@ ExportPlan export_plan(HandlerContext context, const ExportMesh& c) {
     if (!view) throw io::Failure(2, "no frame has been drawn yet; try again");
     ExportPlan plan{session.file, c.path,     {},        state.scene.streamed,   state.document.profile(),
                     *view,        c.error_px, c.texel_m, context.engine.layers()};
+    plan.quantised = c.quantised, plan.meshopt = c.meshopt, plan.jpeg = c.jpeg;
     if (!c.converged && c.error_px == 0) plan.frame = session::take_frame(session);
     return plan;
 }
@@ -80,7 +81,7 @@ void handle(const ExportMesh& c, HandlerContext context) {
 }
 
 void handle(const PreviewExport& c, HandlerContext context) {
-    context.jobs.start(JobKind::preview, export_job(export_plan(context, {"", c.converged, c.error_px, c.texel_m})));
+    context.jobs.start(JobKind::preview, export_job(export_plan(context, c.mesh)));
 }
 
 void handle_job_result(HandlerContext context) {

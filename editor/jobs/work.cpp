@@ -158,6 +158,8 @@ gltf::SnapshotOptions snapshot_options(const ExportPlan& plan, JobControl& contr
     gltf::SnapshotOptions options;
     options.write = !plan.path.empty();
     options.texel_m = plan.texel_m;
+    options.quantised = plan.quantised, options.meshopt = plan.meshopt;
+    options.colours = plan.jpeg ? gltf::SnapshotImage::jpeg : gltf::SnapshotImage::png;
     options.progress = [&control, write = options.write](std::uint64_t done, std::uint64_t total) {
         if (control.cancelled()) return false;
         control.progress(write ? "tiles" : "measure", done, total);

@@ -42,6 +42,7 @@ struct ExportPlan {
     double error_px = 0; // the whole terrain at this threshold, whatever the budgets; 0: as the profile settles on
     double texel_m = 0;  // of its textures; 0: as fine as the maps are
     std::shared_ptr<const session::GroundLayers> layers = {}; // drawn over its colours, as the profile says
+    bool quantised = false, meshopt = false, jpeg = false;    // what makes it smaller (gltf::SnapshotOptions)
 };
 [[nodiscard]] Jobs::Body export_job(ExportPlan plan);
 

@@ -51,16 +51,30 @@ void draw_snapshot(const State& state, PanelState& own, Commands& commands) {
                    "The size of a texel of its textures, in metres: larger ones make a smaller file. 0: as fine as the "
                    "maps are.");
     form.texel_m = std::max(form.texel_m, 0.0);
+    constexpr const char* textures[] = {"PNG", "JPEG"};
+    fields::choice("Colours", "export", "texture", form.texture, textures,
+                   "PNG loses nothing, JPEG is smaller. Normals and occlusion are always PNG.");
+    fields::label("16 bits");
+    ImGui::Checkbox("##quantised", &form.quantised);
+    ui::control("export", "quantised",
+                "16 bits a number instead of 32 (KHR_mesh_quantization). The file says what this rounds.");
+    fields::label("Compressed");
+    ImGui::Checkbox("##meshopt", &form.meshopt);
+    ui::control("export", "meshopt", "EXT_meshopt_compression: smaller still, but not all viewers read it.");
     ImGui::Separator();
     const bool can = !state.job.running && state.scene.open();
-    const double error_px = form.own == 1 ? form.error_px : 0;
+    const auto mesh = [&form](const char* path) {
+        return ExportMesh{
+            path,         form.converged,   form.own == 1 ? form.error_px : 0, form.texel_m, form.quantised,
+            form.meshopt, form.texture == 1};
+    };
     if (fields::button("Preview", "export", "preview", can,
                        "Shows the counts and the size of the file to the byte. Writes nothing."))
-        commands.push(PreviewExport{form.converged, error_px, form.texel_m});
+        commands.push(PreviewExport{mesh("")});
     ImGui::SameLine();
     if (fields::button("Export", "export", "start", can && form.path[0] != '\0',
                        "Writes the file; an existing one is replaced only when it is complete.", true))
-        commands.push(ExportMesh{form.path, form.converged, error_px, form.texel_m});
+        commands.push(mesh(form.path));
     fields::close("export", commands);
     if (fields::runs(state, JobKind::snapshot) || fields::runs(state, JobKind::preview))
         fields::cancel("export", commands);

@@ -101,6 +101,8 @@ struct ExportForm {
     bool converged = false;
     int own = 0; // a threshold of its own
     double error_px = 1, texel_m = 0;
+    bool quantised = false, meshopt = false;
+    int texture = 0;       // png, jpeg
     bool browsing = false; // for the file
     FileBrowserForm browser;
 };

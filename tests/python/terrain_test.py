@@ -199,14 +199,30 @@ class Terrains(unittest.TestCase):
 
     def test_a_snapshot_is_a_glb(self):
         out = os.path.join(self.folder.name, "s.glb")
+
+        def of(**options):
+            counts = t.snapshot(out, self.view(t), **options)
+            with open(out, "rb") as file:
+                magic, version, length = struct.unpack("<4sII", file.read(12))
+                size, _ = struct.unpack("<I4s", file.read(8))
+                scene = json.loads(file.read(size))
+            self.assertEqual((magic, version, length), (b"glTF", 2, counts["file_bytes"]))
+            self.assertEqual(scene["scenes"][0]["extras"]["fjell"]["triangles"], counts["triangles"])
+            return length, scene.get("extensionsRequired", []), {i["mimeType"] for i in scene["images"]}
+
         with fjell.Terrain(self.pack) as t:
-            counts = t.snapshot(out, self.view(t))
-        with open(out, "rb") as file:
-            magic, version, length = struct.unpack("<4sII", file.read(12))
-            size, _ = struct.unpack("<I4s", file.read(8))
-            scene = json.loads(file.read(size))
-        self.assertEqual((magic, version, length), (b"glTF", 2, counts["file_bytes"]))
-        self.assertEqual(scene["scenes"][0]["extras"]["fjell"]["triangles"], counts["triangles"])
+            plain, needs, kinds = of()
+            self.assertEqual((needs, kinds), ([], {"image/png"}))
+            rounded, needs, _ = of(quantised=True)
+            self.assertEqual(needs, ["KHR_mesh_quantization"])
+            packed, needs, kinds = of(quantised=True, meshopt=True, texture="jpeg")
+            self.assertEqual(needs, ["EXT_meshopt_compression", "KHR_mesh_quantization"])
+            self.assertEqual(kinds, {"image/png", "image/jpeg"})  # normals are never lossy
+            coarse, _, _ = of(texel=500)
+            self.assertTrue(packed < rounded < plain and coarse < plain, (packed, rounded, plain, coarse))
+            for wrong in ({"texture": "webp"}, {"texel": -1}):
+                with self.assertRaisesRegex(ValueError, next(iter(wrong))):
+                    t.snapshot(out, self.view(t), **wrong)
 
     def test_pictures_show_ground_under_a_sky(self):
         with fjell.Terrain(self.pack) as t:

@@ -140,6 +140,13 @@ TEST_CASE("an export's size is told before it is written, and larger texels make
     const auto written = static_cast<double>(std::filesystem::file_size(plane.folder / "coarse.glb"));
     CHECK(coarse_bytes < fine_bytes);
     CHECK(coarse_bytes == Approx(written).epsilon(0.1));
+    const json lean = plane.after({"open plane.fjell", "wait", "preview quantised=yes meshopt=yes texture=jpeg", "wait",
+                                   "export lean.glb quantised=yes meshopt=yes texture=jpeg", "wait"});
+    const std::string glb = slurp(plane.folder / "lean.glb");
+    CHECK(glb.size() < fine_bytes);
+    CHECK(lean["job"]["result"].get<std::string>().find("lean.glb") != std::string::npos);
+    for (const std::string part : {"KHR_mesh_quantization", "EXT_meshopt_compression", "image/jpeg"})
+        CHECK(glb.find(part) != std::string::npos);
     CHECK(plane.after({"open plane.fjell", "wait", "export a.glb texel_m=-1"})["job"]["kind"] == "none");
     CHECK(plane.code == 2);
 }

@@ -436,9 +436,23 @@ class Terrain:
         """
         return Frame(self._native.update(view, now_s, wait), self.spacing_m)
 
-    def snapshot(self, path: Union[str, "os.PathLike[str]"], view: Optional[View] = None) -> dict[str, Any]:
-        """Writes what a view settles on to a .glb, with its textures, and returns what is in it."""
-        return self._native.snapshot(os.fspath(path), view or self.overview())
+    def snapshot(
+        self,
+        path: Union[str, "os.PathLike[str]"],
+        view: Optional[View] = None,
+        *,
+        texel: float = 0,
+        quantised: bool = False,
+        meshopt: bool = False,
+        texture: str = "png",
+    ) -> dict[str, Any]:
+        """Writes what a view settles on to a .glb, with its textures, and returns what is in it.
+
+        texel: the largest width of a texel, in metres; 0: as fine as the maps are. quantised: 16 bits a number; the
+        file says what this rounds. meshopt: compressed, which not all viewers read. texture: "png", or "jpeg" for
+        smaller colours.
+        """
+        return self._native.snapshot(os.fspath(path), view or self.overview(), texel, quantised, meshopt, texture)
 
     def overview(self, size: tuple[int, int] = (960, 540)) -> View:
         """A view of all of the terrain, from the south."""
