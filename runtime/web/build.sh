@@ -27,6 +27,7 @@ mkdir -p "$folder/package"
 module ON "-O3 -flto" fjell.wasm
 module OFF "-Oz -flto" fjell-scalar.wasm
 cp "$here"/package/*.js "$here"/package/*.d.ts "$here/package/README.md" "$root/LICENSE" "$folder/package"
+sed -i -E 's/^ +//' "$folder"/package/*.{js,d.ts} # indentation takes a kilobyte
 for file in package.json version.js; do
   sed "s/@FJELL_VERSION@/$version/" "$here/package/$file.in" >"$folder/package/$file"
 done

@@ -1,6 +1,7 @@
 // Compiled by tsc against the package's declarations, and not run.
 import { load } from "@loaders.gl/core";
 import { HeightLoader } from "fjell/deck";
+import { PackLayer } from "fjell/deck-layer";
 import { HttpSource, SetSource, WorkerSource } from "fjell/loader";
 import { TerrainLayer } from "fjell/maplibre";
 import { heightsOfTile, PmTiles, TileSource } from "fjell/tiles";
@@ -33,6 +34,11 @@ export async function use(): Promise<void> {
   if (tile) await mesh(tile.heights, { ...tile, maxError: 2 });
   const set = new SetSource("set/set.json", { open: (url, options) => new HttpSource(url, options) });
   console.log(layer.id, loaded.attributes.POSITION.value.length, heightsOfTile([1, 2, 3, 4], (r, g, b) => r + g + b), await set.size());
+  new TerrainLayer({ terrain, crs: "EPSG:3857" }).dispose();
+  const pack = new PackLayer({ id: "pack", terrain, center: [8, 46], color: [100, 110, 90], opacity: 0.5 });
+  console.log(pack.isLoaded, pack.props.terrain.frame.converged);
+  // @ts-expect-error: the place is missing
+  new PackLayer({ id: "pack", terrain });
   // @ts-expect-error: the terrain is missing
   new TerrainLayer({ center: [8, 46] });
   // @ts-expect-error: it is a number
