@@ -13,7 +13,8 @@ import { png } from "./images.mjs";
 
 const { FJELL_SITE, FJELL_GOLDEN } = process.env;
 await copyFile("flight.mjs", join(FJELL_SITE, "flight.mjs"));
-const here = openBrowser(FJELL_SITE);
+let fault = () => false; // of a server of packs
+const here = openBrowser(FJELL_SITE, (request, response) => request.url.endsWith(".fjell") && fault(request, response));
 const visit = (path, viewport = { width: 640, height: 360 }) => here.visit(path, { viewport });
 
 /** Shares of the picture: how many of its pixels differ from the first, which is sky, and how many colours there are. */
@@ -303,6 +304,48 @@ test("a context that is lost and restored draws as before", async () => {
   const after = await look(page, "fjellPage");
   assert.ok(Math.abs(after.ground - before.ground) < 0.02 && after.colours > before.colours / 2, JSON.stringify([before, after]));
   await page.close();
+});
+
+test("of a server that fails, refuses ranges, sends wrong bytes or replaces the pack the page says one sentence, and goes on where it can", async () => {
+  const pack = await readFile(process.env.FJELL_PACK), says = (page, text) => page.waitForFunction((of) => document.getElementById("message").innerText.includes(of), text, patience);
+  const visited = async () => {
+    const page = await visit("", { width: 320, height: 180 });
+    await page.waitForFunction(() => globalThis.fjellPage, null, patience);
+    return page;
+  };
+  const ranged = (send) => (request, response) => {
+    const [, first, last] = /bytes=(\d+)-(\d+)/.exec(request.headers.range).map(Number), end = Math.min(last, pack.length - 1);
+    send(response, { "content-range": `bytes ${first}-${end}/${pack.length}`, "content-length": end - first + 1, etag: '"a"' }, pack.subarray(first, end + 1));
+    return true;
+  };
+  fault = (request, response) => { response.writeHead(503).end(); return true; };
+  const opening = visit("", { width: 320, height: 180 });
+  const page = await opening;
+  await says(page, "503");
+  assert.match(await page.innerText("#message"), /mountains\.fjell: 503 .*; trying again$/);
+  let n = 0;
+  fault = ranged((response, headers, bytes) => setTimeout(() => (++n % 3 === 0 ? response.destroy() : response.writeHead(206, headers).end(bytes)), 20)); // slow, and dead now and then
+  await still(page);
+  assert.equal(await page.innerText("#message"), "", "it goes on");
+  const finer = async (of, text) => {
+    await of.evaluate(() => { document.getElementById("threshold").value = -2; });
+    await says(of, text);
+    await of.waitForFunction(() => fjellPage.state.terrain.frame.settled && fjellPage.state.terrain.frame.inFlight === 0, null, patience);
+    assert.ok((await look(of, "fjellPage")).ground > 0.2, "what is there stays");
+    await of.close();
+  };
+  fault = ranged((response, headers, bytes) => response.writeHead(206, headers).end(Buffer.alloc(bytes.length)));
+  await finer(page, "the pack is damaged here");
+  fault = ranged((response, headers, bytes) => response.writeHead(206, headers).end(bytes));
+  const other = await visited();
+  await still(other);
+  fault = ranged((response, headers, bytes) => response.writeHead(206, { ...headers, etag: '"b"' }).end(bytes));
+  await finer(other, "was replaced while it was open");
+  fault = (request, response) => { response.writeHead(200, { "content-length": pack.length }).end(pack); return true; };
+  const last = await visited();
+  await says(last, "the server sends whole files, not ranges");
+  await last.close();
+  fault = () => false;
 });
 
 test("the golden flight in the page is that of the library, to the bit", async () => {

@@ -34,5 +34,6 @@ export class TerrainLayer implements CustomLayerInterface {
   readonly object: TerrainObject;
   onAdd(map: Map, gl: WebGL2RenderingContext): void;
   render(gl: WebGL2RenderingContext, input: CustomRenderMethodInput): void;
-  onRemove(): void;
+  /** Frees what a layer that was taken off keeps on the GPU, so that it can be put on again with its maps. */
+  dispose(): void;
 }

@@ -24,7 +24,7 @@ function checked({ id, terrain, center, bearing, crs }) {
 }
 
 export class TerrainLayer {
-  #map; #renderer; #toMap = new THREE.Matrix4(); #all = new THREE.Matrix4(); #options;
+  #map; #renderer; #lost = false; #toMap = new THREE.Matrix4(); #all = new THREE.Matrix4(); #options;
 
   /**
    * terrain: of `Terrain.open()`. center: longitude and latitude of the pack's middle. bearing: how far the pack's north
@@ -58,7 +58,11 @@ export class TerrainLayer {
   }
 
   onAdd(map, gl) {
+    if (this.#map === map && !this.#lost) return; // put on again: maps come once, and are still there
+    this.dispose();
     this.#map = map;
+    this.#lost = false;
+    map.getCanvas().addEventListener("webglcontextlost", () => { this.#lost ||= this.#map === map; }, { once: true });
     this.#renderer = new THREE.WebGLRenderer({ canvas: map.getCanvas(), context: gl });
     this.#renderer.autoClear = false;
     this.object = new TerrainObject(this.terrain, this.#options);
@@ -78,10 +82,12 @@ export class TerrainLayer {
     if (!frame.settled) this.#map.triggerRepaint();
   }
 
-  onRemove() {
-    this.object.removeFromParent();
-    this.object.dispose();
-    this.#renderer.dispose();
+  /** Frees what a layer that was taken off keeps on the GPU, for being put on again. */
+  dispose() {
+    this.object?.removeFromParent();
+    this.object?.dispose();
+    this.#renderer?.dispose();
+    this.object = this.#renderer = this.#map = undefined;
   }
 
   /** The map's camera, out of the matrix that takes the map to the picture: nothing else of the map is asked. */

@@ -54,16 +54,13 @@ if (fjell_maps.x > 0.0) {
 `;
 const fragmentNormal = /* glsl */ `
 float faceDirection = 1.0;
-vec3 fjell_up = vec3(0.0, 1.0, 0.0);
-if (fjell_maps.y > 0.0) {
+vec3 normal = normalize(cross(dFdx(-vViewPosition), dFdy(-vViewPosition))); // of the triangle
+if (fjell_maps.y > 0.0) { // of the map, where it has come
   vec4 texel = fjell_texel(fjell_normals, fjell_maps.y);
-  vec2 slope = (texel.xy * (255.0 / 127.0) - 128.0 / 127.0) * texel.a;
-  fjell_up = vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
-} else { // of the triangle
-  vec3 p = -vViewPosition;
-  fjell_up = normalize(cross(dFdx(p), dFdy(p)));
+  vec2 slope = texel.xy * (255.0 / 127.0) - 128.0 / 127.0;
+  vec3 up = vec3(slope.x, sqrt(max(1.0 - dot(slope, slope), 0.0)), slope.y);
+  normal = normalize(mix(normal, normalMatrix * up, texel.a));
 }
-vec3 normal = fjell_maps.y > 0.0 ? normalize(normalMatrix * fjell_up) : fjell_up;
 vec3 nonPerturbedNormal = normal;
 `;
 
