@@ -1,7 +1,8 @@
 // Beside Martini and Delatin: what each takes for a mesh that is really within an error, on the same heights, in one run.
-//   node others.mjs [PACK...]      in a folder where npm has installed the packages that package.json names, and fjell
-// Each is asked for less and less until its true error, measured at every sample, is at most the one wanted. The time is
-// the shortest of several runs, from heights to triangles, preparations included.
+//   node others.mjs [PACK[@COLUMN,ROW]...]   in a folder where npm has installed the packages that package.json names, and fjell
+// The tile has 257 x 257 samples from COLUMN and ROW on, of the pack's middle without them. The error wanted is 1% of the
+// tile's relief. Each is asked for less and less until its true error, measured at every sample, is at most that. Times
+// are the shortest of several runs, from heights to triangles, preparations included.
 import { readFile } from "node:fs/promises";
 import { basename } from "node:path";
 
@@ -11,16 +12,17 @@ import { ready, Terrain } from "fjell";
 
 import { hills, measure } from "./surface.mjs";
 
-const side = 513;
+const side = 257;
 const { mesh } = await ready();
 
-/** Heights of a pack, the middle of it. */
-async function patch(file) {
-  const terrain = await Terrain.open(await readFile(file), { whole: true, pageSlots: 1 << 20 });
-  const [dx, dz] = terrain.spacing, x0 = (terrain.columns - side) >> 1, z0 = (terrain.rows - side) >> 1;
-  const heights = Float32Array.from({ length: side * side }, (_, i) => terrain.height((x0 + i % side) * dx, (z0 + Math.floor(i / side)) * dz));
+/** Heights of a pack, from a sample on, and what the file is called. */
+async function tile(given) {
+  const [file, corner] = given.split("@"), terrain = await Terrain.open(await readFile(file), { whole: true, pageSlots: 1 << 20 });
+  const [x0, z0] = corner ? corner.split(",").map(Number) : [(terrain.columns - side) >> 1, (terrain.rows - side) >> 1];
+  const [dx, dz] = terrain.spacing, heights = Float32Array.from({ length: side * side }, (_, i) => terrain.height((x0 + i % side) * dx, (z0 + Math.floor(i / side)) * dz));
   terrain.close();
-  return heights;
+  if (heights.some(Number.isNaN)) throw new Error(`${given}: has holes, or ends too early`);
+  return [basename(given).replace(".fjell", ""), heights];
 }
 
 const methods = {
@@ -77,18 +79,17 @@ function shortest(call, runs) {
   return ms;
 }
 
+const tiles = [["hills.mjs", hills(side, side)]];
+for (const given of process.argv.slice(2)) tiles.push(await tile(given));
+const names = Object.keys(methods), digits = (value, count) => Number(value.toPrecision(count));
 console.log(`${side} x ${side} samples, node ${process.version}`);
-console.log("| heights | true error wanted | method | asked | true error | triangles | ms |\n|---|---|---|---|---|---|---|");
-const sets = [["hills.mjs", hills(side, side)]];
-for (const file of process.argv.slice(2)) sets.push([basename(file), await patch(file)]);
-for (const [name, heights] of sets) {
-  const range = heights.reduce((a, b) => Math.max(a, b)) - heights.reduce((a, b) => Math.min(a, b));
-  for (const share of [0.01, 0.003]) {
-    const wanted = Number((range * share).toPrecision(2));
-    for (const [method, prepare] of Object.entries(methods)) {
-      const make = prepare(heights), asked = askFor(make, heights, wanted), made = make(asked);
-      const ms = shortest(() => make(asked), method === "Delatin" ? 3 : 9);
-      console.log(`| ${name} | ${wanted} m | ${method} | ${asked.toPrecision(3)} m | ${trueError(heights, made).toPrecision(3)} m | ${(made.triangles.length / 3).toLocaleString("en")} | ${ms.toFixed(1)} |`);
-    }
-  }
+console.log(`| tile | error, m | Martini is asked for, m | ${names.filter((name) => !name.includes("kept")).map((name) => `triangles: ${name}`).join(" | ")} | ${names.map((name) => `ms: ${name}`).join(" | ")} |`);
+for (const [name, heights] of tiles) {
+  const wanted = digits((heights.reduce((a, b) => Math.max(a, b)) - heights.reduce((a, b) => Math.min(a, b))) * 0.01, 3);
+  const row = Object.fromEntries(Object.entries(methods).map(([method, prepare]) => {
+    const make = prepare(heights), asked = askFor(make, heights, wanted);
+    return [method, { asked, triangles: make(asked).triangles.length / 3, ms: shortest(() => make(asked), method === "Delatin" ? 5 : 60) }];
+  }));
+  const triangles = ["fjell", "Martini", "Delatin"].map((method) => row[method].triangles.toLocaleString("en"));
+  console.log(`| ${[name, wanted, digits(row.Martini.asked, 3), ...triangles, ...names.map((method) => row[method].ms.toFixed(1))].join(" | ")} |`);
 }
