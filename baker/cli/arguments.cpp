@@ -299,6 +299,7 @@ void declare_mesh(CLI::App& app, Arguments& a, Commands& c) {
     c.mesh->add_option(
         "--polygon", a.mesh.polygon,
         "only the samples inside of the polygons of this file, which GDAL reads as vectors, e.g. GeoJSON");
+    c.mesh->add_flag("--dry-run", a.dry_run, "only say how many triangles and bytes it would be, and the error");
     c.mesh->add_option("--threads", a.threads, "cores to use; 0 (default): all")->check(io::whole_within(0, 1024));
     c.mesh->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
     add_recipe_options(*c.mesh, a.ground, Options::heights);

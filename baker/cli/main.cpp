@@ -243,6 +243,7 @@ int run_mesh(Arguments a) {
     refuse_overwriting({a.mesh_path, a.json_path}, read);
     JsonOutput summary(a.json_path);
     ProgressBar bar(a.quiet);
+    a.mesh.write = !a.dry_run;
     a.mesh.threads = a.threads;
     a.mesh.progress = std::ref(bar);
     if ((a.colours || a.mesh.occlusion) && !is_pack(a.ground))
@@ -263,8 +264,9 @@ int run_mesh(Arguments a) {
                    {"true_error_m", s.true_error_m},
                    {"mesh_s", s.mesh_s}});
     if (a.quiet || a.json_path == "-") return 0;
-    fmt::print("{}: {} triangles, no sample farther than {:.6g} m from them ({:.6g} m allowed), {:.2f} MB\n",
-               a.mesh_path, s.triangles, s.true_error_m, s.max_error_m, static_cast<double>(s.bytes) / 1e6);
+    fmt::print("{}: {}{} triangles, no sample farther than {:.6g} m from them ({:.6g} m allowed), {:.2f} MB\n",
+               a.mesh_path, a.dry_run ? "not written; " : "", s.triangles, s.true_error_m, s.max_error_m,
+               static_cast<double>(s.bytes) / 1e6);
     if (s.holes > 0) fmt::print("{} of {} samples had no height\n", s.holes, std::int64_t{s.columns} * s.rows);
     if (s.left_out > 0) fmt::print("{} samples lie outside of {}\n", s.left_out, a.mesh.polygon);
     return 0;

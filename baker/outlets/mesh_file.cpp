@@ -42,10 +42,10 @@ bool is_z_up(MeshFormat format) {
     return format == MeshFormat::ply || format == MeshFormat::stl;
 }
 
-// Bytes on their way into a file.
+// Bytes on their way into a file, or only counted.
 class Sink {
 public:
-    explicit Sink(io::AtomicFile& file) : file_(file) { bytes_.reserve(room); }
+    explicit Sink(io::AtomicFile* file) : file_(file) { bytes_.reserve(room); }
     template <typename T>
     void put(const T& value) {
         put(std::as_bytes(std::span(&value, 1)));
@@ -57,13 +57,16 @@ public:
     }
     void flush() {
         io::check_interrupt();
-        file_.write(bytes_);
+        if (file_ != nullptr) file_->write(bytes_);
+        size_ += bytes_.size();
         bytes_.clear();
     }
+    [[nodiscard]] std::uint64_t size() const { return size_; } // after flush()
 
 private:
     static constexpr std::size_t room = std::size_t{1} << 20;
-    io::AtomicFile& file_;
+    io::AtomicFile* const file_; // null: only counted
+    std::uint64_t size_ = 0;
     std::vector<std::byte> bytes_;
 };
 
@@ -415,7 +418,8 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
             throw Failure(2, fmt::format("{}: --{} is for .glb; leave it out, or give such a name", path, name));
     if (options.occlusion && !PackMap::has(options.maps_of, PackMap::Kind::sky))
         (void)PackMap(options.maps_of, PackMap::Kind::sky); // says what is missing before the work
-    io::AtomicFile file(path);                              // a file that cannot be written should not cost the work
+    std::optional<io::AtomicFile> file;
+    if (options.write) file.emplace(path); // a file that cannot be written should not cost the work
     std::optional<Areas> areas;
     if (!options.polygon.empty()) areas.emplace(options.polygon, source);
     Ground ground = read_ground(source, GroundHoles::as_source, options.threads, options.progress);
@@ -444,7 +448,7 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
     s.holes = ground.holes;
     s.vertices = mesh.vertices.size(), s.triangles = s.ground_triangles = mesh.triangles.size();
     const Claim claim{source, s};
-    Sink out(file);
+    Sink out(file ? &*file : nullptr);
     switch (format) {
     case MeshFormat::glb: write_glb(mesh, ground, lattice, options, claim, out); break;
     case MeshFormat::ply: write_ply(mesh, claim, out); break;
@@ -452,8 +456,8 @@ MeshFileSummary write_mesh_file(const HeightSource& source, const MeshFileOption
     case MeshFormat::stl: s.triangles = write_stl(mesh, ground, options, claim, out); break;
     }
     out.flush();
-    file.commit();
-    s.bytes = file.size();
+    if (file) file->commit();
+    s.bytes = out.size();
     return s;
 }
 

@@ -32,6 +32,7 @@ struct MeshFileOptions {
     bool normal_map = false;                    // of .glb: normals of all samples as a texture; needs no pack
     std::string polygon{};                      // a vector file: samples outside of its polygons are left out
     double base_m = -1; // of .stl: from its lowest ground down to its base; below 0: 1/20 of the longer side
+    bool write = true;  // false: all but the file; the summary is that of the file, to the byte
     int threads = 0;    // 0: all cores
     Progress progress{};
 };

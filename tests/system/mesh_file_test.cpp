@@ -119,6 +119,19 @@ TEST_CASE("a mesh takes as many triangles as it may, or the options that a bake 
         return glb.substr(glb.find("BIN"));
     };
     CHECK(binary("pack.glb") == binary("back.glb"));
+    // Told before, to the byte, and nothing is written.
+    for (const std::string way :
+         {"told.glb --quantised --meshopt", "told.glb --normal-map", "told.ply", "told.obj", "told.stl"}) {
+        CAPTURE(way);
+        const std::string options = "dem.asc --max-error-m 8 -o " + way;
+        json told = mesh(options + " --dry-run");
+        CHECK_FALSE(std::filesystem::exists(folder / way.substr(0, 8)));
+        json written = mesh(options);
+        CHECK(told["bytes"] == std::filesystem::file_size(folder / way.substr(0, 8)));
+        told.erase("mesh_s"), written.erase("mesh_s");
+        CHECK(told == written);
+        std::filesystem::remove(folder / way.substr(0, 8));
+    }
     // Whatever the number of threads.
     done(folder, bake + "mesh dem.asc -o one.stl --max-error-m 3 --threads 1 --quiet");
     done(folder, bake + "mesh dem.asc -o three.stl --max-error-m 3 --threads 3 --quiet");

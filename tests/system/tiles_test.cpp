@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -115,6 +116,46 @@ TEST_CASE("no sample is farther from a globe's tile than the tile says, and tile
             }
         }
     }
+}
+
+TEST_CASE("a tile may have more vertices than 16 bits count") {
+    if (!full_rounds()) return; // the checker takes half a minute
+    const TemporaryFolder folder;
+    constexpr int side = 200;
+    std::string text = "ncols 200\nnrows 200\nxllcorner 490280\nyllcorner 6754900\ncellsize 60\n";
+    std::minstd_rand random(7); // nothing but cliffs
+    for (int i = 0; i < side * side; ++i)
+        text += std::to_string(1000 + random() % 3000) + (i % side < 199 ? " " : "\n");
+    spit(folder / "dem.asc", text);
+    output_of(folder, "gdal_translate -q -a_srs EPSG:32632 dem.asc placed.tif && " + bake +
+                          "placed.tif -o pack.fjell --quiet --crs none");
+    write_points(folder, "EPSG:32632");
+    const json said = json::parse(output_of(folder, bake + "tiles pack.fjell -o out --max-level 7 --json -"));
+    const json finest = said["levels"].back();
+    REQUIRE(finest["vertices"].get<double>() > 65536 * finest["tiles"].get<double>());
+    const json found = checked(folder, "out");
+    CHECK(found["samples"] == side * side * 8);
+    std::uint64_t triangles = 0;
+    for (const json& level : said["levels"]) triangles += level["triangles"].get<std::uint64_t>();
+    CHECK(found["triangles"] == triangles);
+}
+
+TEST_CASE("tiles of a pack set are those of the pack that it was split from") {
+    const TemporaryFolder folder;
+    bake_at(folder, {"mountains", "EPSG:32632", 90, 70, 30, 430000, 6790000});
+    output_of(folder, bake + "placed.tif -o small.fjell --tile 32 --quiet --crs none && " + bake +
+                          "split small.fjell -o set --packs 2x2");
+    for (const std::string format : {"", " --format 3dtiles"}) {
+        CAPTURE(format);
+        output_of(folder, "rm -rf of_pack of_set; " + bake + "tiles small.fjell -o of_pack --quiet" + format + " && " +
+                              bake + "tiles set -o of_set --quiet" + format);
+        auto of_pack = files_under(folder.path / "of_pack"), of_set = files_under(folder.path / "of_set");
+        for (const std::string index : {"layer.json", "tileset.json"}) // which name their source
+            CHECK(of_pack.erase(index) == of_set.erase(index));
+        CHECK(of_pack.size() > (format.empty() ? 30u : 10u));
+        CHECK(of_set == of_pack);
+    }
+    CHECK(checked(folder, "of_set", "check3d.py")["samples"] > 1000);
 }
 
 TEST_CASE("tiles are the same bytes for any number of threads, and when they were interrupted") {
