@@ -84,6 +84,19 @@ test("keys, drags, the wheel and the sliders do what they say", async () => {
   await page.check("#wire");
   await frames(2);
   assert.ok((await look(page, "fjellPage")).colours !== plain.colours, "lines are drawn");
+  await page.uncheck("#wire");
+  const strong = async () => { // pixels of strong colours
+    await frames(2);
+    const { rgba } = await pixels(page);
+    return Array.from({ length: rgba.length / 4 }, (_, i) => rgba.subarray(4 * i, 4 * i + 3)).filter((rgb) => Math.max(...rgb) - Math.min(...rgb) > 90).length * 4 / rgba.length;
+  };
+  const grey = await strong();
+  await page.check("#levels");
+  const levels = await strong();
+  assert.ok(levels > 0.1 && grey < levels / 4, `levels are coloured: ${grey} ${levels}`);
+  await here.shoot(page, "levels");
+  await page.uncheck("#levels");
+  assert.ok(await strong() < levels / 4, "and not any more");
   assert.deepEqual(page.said, []);
   await page.close();
 });

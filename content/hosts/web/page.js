@@ -17,9 +17,55 @@ const camera = new THREE.PerspectiveCamera(50, 1, 1, 1e6);
 const sun = new THREE.DirectionalLight(0xfff1dc, 3.2);
 scene.add(sun, sun.target, new THREE.HemisphereLight(0xbcd2ea, 0x6b6a58, 1.1));
 
-const state = { terrain: null, ground: null, opened: 0, heading: 0, pitch: -0.2, speed: 1, readBytes: 0, firstPictureMs: null,
+const state = { terrain: null, ground: null, levels: null, opened: 0, heading: 0, pitch: -0.2, speed: 1, readBytes: 0, firstPictureMs: null,
   longestMs: 0, frames: 0, distance: 0, probe: "" };
 const keys = new Set();
+
+// --- levels: the vertex at a triangle's right angle, its first, says how often the tile was halved for it. WebGL takes
+// what is flat from a triangle's last vertex, so these triangles are turned.
+
+function levelsOf(ground) {
+  const { geometry: from, material: [lit], terrain } = ground, geometry = new THREE.BufferGeometry();
+  for (const name of ["position", "fjell_morph"]) geometry.setAttribute(name, from.attributes[name]);
+  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(terrain.indexSlots.length), 1).setUsage(THREE.DynamicDrawUsage));
+  const material = new THREE.MeshStandardMaterial({ roughness: 1 }), most = Math.log2(terrain.tileCells).toFixed(1);
+  material.onBeforeCompile = (shader) => {
+    lit.onBeforeCompile(shader);
+    shader.vertexShader = "flat varying float level;\n" + shader.vertexShader.replace("#include <project_vertex>", `#include <project_vertex>
+      ivec2 at = ivec2(fjell_sample + 0.5);
+      int both = at.x | at.y, cells = both & -both;
+      level = cells == 0 ? 0.0 : max(2.0 * (${most} - log2(float(cells))) - ((at.x & at.y & cells) != 0 ? 1.0 : 0.0), 0.0);`);
+    shader.fragmentShader = "flat varying float level;\n" + shader.fragmentShader.replace("#include <color_fragment>", `#include <color_fragment>
+      vec3 hue = abs(fract(0.75 - 0.375 * level / ${most} + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0; // violet is coarse, red fine
+      diffuseColor.rgb = (0.15 + 0.85 * clamp(hue, 0.0, 1.0)) * (mod(floor(level + 0.5), 2.0) > 0.5 ? 0.4 : 0.75);`);
+  };
+  const mesh = new THREE.Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  mesh.raycast = () => {};
+  ground.add(mesh);
+  return mesh;
+}
+
+function showLevels(on) {
+  const { ground, terrain: { indexSlots, frame: { ranges, rangeCount } } } = state;
+  if (on) state.levels ??= levelsOf(ground);
+  ground.material[0].visible = !on;
+  if (!state.levels) return;
+  state.levels.visible = on;
+  if (!on) return;
+  const { index } = state.levels.geometry, to = index.array;
+  let n = 0;
+  for (let r = 0; r < rangeCount; ++r)
+    for (let i = ranges[2 * r]; i < ranges[2 * r] + ranges[2 * r + 1]; i += 3) {
+      to[n++] = indexSlots[i + 1];
+      to[n++] = indexSlots[i + 2];
+      to[n++] = indexSlots[i];
+    }
+  state.levels.geometry.setDrawRange(0, n);
+  index.clearUpdateRanges();
+  index.addUpdateRange(0, n);
+  index.needsUpdate = true;
+}
 
 // --- opening
 
@@ -28,8 +74,10 @@ async function open({ name, url }, keepCamera = false) {
   say(`Opening ${name}`);
   state.ground?.removeFromParent();
   state.ground?.dispose();
+  state.levels?.geometry.dispose();
+  state.levels?.material.dispose();
   state.terrain?.close();
-  Object.assign(state, { terrain: null, ground: null, readBytes: 0, firstPictureMs: null, longestMs: 0, frames: 0, distance: 0 });
+  Object.assign(state, { terrain: null, ground: null, levels: null, readBytes: 0, firstPictureMs: null, longestMs: 0, frames: 0, distance: 0 });
   const most = 2 ** Number($("triangles").value);
   try {
     const source = new WorkerSource(url, { onProgress: (bytes) => { if (number === state.opened) state.readBytes = bytes; },
@@ -215,6 +263,7 @@ function frame(now) {
   state.ground.wireframe = $("wire").checked;
   if (!$("hold").checked || state.frames === 0) state.ground.update(camera, renderer, now / 1e3);
   else camera.updateMatrixWorld();
+  showLevels($("levels").checked);
   renderer.render(scene, camera);
   const done = state.terrain.frame;
   ++state.frames;
