@@ -4,10 +4,10 @@
 #include "baker/maps/horizon.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "shared/compiler.h"
+#include "shared/horizon.h"
 
 namespace fjell::baker {
 
@@ -17,38 +17,6 @@ namespace {
 constexpr double cells_away = 12, growth = 1.122462048309373; // 2^(1/6)
 constexpr std::int32_t halo = static_cast<std::int32_t>(2 * cells_away) + 2;
 constexpr std::int32_t block_rows = 16; // of points at a time: what they use stays in the nearest cache
-
-// Sines and cosines of 0, 24, 48 .. degrees.
-constexpr double east_of[horizon_directions] = {0,
-                                                0.4067366430758002,
-                                                0.7431448254773942,
-                                                0.9510565162951535,
-                                                0.9945218953682733,
-                                                0.8660254037844387,
-                                                0.5877852522924732,
-                                                0.2079116908177593,
-                                                -0.2079116908177595,
-                                                -0.587785252292473,
-                                                -0.8660254037844384,
-                                                -0.9945218953682734,
-                                                -0.9510565162951536,
-                                                -0.7431448254773946,
-                                                -0.4067366430758002};
-constexpr double south_of[horizon_directions] = {-1.0,
-                                                 -0.9135454576426009,
-                                                 -0.6691306063588582,
-                                                 -0.3090169943749475,
-                                                 0.1045284632676536,
-                                                 0.4999999999999998,
-                                                 0.8090169943749473,
-                                                 0.9781476007338057,
-                                                 0.9781476007338056,
-                                                 0.8090169943749476,
-                                                 0.5000000000000004,
-                                                 0.1045284632676534,
-                                                 -0.3090169943749472,
-                                                 -0.6691306063588578,
-                                                 -0.913545457642601};
 
 struct Step {
     int level = 0;
@@ -108,17 +76,6 @@ FJELL_CLONES void raise_any(const float* mixed, const std::int32_t* vertex, cons
         const float t = (west + (east - west) * towards_east[i] - own[i]) * per_m;
         tangent[i] = t > tangent[i] ? t : tangent[i];
     }
-}
-
-// Light of the sky over elevations above a horizon with that sine, in one direction, on a surface whose unit normal has
-// the components `level` (along the direction) and `up`: the integral of its cosine, over half a direction's share. The
-// arc cosine after M. Abramowitz and I. Stegun, 4.4.45: to 7e-5.
-inline float sky_above(float sine, float level, float up) {
-    const float cosine2 = 1 - sine * sine;
-    const float arc =
-        std::sqrt(1 - sine) * (1.5707288f + sine * (-0.2121144f + sine * (0.0742610f - sine * 0.0187293f)));
-    const float light = level * (arc - sine * std::sqrt(cosine2)) + up * cosine2;
-    return light > 0 ? light : 0;
 }
 
 // A direction's share of a row of points: the sky that is there, and what there would be over an endless slope.
@@ -209,14 +166,15 @@ private:
         const double unit = std::min(spacing[0], spacing[1]);
         for (const Step& step : steps_) {
             const double metres = step.distance * unit;
-            advance(step, metres * east_of[direction] / spacing[0], metres * south_of[direction] / spacing[1],
+            advance(step, metres * horizon_east[direction] / spacing[0], metres * horizon_south[direction] / spacing[1],
                     static_cast<float>(1 / metres));
         }
         for (std::int32_t j = 0; j < rows_; ++j) {
             const std::size_t k = static_cast<std::size_t>(j) * n_;
-            finish_direction(
-                tangent_.data() + k, static_cast<float>(east_of[direction]), static_cast<float>(south_of[direction]),
-                {east_.data() + k, south_.data() + k, there_.data() + k, whole_.data() + k}, out_row(direction, j), n_);
+            finish_direction(tangent_.data() + k, static_cast<float>(horizon_east[direction]),
+                             static_cast<float>(horizon_south[direction]),
+                             {east_.data() + k, south_.data() + k, there_.data() + k, whole_.data() + k},
+                             out_row(direction, j), n_);
         }
     }
 

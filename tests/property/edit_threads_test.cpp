@@ -88,9 +88,11 @@ TEST_CASE("four threads stamp, two ask, one streams and one draws", "[edit][thre
     dem.native_quantum_m = 0.25;
     baker::BakeOptions options = small_bake(7);
     options.max_texture_log2 = 6;
+    options.horizon_spacing = 2;
     const auto pack = bake_and_load(std::move(dem), options);
     StreamBudget budget;
     budget.tail_log2 = 3;
+    budget.horizons = true; // whose readers ask for heights
     Streamed on(pack.pack, 0, budget);
     const Terrain& terrain = on.paged.terrain;
     const std::size_t bytes = edits_bytes(terrain.header(), {}), map_bytes = ground_maps_bytes(terrain.header());

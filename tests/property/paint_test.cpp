@@ -11,6 +11,7 @@
 #include "fjell/edit.h"
 #include "fjell/ground_maps.h"
 #include "fjell/texture.h"
+#include "support/gpu_maps.h"
 #include "support/rounds.h"
 #include "support/splat_rules.h"
 #include "support/stream_scene.h"
@@ -20,7 +21,6 @@ using namespace fjell::test;
 
 namespace {
 
-using Blocks = std::vector<std::byte>;
 constexpr MapKind painted_kinds[] = {MapKind::colour, MapKind::splat};
 ChunkKind chunks_of(MapKind map) {
     return map == MapKind::colour ? ChunkKind::colour : ChunkKind::splat;
@@ -296,47 +296,6 @@ TEST_CASE("paint comes piece by piece, as the budget of work allows, and ends as
     CHECK(painted(pack.terrain, pack.pack, MapKind::colour, 1, top) == whole);
 }
 
-namespace {
-
-// What a host's GPU holds: blocks of each layer's mips.
-struct Gpu {
-    const Pack& pack;
-    std::map<std::array<std::uint32_t, 4>, Blocks> at; // kind, size, layer, mip
-    std::uint64_t patches = 0;
-
-    void carry_out(const MapCommand& c) {
-        const auto kind = static_cast<std::uint32_t>(c.map);
-        const std::uint32_t common = std::min<std::uint32_t>(c.side_log2, c.from_log2);
-        for (std::uint32_t mip = 0; c.from_log2 != 0 && mip < mip_count(common); ++mip)
-            at[{kind, c.side_log2, c.layer, c.side_log2 - common + mip}] =
-                at[{kind, c.from_log2, c.from_layer, c.from_log2 - common + mip}];
-        std::span<const std::byte> blocks = c.blocks;
-        for (std::uint32_t mip = 0; mip < c.upload_mips; ++mip) {
-            const std::size_t bytes =
-                blocks_of(1u << (c.side_log2 - mip)) * (c.map == MapKind::splat    ? splat_block_bytes
-                                                        : c.map == MapKind::normal ? normal_block_bytes
-                                                                                   : colour_block_bytes);
-            at[{kind, c.side_log2, c.layer, mip}].assign(blocks.begin(),
-                                                         blocks.begin() + static_cast<std::ptrdiff_t>(bytes));
-            blocks = blocks.subspan(bytes);
-        }
-    }
-    void put(const MapPatch& p) {
-        if (p.map == MapKind::normal) return;
-        ++patches;
-        Blocks& to = at.at({static_cast<std::uint32_t>(p.map), p.side_log2, p.layer, p.mip});
-        const bool splat = p.map == MapKind::splat;
-        const std::uint32_t step = splat ? 1 : 4, cell = 8, side = (1u << (p.side_log2 - p.mip)) / step;
-        REQUIRE((p.x % 4 == 0 && p.y % 4 == 0 && p.columns % 4 == 0 && p.rows % 4 == 0));
-        REQUIRE(p.blocks.size() == std::size_t{p.columns / step} * (p.rows / step) * cell);
-        const std::byte* from = p.blocks.data();
-        for (std::uint32_t y = p.y / step; y < (p.y + p.rows) / step; ++y, from += p.columns / step * cell)
-            std::copy_n(from, p.columns / step * cell, to.begin() + (y * side + p.x / step) * cell);
-    }
-};
-
-} // namespace
-
 TEST_CASE("streamed maps are painted whenever they come, and again when paint does", "[edit][paint]") {
     const RulesFile rules;
     Random random(44);
@@ -361,7 +320,7 @@ TEST_CASE("streamed maps are painted whenever they come, and again when paint do
         const io::AlignedMemory memory = io::allocate(bytes);
         GroundMaps maps;
         REQUIRE(create_ground_maps(on.paged.terrain, {}, {memory.get(), bytes}, maps).ok());
-        Gpu gpu{pack.pack, {}};
+        Gpu gpu;
         StreamSettings settings;
         settings.fade_s = 0.05;
         CutSettings cut;

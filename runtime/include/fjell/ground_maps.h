@@ -3,7 +3,10 @@
 // The maps of a pack have the normals of the pack's ground. After each update of edits and stream, update_ground_maps()
 // makes patches of new texels for the maps that tiles show, in mips whose texels are at most 32 samples apart. The host
 // uploads the patches over what its map commands have uploaded. A map that is streamed later has the pack's normals for
-// as many frames as its patches wait (GroundMapsReport::waiting). Horizons stay the pack's.
+// as many frames as its patches wait (GroundMapsReport::waiting).
+//
+// Horizon maps of a stream follow when the ground has rested for 16 updates: mips are read again, and are among the
+// patches. Horizons rise by what has moved within 128 samples, and never sink below the pack's.
 //
 // Colour and splat maps under paint (StampShape::paint) come painted from a stream: its clients paint what they hand
 // in. Mips that are there already are read again, and are among the patches of a later update. A host that loads maps
@@ -40,7 +43,8 @@ struct GroundMapsBudget {
 };
 
 // Texels of a mip. Upload the blocks to a rectangle of a layer, in the array of size side_log2. Sides and places are
-// whole blocks of 4 x 4 texels. Patches of normals are made here; those of colour and splat maps are the stream's.
+// whole blocks of 4 x 4 texels; of a horizon map a patch is a whole mip, in texels of its picture of 4 x 4 planes.
+// Patches of normals are made here; those of the other maps are the stream's.
 struct MapPatch {
     MapKind map;
     std::uint8_t side_log2;

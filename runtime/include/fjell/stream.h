@@ -133,6 +133,7 @@ struct StreamReport {
     // In this frame. pages_left: arrived, but not inserted yet.
     std::uint32_t pages_inserted = 0, pages_left = 0;
     std::uint32_t pages_evicting = 0;
+    // mips_left: arrived, or horizons that are read again when the ground is at rest.
     std::uint32_t mips_uploaded = 0, mips_left = 0;
     std::uint32_t in_flight = 0;                 // requests that are queued or with the client
     std::uint32_t cancelled = 0;                 // requests cancelled in this frame

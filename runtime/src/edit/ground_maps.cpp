@@ -10,6 +10,7 @@
 
 #include "block_layout.h"
 #include "edit/blocks.h"
+#include "edit/horizon_maps.h"
 #include "edit/normals.h"
 #include "fjell/texture.h"
 
@@ -345,6 +346,7 @@ Status create_ground_maps(const Terrain& terrain, const GroundMapsBudget& budget
         for (std::uint32_t n = 0; n < t->edits->block_count; ++n)
             make_due_near(m, samples_of_block(t->edits->blocks[n]), false);
     m.ground_changes = t->ground_changes, m.page_changes = t->changes;
+    store_release(t->raise_horizons, RaiseHorizons{&raise_horizons});
     HandleAccess::begin(m, maps);
     return {};
 }

@@ -34,6 +34,13 @@ struct GroundChange {
 inline constexpr int heights_changed = -1;
 inline constexpr std::uint32_t ground_change_log = 1024; // changes that TerrainData::changed_ground remembers
 
+namespace edit {
+struct Rect;
+}
+// What raise_horizons() of edit/horizon_maps.h is.
+using RaiseHorizons = void (*)(const TerrainData& terrain, const edit::Rect& edited, std::uint32_t tile,
+                               std::uint32_t side_log2, std::byte* blocks);
+
 // What all ground lies between, and the largest error of a vertex: the pack's own, and more after edits.
 struct GroundRange {
     float low_m = 0, high_m = 0, error_m = 0;
@@ -89,7 +96,9 @@ struct TerrainData {
     std::uint64_t ground_changes = 0; // so far; the n-th is changed_ground[n % ground_change_log]
     const GroundChange* changed_ground = nullptr;
     PaintData* paint = nullptr; // of edits; clients of a stream read it on their threads
-    // Of the stream's last update: mips that were read again because paint has changed on them.
+    // How horizon maps follow edits; null before there are ground maps, through which mips that are read again come.
+    RaiseHorizons raise_horizons = nullptr;
+    // Of the stream's last update: mips that were read again because paint or the ground has changed on them.
     const MapPatch* map_patches = nullptr;
     std::uint32_t map_patch_count = 0;
     // Odd while heights change under queries of other threads; what is read meanwhile may mix ground of before and

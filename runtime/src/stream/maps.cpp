@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/horizon_maps.h"
 #include "edit/paint.h"
 #include "fjell/texture.h"
 #include "stream/requests.h"
@@ -17,6 +18,7 @@ namespace fjell {
 namespace {
 
 constexpr std::uint32_t tiles_a_frame = 512;
+constexpr std::uint32_t ground_is_at_rest = 16; // updates after the last change
 
 std::uint32_t top_log2(const PackHeader& h, const StreamBudget& budget, MapKind kind) {
     switch (kind) {
@@ -128,6 +130,7 @@ void begin_maps(StreamState& s) {
         }
     }
     for (std::uint32_t tile = 0; tile < s.tiles; ++tile) s.tile_box[tile] = tile_box(s, tile);
+    s.seen_moved = s.terrain->ground_changes; // maps that come are of the ground as it is
 }
 
 namespace {
@@ -203,7 +206,7 @@ void show_again(StreamState& s, Request& r) {
     for (std::uint32_t i = 0; i < r.chunks; ++i) {
         const edit::MapRect& part = r.parts[i];
         const std::size_t bytes = std::size_t{part.columns} * part.rows / 16 *
-                                  static_cast<std::size_t>(block_bytes(static_cast<MapKind>(map_of_chunks(r.id.kind))));
+                                  (r.id.kind == ChunkKind::splat ? splat_block_bytes : colour_block_bytes);
         if (bytes != 0)
             s.patches[s.patch_count++] = {.map = static_cast<MapKind>(map_of_chunks(r.id.kind)),
                                           .side_log2 = static_cast<std::uint8_t>(requested_log2(m, r) - i),
@@ -340,6 +343,7 @@ bool request_map(StreamState& s, const Candidate& c, std::uint32_t (&full)[map_k
     Request* const r = request_for(s, static_cast<float>(c.score));
     if (!r) return false;
     r->repaints = false; // before a client may see it
+    if (id.kind == ChunkKind::horizon) r->painted = edit::edited_near(*s.terrain, id.tile);
     if (!queue_request(s, *r, id, tail ? m.sizes.tail_log2 - 1 : 1, static_cast<float>(c.score))) {
         note_failure(s, id, chunk, StatusCode::corrupt);
         tile.failed = true;
@@ -403,6 +407,8 @@ bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float st
     const bool tail = tile.size_log2 == 0;
     m.tails_missing += tail;
     const bool painted = (tile.repaint & ((2u << tile.size_log2) - 1)) == 0 && tile.repaints == 0;
+    if (!painted && s.ground_rests < ground_is_at_rest && kind == static_cast<std::uint32_t>(MapKind::horizon))
+        ++s.horizons_waiting;
     if (!tail && tile.wanted_log2 <= tile.size_log2) return faded && painted;
     const double lacks = tile.wanted_log2 - std::max<int>(tile.size_log2, 2);
     if (tile.visible) s.report.missing_mips = std::max(s.report.missing_mips, lacks);
@@ -446,11 +452,43 @@ void follow_paint(StreamState& s) {
         note_painted(s, paint->changed[s.seen_paint % paint_change_log]);
 }
 
-// Reads mips again that are there and that paint has changed, as long as there is room in the table.
+// Which horizons see ground that has moved.
+void note_moved(StreamState& s, const edit::Rect& samples) {
+    const TerrainData& t = *s.terrain;
+    const edit::Rect seen = samples.grown(edit::horizon_reach);
+    const auto tile_near = [&](std::int32_t sample, std::uint32_t tiles) {
+        return std::clamp(sample >> t.header.tile_log2, 0, static_cast<std::int32_t>(tiles) - 1);
+    };
+    MapState& m = s.maps[static_cast<std::uint32_t>(MapKind::horizon)];
+    for (std::int32_t y = tile_near(seen.y0, t.header.tiles_y); y <= tile_near(seen.y1, t.header.tiles_y); ++y)
+        for (std::int32_t x = tile_near(seen.x0, t.header.tiles_x); x <= tile_near(seen.x1, t.header.tiles_x); ++x)
+            m.tiles[t.tile_at(x, y)].repaint = static_cast<std::uint16_t>((2u << m.sizes.top_log2) - 4);
+}
+void follow_horizons(StreamState& s) {
+    const TerrainData& t = *s.terrain;
+    if (s.maps[static_cast<std::uint32_t>(MapKind::horizon)].sizes.top_log2 == 0 || t.raise_horizons == nullptr) return;
+    if (s.ground_rests < ground_is_at_rest) ++s.ground_rests;
+    if (t.ground_changes - s.seen_moved > ground_change_log || t.changed_ground == nullptr) {
+        if (t.ground_changes != s.seen_moved) note_moved(s, {0, 0, t.tree.columns() - 1, t.tree.rows() - 1});
+        s.ground_rests = t.ground_changes != s.seen_moved ? 0 : s.ground_rests;
+        s.seen_moved = t.ground_changes;
+    }
+    for (; s.seen_moved != t.ground_changes; ++s.seen_moved) {
+        const GroundChange& change = t.changed_ground[s.seen_moved % ground_change_log];
+        if (change.step_log2 != heights_changed) continue;
+        const SampleIndex first = t.tree.sample(change.first), last = t.tree.sample(change.last);
+        note_moved(s, {first.column, first.row, last.column, last.row});
+        s.ground_rests = 0;
+    }
+}
+
+// Reads mips again that are there and that paint has changed, as long as there is room in the table; and horizons when
+// the ground is at rest, as one that moves all the time would have them read all the time.
 void request_repaints(StreamState& s) {
-    for (const std::uint32_t kind :
-         {static_cast<std::uint32_t>(MapKind::colour), static_cast<std::uint32_t>(MapKind::splat)}) {
+    for (const MapKind map : {MapKind::colour, MapKind::splat, MapKind::horizon}) {
+        const auto kind = static_cast<std::uint32_t>(map);
         MapState& m = s.maps[kind];
+        if (map == MapKind::horizon && s.ground_rests < ground_is_at_rest) continue;
         for (std::uint32_t i = 0; m.sizes.top_log2 != 0 && i < s.tiles; ++i) {
             MapTile& tile = m.tiles[i];
             // One after the other: of two of a mip the later one, with more paint, might be shown first.
@@ -465,7 +503,7 @@ void request_repaints(StreamState& s) {
                 tile.repaint &= static_cast<std::uint16_t>(~sizes);
                 if (has_failed(s, chunk_index(s.pack->header, id))) continue;
                 r->repaints = true;
-                r->painted = tile.painted;
+                r->painted = map == MapKind::horizon ? edit::edited_near(*s.terrain, i) : tile.painted;
                 if (queue_request(s, *r, id, log2 == m.sizes.tail_log2 ? log2 - 1 : 1, score_of(tile))) ++tile.repaints;
             }
         }
@@ -476,6 +514,7 @@ void request_repaints(StreamState& s) {
 
 void request_maps(StreamState& s, double seconds) {
     follow_paint(s);
+    follow_horizons(s);
     if (s.moved) s.map_tested = 0;
     for (std::uint32_t n = 0; n < tiles_a_frame && s.map_tested < s.tiles; ++n) {
         test_tile(s, s.map_cursor);
@@ -485,6 +524,7 @@ void request_maps(StreamState& s, double seconds) {
     review_maps(s);
     const float step = s.settings.fade_s > 0 ? static_cast<float>(std::max(seconds, 0.0) / s.settings.fade_s) : 1e9f;
     s.report.maps_converged = s.map_tested >= s.tiles;
+    s.horizons_waiting = 0;
     Best best;
     for (std::uint32_t kind = 0; kind < map_kinds; ++kind) {
         if (s.maps[kind].sizes.top_log2 == 0) continue;
@@ -499,7 +539,7 @@ void request_maps(StreamState& s, double seconds) {
             s.report.exhausted |= stream_requests;
             break;
         }
-    if (!s.report.maps_converged && s.seen_paint != 0) request_repaints(s);
+    if (!s.report.maps_converged && (s.seen_paint != 0 || s.seen_moved != 0)) request_repaints(s);
 }
 
 void paint_request(const StreamState& s, Request& r) {
@@ -507,10 +547,17 @@ void paint_request(const StreamState& s, Request& r) {
     const std::uint32_t kind = map_of_chunks(r.id.kind), top_log2 = s.maps[kind].sizes.top_log2;
     const auto map = static_cast<MapKind>(kind);
     const std::size_t texel_bytes = map == MapKind::splat ? splat_texel_bytes : 0; // otherwise blocks of 4 x 4
+    const auto raise = load_acquire(s.terrain->raise_horizons);
     std::byte *mip = r.raw, *to = r.raw;
     for (std::uint32_t i = 0; i < r.chunks; ++i) {
         const std::uint32_t log2 = top_log2 - (r.id.item + i), side = 1u << log2;
         edit::MapRect at{0, 0, side, side};
+        if (map == MapKind::horizon) { // all planes of a mip are one picture
+            if (raise != nullptr) raise(*s.terrain, r.painted, r.id.tile, log2, mip);
+            r.parts[i] = {0, 0, side * horizon_planes_across, side * horizon_planes_across};
+            to = mip += blocks_of(side) * block_bytes(map);
+            continue;
+        }
         if (r.repaints) at = edit::grid_of_mip(s.terrain->header, map, r.id.tile, log2).texels_over(r.painted, side);
         if (paint != nullptr) (void)edit::paint_mip(*paint, map, r.id.tile, log2, at, mip);
         std::byte* const next = mip + blocks_of(side) * block_bytes(map);

@@ -79,10 +79,11 @@ Status damaged(Request& r) {
     return {StatusCode::corrupt, page ? "geometry page" : "map"};
 }
 
-// Maps come with their paint, whoever has decoded them.
+// Maps come with their paint, and over ground that has moved, whoever has decoded them.
 Status decoded_to(const StreamState& s, Request& r, std::uint32_t raw_bytes) {
     r.raw_bytes = raw_bytes;
-    if (r.id.kind == ChunkKind::colour || r.id.kind == ChunkKind::splat) paint_request(s, r);
+    if (r.id.kind == ChunkKind::colour || r.id.kind == ChunkKind::splat || r.id.kind == ChunkKind::horizon)
+        paint_request(s, r);
     set_phase(r, Phase::ready);
     return {};
 }

@@ -258,6 +258,7 @@ void finish(StreamState& s) {
         if (phase == Phase::queued || phase == Phase::in_flight) ++r.in_flight;
         if (phase == Phase::ready) ++(i < s.budget.page_requests ? r.pages_left : r.mips_left);
     }
+    r.mips_left += s.horizons_waiting;
     const std::uint32_t used = s.slots - t.memory->free_count;
     s.slot_peak = std::max(s.slot_peak, used);
     r.page_slots = {used, s.slot_peak, s.slots};

@@ -45,7 +45,8 @@ struct Request {
     std::uint32_t watch; // of a page
     std::uint32_t layer; // of a map: reserved
     // Of a map that is there and is read again, because paint has changed over these samples. The client leaves only
-    // what of its mips may be another, in `parts`, largest first.
+    // what of its mips may be another, in `parts`, largest first. Of a horizon map, whenever it is read: samples that
+    // were edited.
     bool repaints;
     edit::Rect painted;
     edit::MapRect parts[max_texture_log2];
@@ -82,7 +83,8 @@ struct MapTile {
     std::uint8_t wanted_log2;
     std::uint8_t lower_log2; // while it fades to a smaller size: log2 of that; otherwise 0
     bool in_flight, failed, visible;
-    // Sizes of mips to be read again, because paint has changed over samples of this tile: a bit each, by log2.
+    // Sizes of mips to be read again, because paint has changed over samples of this tile, or for horizons the ground
+    // around: a bit each, by log2.
     std::uint16_t repaint;
     std::uint8_t repaints; // requests on their way
     edit::Rect painted;
@@ -145,7 +147,10 @@ struct StreamState {
     std::uint32_t map_cursor, map_tested; // tiles since the last change
     MapCommand* commands;
     std::uint32_t command_count;
-    std::uint64_t seen_paint; // of PaintData::changes
+    std::uint64_t seen_paint;       // of PaintData::changes
+    std::uint64_t seen_moved;       // of TerrainData::ground_changes, by horizon maps
+    std::uint32_t ground_rests;     // updates since the last of them
+    std::uint32_t horizons_waiting; // tiles whose horizons are read again when the ground is at rest
     MapPatch* patches;
     std::uint32_t patch_count, patch_room;
     // Requests: pages first.

@@ -10,6 +10,7 @@
 
 #include "fjell/edit.h"
 #include "fjell/gltf/snapshot.h"
+#include "fjell/ground_maps.h"
 #include "gltf/baked.h"
 #include "shared/terrain_data.h"
 
@@ -101,6 +102,24 @@ TEST_CASE("a snapshot's normals and slopes are those of the ground as it has mov
         CHECK(slope_deg < old_deg / 4);
         CHECK(normal < old / 3);
     }
+}
+
+TEST_CASE("a snapshot's normals are not those of other maps, which a stream has read again in that frame", "[gltf]") {
+    const Folder folder;
+    baker::BakeOptions options;
+    options.tile_log2 = 5;
+    options.max_texture_log2 = 5;
+    const BakedTerrain place(folder, hills(97, 65, 30, 30), options);
+    const Exported before = exported(place, folder / "before.glb", 32);
+    const std::vector<std::byte> black(blocks_of(32) * colour_block_bytes);
+    MapPatch patches[12] = {}; // of all tiles
+    for (std::uint32_t tile = 0; tile < tiles_of(place.pack.header); ++tile)
+        patches[tile] = {MapKind::colour, 5, 0, tile, 0, 0, 0, 32, 32, black};
+    TerrainData& t = data_of(place.terrain);
+    t.map_patches = patches, t.map_patch_count = tiles_of(place.pack.header);
+    const Exported after = exported(place, folder / "after.glb", 32);
+    t.map_patch_count = 0;
+    CHECK(difference(before.normals, after.normals) == 0);
 }
 
 TEST_CASE("a snapshot's colours are under the paint that was there when it was taken", "[gltf]") {
