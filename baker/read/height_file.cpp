@@ -209,7 +209,9 @@ HeightFile::HeightFile(const std::string& path, const ReadOptions& options) : en
     facts_.sequential = is_sequential(*file_, path);
     facts_.identity = identity_of(*file_, path);
     find_voids_of(first, options, facts_.decoding);
-    facts_.driver = file_->GetDriver() ? file_->GetDriver()->GetDescription() : "";
+    facts_.driver = is_raw(path)         ? options.size ? "raw" : "raw, taken as a square"
+                    : file_->GetDriver() ? file_->GetDriver()->GetDescription()
+                                         : "";
     facts_.type =
         fmt::format("{}{}", is_signed_byte(first) ? "signed " : "", GDALGetDataTypeName(first.GetRasterDataType()));
     if (coded) {

@@ -69,7 +69,7 @@ struct SourceFacts {
     std::string resampled;           // how: "cubic", or "cubic over 3.2 samples"; empty: they are those of the file
     std::string axes;                // of the file's CRS, as x and y run: "west, south"; empty: east, north, or no CRS
     double ground_scale[2] = {0, 0}; // least and most metres of the grid that a metre of ground is; 0: not known
-    std::string driver, type;        // of the first file, as GDAL calls them; empty: not from a file
+    std::string driver, type;        // of the first file, as GDAL calls them, or raw; empty: not from a file
     std::string voids;               // how it tells them: "mask", "no-data -9999"; empty: it does not
     std::string band;                // of several that the file has: "2 elevation"
     std::string height_unit;         // as the file says; empty: it does not, so that they count as metres

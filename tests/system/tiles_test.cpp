@@ -174,8 +174,8 @@ TEST_CASE("tiles are the same bytes for any number of threads, and when they wer
 
     // A disk that is full wherever it is: each run gets some files further.
     output_of(folder, bake + "tiles pack.fjell -o implicit --format 3dtiles --implicit --quiet");
-    for (const auto& [options, whole] :
-         {std::pair{" --quiet", "one"}, std::pair{" --quiet --format 3dtiles --implicit", "implicit"}}) {
+    for (const auto& [options, whole] : {std::pair{" --quiet", "one"}, std::pair{" --quiet --format 3dtiles", "one3d"},
+                                         std::pair{" --quiet --format 3dtiles --implicit", "implicit"}}) {
         output_of(folder, "rm -rf cut");
         int runs = 0;
         for (int code = 3; code == 3; ++runs) {

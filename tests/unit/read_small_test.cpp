@@ -11,6 +11,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/check/second_reading.h"
+#include "baker/read/height_file.h"
 #include "fjell/io/pack_file.h"
 #include "read_support.h"
 
@@ -49,7 +50,9 @@ TEST_CASE("raw numbers of 16 bits and floats are heights, of the size that is gi
     for (const char* const name : {"a.raw", "a.r16", "A.R16", "with & and <.raw"}) {
         write_raw<std::uint16_t>(dir / name, 41, 41);
         check_slope(read_dem(dir / name, spaced(10)), 41, 41);
+        CHECK(HeightFile(dir / name, spaced(10)).facts().driver == "raw, taken as a square"); // the summary has it
         write_raw<std::uint16_t>(dir / name, 41, 31);
+        CHECK(HeightFile(dir / name, sized(41, 31)).facts().driver == "raw");
         check_slope(read_dem(dir / name, sized(41, 31)), 41, 31);
         CHECK(refused(dir / name, spaced(10)).says("2542 bytes of raw numbers are no square"));
         CHECK(refused(dir / name, spaced(10)).says("--size COLUMNSxROWS"));
