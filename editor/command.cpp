@@ -16,6 +16,7 @@
 #include "editor/measures.h"
 #include "fjell/io/failure.h"
 #include "fjell/profile.h"
+#include "fjell/texture.h"
 
 namespace fjell::editor {
 
@@ -284,7 +285,22 @@ Command brush(Words& w) {
     };
     w.options({metres(b.radius_m, "radius", least_brush_m, most_brush_m),
                metres(b.falloff_m, "falloff", 0, most_brush_m),
-               metres(b.amount_m, "amount", -most_amount_m, most_amount_m), metres(b.strength, "strength", 0, 1)});
+               metres(b.amount_m, "amount", -most_amount_m, most_amount_m),
+               metres(b.strength, "strength", 0, 1),
+               {"colour",
+                [&](const std::string& v) {
+                    std::uint32_t rgb = 0;
+                    const char* const end = v.data() + v.size();
+                    const auto read = std::from_chars(v.data(), end, rgb, 16);
+                    if (v.size() != 6 || read.ec != std::errc() || read.ptr != end)
+                        throw io::Failure(2, fmt::format("colour={}: give six hexadecimal digits, as in 5c4e3c", v));
+                    for (int i = 0; i < 3; ++i) b.rgb[i] = static_cast<std::uint8_t>(rgb >> (16 - 8 * i));
+                }},
+               {"material", [&](const std::string& v) {
+                    const double number = Words::number_in(v, "material", 0, max_splat_names - 1);
+                    if (number != std::floor(number)) throw io::Failure(2, "material: give a whole number");
+                    b.material = static_cast<std::uint8_t>(number);
+                }}});
     return SetBrush{b};
 }
 
@@ -449,11 +465,12 @@ std::vector<Verb> picture_verbs() {
              const double x = w.number("x in metres");
              return MarkPlace{x, w.number("z in metres")};
          }},
-        {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE]",
-         "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater, restore, hole or "
-         "fill",
+        {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE] [colour=RRGGBB] [material=N]",
+         "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater, restore, hole, "
+         "fill, road, paint or unpaint",
          brush},
-        {"stroke", "X Z [X Z ...]", "a stroke of the brush along these places, in metres", stroke},
+        {"stroke", "X Z [X Z ...]",
+         "a stroke of the brush along these places, in metres; of a road: its corners, straight in between", stroke},
         {"edit-layer", "add NAME | choose|remove|on|off N | strength N SHARE | move N TO",
          "the layers that strokes lie on; N counts from the bottom, from 0", edit_layer},
         {"remove-mark", "", "removes the last mark", plain<RemoveMark>()},

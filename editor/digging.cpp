@@ -109,7 +109,8 @@ std::vector<io::KeptStamp> ground_of(const std::string& pack, const PackHeader& 
 Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::uint32_t seed) {
     constexpr StampShape shapes[] = {StampShape::restore, StampShape::raise, StampShape::raise,  StampShape::level,
                                      StampShape::smooth,  StampShape::noise, StampShape::crater, StampShape::restore,
-                                     StampShape::hole,    StampShape::fill};
+                                     StampShape::hole,    StampShape::fill,  StampShape::path,   StampShape::paint,
+                                     StampShape::unpaint};
     static_assert(std::size(shapes) == std::size(brush_tool_names), "a brush was added: say what it does");
     Stamp s;
     s.shape = shapes[static_cast<std::size_t>(brush.tool)];
@@ -120,12 +121,38 @@ Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::ui
     s.wavelength_m = static_cast<float>(std::max(brush.radius_m, least_brush_m));
     s.seed = seed;
     s.strength = static_cast<float>(brush.strength);
+    std::copy_n(brush.rgb, 3, s.rgb);
+    s.material = brush.material;
     return s;
+}
+
+io::KeptStamp road_of(const Brush& brush, std::span<const StampPoint> places) {
+    io::KeptStamp road;
+    road.plain = dab_of(brush, places[0].x_m, places[0].z_m, 0, 0);
+    const std::size_t most = max_path_points, count = std::min(places.size(), most);
+    for (std::size_t i = 0; i < count; ++i)
+        road.points.push_back(places[count < 2 ? 0 : i * (places.size() - 1) / (count - 1)]);
+    // Means of neighbours, until bumps shorter than some four times the road's half width are gone.
+    double long_m = 0;
+    for (std::size_t i = 1; i < count; ++i)
+        long_m += std::hypot(road.points[i].x_m - road.points[i - 1].x_m, road.points[i].z_m - road.points[i - 1].z_m);
+    const double apart_m = std::max(long_m / static_cast<double>(std::max<std::size_t>(count - 1, 1)), least_brush_m);
+    const double wide = std::min(2 * brush.radius_m / apart_m, 16.0);
+    const auto passes = static_cast<int>(2 * wide * wide); // the variance of a pass is a half
+    for (int pass = 0; pass < passes; ++pass) {
+        float before = road.points[0].height_m;
+        for (std::size_t i = 1; i + 1 < count; ++i) {
+            const float own = road.points[i].height_m;
+            road.points[i].height_m = 0.25F * before + 0.5F * own + 0.25F * road.points[i + 1].height_m;
+            before = own;
+        }
+    }
+    return road;
 }
 
 void open_with_journal(session::FlightOptions& options) {
     options.editable = true;
-    options.edit_budget = {.blocks = 4096, .stamps = 1024};
+    options.edit_budget = {.blocks = 4096, .stamps = 1024, .paint = 1024};
     const std::string path = io::journal_path(options.pack);
     if (!io::is_journal(path)) return;
     try {

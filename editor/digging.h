@@ -24,9 +24,23 @@
 
 namespace fjell::editor {
 
-enum class BrushTool : std::uint8_t { off, raise, lower, level, smooth, noise, crater, restore, hole, fill };
-inline constexpr const char* brush_tool_names[] = {"off",   "raise",  "lower",   "level", "smooth",
-                                                   "noise", "crater", "restore", "hole",  "fill"};
+enum class BrushTool : std::uint8_t {
+    off,
+    raise,
+    lower,
+    level,
+    smooth,
+    noise,
+    crater,
+    restore,
+    hole,
+    fill,
+    road,
+    paint,
+    unpaint
+};
+inline constexpr const char* brush_tool_names[] = {"off",     "raise", "lower", "level", "smooth", "noise",  "crater",
+                                                   "restore", "hole",  "fill",  "road",  "paint",  "unpaint"};
 
 struct Brush {
     BrushTool tool = BrushTool::off;
@@ -34,6 +48,9 @@ struct Brush {
     double falloff_m = 20; // beyond, where it fades out
     double amount_m = 2;   // of a dab: metres up, down or deep; of noise: as high as its hills
     double strength = 1;   // 0 to 1
+    // Of paint: a colour, sRGB, and a material of the pack's splat map by number; no_material: the colour alone.
+    std::uint8_t rgb[3] = {92, 78, 60};
+    std::uint8_t material = no_material;
 };
 inline constexpr double least_brush_m = 0.01, most_brush_m = 100'000, most_amount_m = 10'000;
 
@@ -43,6 +60,10 @@ void open_with_journal(session::FlightOptions& options);
 
 // A dab there. level_m: the height that BrushTool::level makes.
 [[nodiscard]] Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::uint32_t seed);
+
+// A road along places of the scene, 2 at least, each with its ground's height: a stamp of at most max_path_points. Its
+// heights are the ground's without what is short beside the brush's width; it begins and ends on the ground.
+[[nodiscard]] io::KeptStamp road_of(const Brush& brush, std::span<const StampPoint> places);
 
 class Digging {
 public:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_internal.h> // which window a list of draw commands belongs to
 #include <nlohmann/json.hpp>
@@ -199,7 +200,9 @@ json ground_json(const Ground& ground) {
               {"radius_m", b.radius_m},
               {"falloff_m", b.falloff_m},
               {"amount_m", b.amount_m},
-              {"strength", b.strength}}},
+              {"strength", b.strength},
+              {"colour", fmt::format("{:02x}{:02x}{:02x}", b.rgb[0], b.rgb[1], b.rgb[2])},
+              {"material", b.material == no_material ? json() : json(b.material)}}},
             {"problem", ground.problem},
             {"journal", ground.journal},
             {"layers", layers},

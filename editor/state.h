@@ -183,6 +183,7 @@ struct Ground {
     std::array<Vec3, ring_points> inner{}, outer{}; // on the ground, round that place
     std::optional<std::array<double, 2>> last_dab;  // of the stroke that is under way
     double level_m = 0;                             // its height, of BrushTool::level
+    std::vector<StampPoint> road;                   // so far, of BrushTool::road: it is built when the stroke ends
 };
 
 // Of near ground, as they are drawn.

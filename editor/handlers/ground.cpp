@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "editor/handlers/handlers.h"
 #include "editor/probe.h"
@@ -29,6 +31,12 @@ Engine& diggable(HandlerContext context) {
 }
 
 void dab_at(Ground& ground, Engine& engine, double x_m, double z_m) {
+    if (ground.brush.tool == BrushTool::road) {
+        const GroundHeight there = ground_height(engine.session().terrain(), x_m, z_m);
+        if (there.inside && !there.hole) ground.road.push_back({x_m, z_m, static_cast<float>(there.height_m)});
+        ground.last_dab = {x_m, z_m};
+        return;
+    }
     if (!ground.last_dab) ground.level_m = ground_height(engine.session().terrain(), x_m, z_m).height_m;
     const auto seed = static_cast<std::uint32_t>(engine.digging().version());
     engine.digging().dab(dab_of(ground.brush, x_m, z_m, ground.level_m, seed));
@@ -52,6 +60,11 @@ void draw_to(Ground& ground, Engine& engine, double x_m, double z_m) {
 
 void end_stroke(Ground& ground, Engine& engine) {
     ground.last_dab.reset();
+    const std::vector<StampPoint> road = std::exchange(ground.road, {});
+    if (road.size() > 1) {
+        const io::KeptStamp built = road_of(ground.brush, road);
+        engine.digging().dab(built.stamp());
+    }
     engine.digging().end_stroke();
 }
 
@@ -82,6 +95,7 @@ void handle(const AimBrush& c, HandlerContext context) {
         if (c.ends) end_stroke(ground, engine);
     } catch (...) {
         ground.last_dab.reset();
+        ground.road.clear();
         throw;
     }
 }
@@ -90,7 +104,8 @@ void handle(const StrokeGround& c, HandlerContext context) {
     Ground& ground = context.state.ground;
     Engine& engine = diggable(context);
     end_stroke(ground, engine);
-    for (const auto& [x_m, z_m] : c.places) draw_to(ground, engine, x_m, z_m);
+    const bool corners = ground.brush.tool == BrushTool::road;
+    for (const auto& [x_m, z_m] : c.places) (corners ? dab_at : draw_to)(ground, engine, x_m, z_m);
     end_stroke(ground, engine);
 }
 

@@ -2,17 +2,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "editor/number_text.h"
 #include "editor/panels/forms.h"
 #include "editor/panels/panels.h"
+#include "fjell/texture.h"
 
 namespace fjell::editor {
 
 namespace {
 
-constexpr const char* tool_labels[] = {"Off",   "Raise",  "Lower",   "Level", "Smooth",
-                                       "Noise", "Crater", "Restore", "Hole",  "Fill"};
+constexpr const char* tool_labels[] = {"Off",     "Raise", "Lower", "Level", "Smooth", "Noise",  "Crater",
+                                       "Restore", "Hole",  "Fill",  "Road",  "Paint",  "Unpaint"};
 constexpr const char* tool_abouts[] = {
     "The left button looks around.",
     "Adds metres to the ground.",
@@ -24,6 +28,9 @@ constexpr const char* tool_abouts[] = {
     "Brings back the pack's ground.",
     "Cuts the ground away: a shaft, or a tunnel's mouth.",
     "Closes holes.",
+    "Levels a road along the stroke, when the button is let go. The radius is half its width.",
+    "Lays a colour, or a material, over the maps.",
+    "Brings back the pack's colours and materials.",
 };
 static_assert(std::size(tool_labels) == std::size(brush_tool_names) &&
                   std::size(tool_abouts) == std::size(brush_tool_names),
@@ -46,6 +53,26 @@ bool slider(const char* label, const char* name, double& value, double least, do
 bool has_amount(BrushTool tool) {
     return tool == BrushTool::raise || tool == BrushTool::lower || tool == BrushTool::noise ||
            tool == BrushTool::crater;
+}
+
+// Colour and material; true while they give others.
+bool paint_controls(Brush& brush) {
+    fields::label("Colour");
+    float rgb[3];
+    for (int i = 0; i < 3; ++i) rgb[i] = static_cast<float>(brush.rgb[i]) / 255;
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    bool given = ImGui::ColorEdit3("##colour", rgb);
+    ui::control("brush", "colour", "What the paint's colour is, as it is lit.");
+    for (int i = 0; i < 3; ++i)
+        brush.rgb[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(rgb[i], 0.0F, 1.0F)));
+    fields::label("Material");
+    int number = brush.material == no_material ? -1 : brush.material;
+    ImGui::SetNextItemWidth(-FLT_MIN);
+    given |=
+        ImGui::SliderInt("##material", &number, -1, static_cast<int>(max_splat_names) - 1, number < 0 ? "none" : "%d");
+    ui::control("brush", "material", "A number among the pack's materials, for packs that were baked with --splat.");
+    brush.material = number < 0 ? no_material : static_cast<std::uint8_t>(number);
+    return given;
 }
 
 // True: it may be dug.
@@ -85,6 +112,7 @@ void draw_brush(const State& state, PanelState&, Commands& commands) {
         given |= slider("Height", "amount", brush.amount_m, 0.01, std::max(1.0, most_m / 2), "%.3g m", true,
                         "Of a dab. A stroke has four dabs along the brush's width.");
     given |= slider("Strength", "strength", brush.strength, 0, 1, "%.2f", false, "How much of all this happens.");
+    if (brush.tool == BrushTool::paint) given |= paint_controls(brush);
     if (given) commands.push(SetBrush{brush});
     ui::row("Changed blocks", "%u of %u", ground.report.blocks, ground.blocks);
     ui::tip("Blocks of 32 x 32 samples that differ from the pack. A stroke that needs more is refused.");
@@ -180,23 +208,28 @@ bool draw_brush_hand(const State& state, const ui::Rect& view, BrushHand& hand, 
 
 namespace {
 
-void draw_ring(ImDrawList& list, const State& state, const ui::Rect& view,
-               const std::array<Vec3, Ground::ring_points>& ring, ImU32 colour, float thick) {
-    const auto place = [&](const Vec3& at) -> std::optional<ImVec2> {
+// From each place to the next that is seen.
+void draw_line(ImDrawList& list, const State& state, const ui::Rect& view, std::span<const Vec3> places, ImU32 colour,
+               float thick) {
+    std::optional<ImVec2> before;
+    for (const Vec3& at : places) {
         const auto seen = place_in(state.eye.view, at);
-        if (!seen) return {};
-        return ImVec2{view.x + static_cast<float>((*seen)[0]) * view.width,
-                      view.y + static_cast<float>((*seen)[1]) * view.height};
-    };
-    auto before = place(ring.back());
-    for (const Vec3& at : ring) {
-        const auto now = place(at);
+        std::optional<ImVec2> now;
+        if (seen)
+            now = ImVec2{view.x + static_cast<float>((*seen)[0]) * view.width,
+                         view.y + static_cast<float>((*seen)[1]) * view.height};
         if (before && now) {
             list.AddLine(*before, *now, IM_COL32(0, 0, 0, 150), thick + 2);
             list.AddLine(*before, *now, colour, thick);
         }
         before = now;
     }
+}
+
+void draw_ring(ImDrawList& list, const State& state, const ui::Rect& view,
+               const std::array<Vec3, Ground::ring_points>& ring, ImU32 colour, float thick) {
+    draw_line(list, state, view, ring, colour, thick);
+    draw_line(list, state, view, std::array{ring.back(), ring.front()}, colour, thick);
 }
 
 } // namespace
@@ -209,6 +242,9 @@ void draw_brush_ring(const State& state, const ui::Rect& view) {
     const auto thick = static_cast<float>(1.5 * state.interface.scale);
     draw_ring(list, state, view, ground.outer, IM_COL32(255, 214, 102, 140), 0.7F * thick);
     draw_ring(list, state, view, ground.inner, IM_COL32(255, 214, 102, 255), thick);
+    std::vector<Vec3> road;
+    for (const StampPoint& p : ground.road) road.push_back({p.x_m, static_cast<double>(p.height_m), p.z_m});
+    draw_line(list, state, view, road, IM_COL32(255, 214, 102, 255), thick);
     list.PopClipRect();
 }
 

@@ -188,6 +188,12 @@ TEST_CASE("a brush digs where it is dragged, undo takes it back, and what was du
         CHECK(at_rest(editor)["ground"]["blocks"] == 0);
         editor.key("ctrl+shift+z");
         CHECK(stamps(editor.until("redone", [&](const json& s) { return stamps(s) > 0; })) == dug);
+        editor.click("brush.road"); // all of a drag is one stamp
+        editor.drag_at(x, y, x + 0.3 * view.width, y + 0.1 * view.height);
+        CHECK(stamps(editor.until("a road", [&](const json& s) { return stamps(s) > dug; })) == dug + 1);
+        at_rest(editor);
+        editor.key("ctrl+z");
+        CHECK(stamps(editor.until("undone", [&](const json& s) { return stamps(s) == dug; })) == dug);
         editor.signal(SIGKILL);
         CHECK(editor.exit_code() == 128 + SIGKILL);
     }

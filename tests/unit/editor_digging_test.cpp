@@ -216,3 +216,26 @@ TEST_CASE("undoing everything gives the pack's ground, and what cannot be dug is
     CHECK(stranger.digging->problem().find("fjell-bake rebase") != std::string::npos);
     CHECK(stranger.session.edits->totals().applied == 0);
 }
+
+TEST_CASE("a road begins and ends on the ground, leaves out what is short beside its width, and follows the rest") {
+    Brush brush;
+    brush.tool = BrushTool::road;
+    brush.radius_m = 4;
+    std::vector<StampPoint> places;
+    const auto hill_m = [](double x_m) { return 100 + 40 * std::sin(x_m / 400); };
+    for (int i = 0; i <= 700; ++i)
+        places.push_back({2.0 * i, 0.5 * i, static_cast<float>(hill_m(2.0 * i) + (i % 2 ? 1 : -1))});
+    const io::KeptStamp road = road_of(brush, places);
+    REQUIRE(road.points.size() == max_path_points);
+    CHECK(check_stamp(road.stamp()).ok());
+    CHECK((road.plain.shape == StampShape::path && road.plain.radius_m == 4));
+    CHECK(road.points.front().height_m == places.front().height_m);
+    CHECK(road.points.back().height_m == places.back().height_m);
+    CHECK((road.points.back().x_m == 1400 && road.points.back().z_m == 350));
+    for (std::size_t i = 8; i + 8 < road.points.size(); ++i)
+        CHECK(std::fabs(static_cast<double>(road.points[i].height_m) - hill_m(road.points[i].x_m)) < 0.9);
+    brush.radius_m = 0.5; // narrow: bumps as far apart as its points are its own
+    const std::vector<StampPoint> few(places.begin(), places.begin() + 3);
+    CHECK(road_of(brush, few).points[1].height_m == few[1].height_m);
+    CHECK(road_of(brush, std::span(few).first(2)).points.size() == 2); // a ramp
+}
