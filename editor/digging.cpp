@@ -215,7 +215,7 @@ void Digging::dab(const Stamp& stamp) {
     if (edit::makes_or_fills_holes(stamp.shape) && !edits_->budget().holes)
         throw io::Failure(2, "this pack has no room for holes; bake it with --room-for-holes yes");
     io::Journal& to = journal();
-    if (layers().empty()) add_layer("ground");
+    if (layers().empty()) add_layer("ground"), made_layer_ = true;
     const io::JournalLayer& layer = to.layers()[*chosen()];
     if (!layer.on)
         throw io::Failure(2, fmt::format("the edit layer \"{}\" is off; switch it on, or choose another", layer.name));
@@ -232,6 +232,7 @@ void Digging::end_stroke() {
     if (stroke_.empty()) return;
     const std::size_t place = *chosen();
     Step step;
+    step.with_before = std::exchange(made_layer_, false);
     step.layer = layers()[place].id;
     step.stamps = std::exchange(stroke_, {});
     try {
@@ -364,11 +365,15 @@ void Digging::pass(std::vector<Step>& from, std::vector<Step>& to, void (Digging
 }
 
 void Digging::undo() {
+    end_stroke();
+    const bool again = undo_.size() > 1 && undo_.back().with_before;
     pass(undo_, redo_, &Digging::take_back, Last::undo);
+    if (again) pass(undo_, redo_, &Digging::take_back, Last::undo);
 }
 
 void Digging::redo() {
     pass(redo_, undo_, &Digging::repeat, Last::redo);
+    if (!redo_.empty() && redo_.back().with_before) pass(redo_, undo_, &Digging::repeat, Last::redo);
 }
 
 void Digging::take_back_refused() {

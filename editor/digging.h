@@ -117,6 +117,7 @@ private:
         std::uint32_t layer = 0;                 // of a stroke
         std::vector<std::uint64_t> ids;          // the stroke's stamps, as long as they are there
         std::vector<io::KeptStamp> stamps;
+        bool with_before = false; // is undone with the step before it, and done again with it
     };
     io::Journal& journal();
     [[nodiscard]] std::size_t place_of(std::uint32_t layer) const;
@@ -137,6 +138,7 @@ private:
     std::uint32_t chosen_ = 0; // 0: the top one
     std::uint64_t version_ = 1;
     std::vector<io::KeptStamp> stroke_;
+    bool made_layer_ = false; // for the stroke that is under way
     std::vector<Step> undo_, redo_;
     Last last_ = Last::nothing;
 };

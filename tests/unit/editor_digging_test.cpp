@@ -121,7 +121,7 @@ TEST_CASE("whatever is dug, switched, moved, removed and undone, the ground is w
             };
             const std::size_t before = d.undo_steps();
             const int what = pick(random, 0, 9);
-            if (d.layers().empty()) { // a stroke would make one, in a step of its own
+            if (d.layers().empty()) { // a stroke would make one, and be undone with it
                 d.add_layer("first");
             } else if (what <= 3) {
                 const std::size_t to = layer();
@@ -238,4 +238,26 @@ TEST_CASE("a road begins and ends on the ground, leaves out what is short beside
     const std::vector<StampPoint> few(places.begin(), places.begin() + 3);
     CHECK(road_of(brush, few).points[1].height_m == few[1].height_m);
     CHECK(road_of(brush, std::span(few).first(2)).points.size() == 2); // a ramp
+}
+
+TEST_CASE("the first stroke makes a layer, and both are one step") {
+    const TemporaryFolder folder;
+    const std::string pack = folder / "hills.fjell";
+    Random random(451);
+    (void)baker::bake(random_dem(random, 90, 90, Shape::fractal), small_bake(5), pack);
+    DugTerrain terrain(pack);
+    Digging& d = *terrain.digging;
+    const double middle_m = terrain.session.terrain().extent_x_m() / 2;
+    d.dab(dab_of({BrushTool::raise, 3, 3, 0.01, 1}, middle_m, middle_m, 0, 0));
+    d.end_stroke();
+    REQUIRE(d.layers().size() == 1);
+    const std::string dug = layers_told(d);
+    d.undo();
+    CHECK((d.layers().empty() && d.undo_steps() == 0));
+    d.redo();
+    CHECK(layers_told(d) == dug);
+    CHECK(d.redo_steps() == 0);
+    d.dab(dab_of({BrushTool::raise, 3, 3, 0.01, 1}, middle_m, middle_m, 0, 0));
+    d.undo(); // the second alone
+    CHECK(layers_told(d) == dug);
 }
