@@ -68,8 +68,8 @@ using Codes = std::uint8_t[horizon_planes];
 class Raiser {
 public:
     Raiser(const TerrainData& terrain, const Rect& edited, SampleIndex tile)
-        : t_(terrain), edited_(edited), heights_(terrain, tile), spacing_m_{static_cast<double>(terrain.spacing_x_m),
-                                                                            static_cast<double>(terrain.spacing_z_m)},
+        : edited_(edited), heights_(terrain, tile), spacing_m_{static_cast<double>(terrain.spacing_x_m),
+                                                               static_cast<double>(terrain.spacing_z_m)},
           unit_m_(std::min(spacing_m_[0], spacing_m_[1])) {
         for (double d = 1; d <= horizon_reach && step_count_ < most_steps; d = std::max(d + 1, d * growth))
             steps_[step_count_++] = d;
@@ -134,7 +134,6 @@ private:
         return light;
     }
 
-    const TerrainData& t_;
     const Rect edited_;
     Heights heights_;
     const double spacing_m_[2], unit_m_;
