@@ -37,7 +37,7 @@ public:
                              std::min(at.row >> log2, t_.tree.tiles_y - 1)};
         const std::int32_t x = of.column - tile_.column + 1, y = of.row - tile_.row + 1;
         if (x < 0 || x > 2 || y < 0 || y > 2) return false;
-        std::optional<query::Reader>& reader = readers_[static_cast<std::size_t>(3 * y + x)];
+        std::optional<query::Reader>& reader = readers_[3 * static_cast<std::size_t>(y) + static_cast<std::size_t>(x)];
         if (!reader) reader.emplace(t_, of.column, of.row);
         const query::Sample sample = reader->read(at);
         height_m = sample.steps * static_cast<double>(t_.header.quantum_m);
