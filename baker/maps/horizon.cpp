@@ -14,7 +14,7 @@ namespace fjell::baker {
 namespace {
 
 // A level serves from 12 of its cells away to 24, and a ray doubles its distance in six steps, each of 1.5 to 3 cells.
-constexpr double cells_away = 12, growth = 1.122462048309373; // 2^(1/6)
+constexpr double cells_away = 12;
 constexpr std::int32_t halo = static_cast<std::int32_t>(2 * cells_away) + 2;
 constexpr std::int32_t block_rows = 16; // of points at a time: what they use stays in the nearest cache
 
@@ -30,7 +30,7 @@ std::vector<Step> steps_of(const HorizonLevels& levels) {
     const double most = std::hypot((all.columns - 1) * spacing[0], (all.rows - 1) * spacing[1]) / unit;
     std::vector<Step> steps;
     int level = 0;
-    for (double d = 1; d <= most; d = std::max(d + 1, d * growth)) {
+    for (double d = 1; d <= most; d = std::max(d + 1, d * horizon_growth)) {
         while (level + 1 < levels.count() && d >= std::ldexp(cells_away, level + 1)) ++level;
         steps.push_back({level, d});
     }

@@ -64,14 +64,11 @@ void take_moved_normals(const Terrain& terrain, std::vector<TileGeometry>& tiles
     GroundMapsReport report;
     do {
         if (!update_ground_maps(maps, shown, report).ok()) return;
-        for (const MapPatch& patch : ground_map_patches(maps))
-            if (patch.map == MapKind::normal) // the others are a stream's, of its last update
-                by_tile[patch.tile]->moved.push_back({patch.mip,
-                                                      patch.x,
-                                                      patch.y,
-                                                      patch.columns,
-                                                      patch.rows,
-                                                      {patch.blocks.begin(), patch.blocks.end()}});
+        for (const MapPatch& patch : ground_map_patches(maps)) {
+            if (patch.map != MapKind::normal) continue; // a stream's, of its last update
+            by_tile[patch.tile]->moved.push_back(
+                {patch.mip, patch.x, patch.y, patch.columns, patch.rows, {patch.blocks.begin(), patch.blocks.end()}});
+        }
     } while (report.waiting != 0);
 }
 

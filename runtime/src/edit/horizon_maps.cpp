@@ -18,7 +18,6 @@ namespace fjell::edit {
 
 namespace {
 
-constexpr double growth = 1.122462048309373; // 2^(1/6)
 constexpr std::size_t most_steps = 40;
 constexpr double smooth_until = 8; // nearer than this rays pass between samples
 
@@ -65,22 +64,25 @@ private:
 
 using Codes = std::uint8_t[horizon_planes];
 
+bool is_in(const Rect& rect, SampleIndex at) {
+    return rect.contains({at.column, at.row, at.column, at.row});
+}
+
 class Raiser {
 public:
     Raiser(const TerrainData& terrain, const Rect& edited, SampleIndex tile)
         : edited_(edited), heights_(terrain, tile), spacing_m_{static_cast<double>(terrain.spacing_x_m),
                                                                static_cast<double>(terrain.spacing_z_m)},
           unit_m_(std::min(spacing_m_[0], spacing_m_[1])) {
-        for (double d = 1; d <= horizon_reach && step_count_ < most_steps; d = std::max(d + 1, d * growth))
+        for (double d = 1; d <= horizon_reach && step_count_ < most_steps; d = std::max(d + 1, d * horizon_growth))
             steps_[step_count_++] = d;
     }
 
     // One texel's codes; at: the sample where it stands. False: none has changed.
     bool raise(SampleIndex at, Codes& codes) {
         double own_m = 0;
-        if (!edited_.grown(horizon_reach).contains({at.column, at.row, at.column, at.row}) || !heights_.read(at, own_m))
-            return false;
-        const bool inside = edited_.contains({at.column, at.row, at.column, at.row});
+        if (!is_in(edited_.grown(horizon_reach), at) || !heights_.read(at, own_m)) return false;
+        const bool inside = is_in(edited_, at);
         Codes raised;
         bool changed = false;
         for (std::size_t i = 0; i < horizon_directions; ++i) {
@@ -109,7 +111,7 @@ private:
             const double d = steps_[k], x = at.column + d * east, y = at.row + d * south;
             const SampleIndex near{static_cast<std::int32_t>(std::floor(x + 0.5)),
                                    static_cast<std::int32_t>(std::floor(y + 0.5))};
-            if (!inside && !edited_.contains({near.column, near.row, near.column, near.row})) continue;
+            if (!inside && !is_in(edited_, near)) continue;
             double height_m = 0;
             if (d < smooth_until ? heights_.read(x, y, height_m) : heights_.read(near, height_m))
                 tangent = std::max(tangent, (height_m - own_m) / (d * unit_m_));

@@ -39,6 +39,8 @@ inline constexpr double horizon_south[horizon_directions] = {-1.0,
                                                              -0.6691306063588578,
                                                              -0.913545457642601};
 
+inline constexpr double horizon_growth = 1.122462048309373; // 2^(1/6): a ray doubles its distance in six steps
+
 // Light of the sky over elevations above a horizon with that sine, in one direction, on a surface whose unit normal has
 // the components `level` (along the direction) and `up`: the integral of its cosine, over half a direction's share. The
 // arc cosine after M. Abramowitz and I. Stegun, 4.4.45: to 7e-5.

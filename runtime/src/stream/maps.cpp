@@ -416,29 +416,34 @@ bool satisfied(StreamState& s, std::uint32_t kind, std::uint32_t index, float st
     return false;
 }
 
+// visit(number): of the tiles that lie over samples.
+template <typename Visit>
+void for_each_tile_over(const TerrainData& t, const edit::Rect& samples, const Visit& visit) {
+    const auto tile_near = [&](std::int32_t sample, std::uint32_t tiles) {
+        return std::clamp(sample >> t.header.tile_log2, 0, static_cast<std::int32_t>(tiles) - 1);
+    };
+    for (std::int32_t y = tile_near(samples.y0, t.header.tiles_y); y <= tile_near(samples.y1, t.header.tiles_y); ++y)
+        for (std::int32_t x = tile_near(samples.x0, t.header.tiles_x); x <= tile_near(samples.x1, t.header.tiles_x);
+             ++x)
+            visit(t.tile_at(x, y));
+}
+
 // Which mips of which tiles paint has changed.
 void note_painted(StreamState& s, const edit::Rect& samples) {
     const TerrainData& t = *s.terrain;
     for (const MapKind map : {MapKind::colour, MapKind::splat}) {
         MapState& m = s.maps[static_cast<std::uint32_t>(map)];
         if (m.sizes.top_log2 == 0) continue;
-        const auto tile_near = [&](std::int32_t sample, std::uint32_t tiles) {
-            return std::clamp(sample >> t.header.tile_log2, 0, static_cast<std::int32_t>(tiles) - 1);
-        };
         const std::int32_t reach = t.tree.side(); // the widest texels' is less
-        for (std::int32_t y = tile_near(samples.y0 - reach, t.header.tiles_y);
-             y <= tile_near(samples.y1 + reach, t.header.tiles_y); ++y)
-            for (std::int32_t x = tile_near(samples.x0 - reach, t.header.tiles_x);
-                 x <= tile_near(samples.x1 + reach, t.header.tiles_x); ++x) {
-                const std::uint32_t number = t.tile_at(x, y);
-                MapTile& tile = m.tiles[number];
-                for (std::uint32_t log2 = 2; log2 <= m.sizes.top_log2; ++log2)
-                    if (edit::grid_of_mip(t.header, map, number, log2).texels_over(samples, 1u << log2).columns != 0) {
-                        if (tile.repaint == 0 && tile.repaints == 0) tile.painted = {};
-                        tile.painted = tile.painted.with(samples);
-                        tile.repaint |= static_cast<std::uint16_t>(1u << log2);
-                    }
-            }
+        for_each_tile_over(t, samples.grown(reach), [&](std::uint32_t number) {
+            MapTile& tile = m.tiles[number];
+            for (std::uint32_t log2 = 2; log2 <= m.sizes.top_log2; ++log2)
+                if (edit::grid_of_mip(t.header, map, number, log2).texels_over(samples, 1u << log2).columns != 0) {
+                    if (tile.repaint == 0 && tile.repaints == 0) tile.painted = {};
+                    tile.painted = tile.painted.with(samples);
+                    tile.repaint |= static_cast<std::uint16_t>(1u << log2);
+                }
+        });
     }
 }
 void follow_paint(StreamState& s) {
@@ -454,23 +459,19 @@ void follow_paint(StreamState& s) {
 
 // Which horizons see ground that has moved.
 void note_moved(StreamState& s, const edit::Rect& samples) {
-    const TerrainData& t = *s.terrain;
-    const edit::Rect seen = samples.grown(edit::horizon_reach);
-    const auto tile_near = [&](std::int32_t sample, std::uint32_t tiles) {
-        return std::clamp(sample >> t.header.tile_log2, 0, static_cast<std::int32_t>(tiles) - 1);
-    };
     MapState& m = s.maps[static_cast<std::uint32_t>(MapKind::horizon)];
-    for (std::int32_t y = tile_near(seen.y0, t.header.tiles_y); y <= tile_near(seen.y1, t.header.tiles_y); ++y)
-        for (std::int32_t x = tile_near(seen.x0, t.header.tiles_x); x <= tile_near(seen.x1, t.header.tiles_x); ++x)
-            m.tiles[t.tile_at(x, y)].repaint = static_cast<std::uint16_t>((2u << m.sizes.top_log2) - 4);
+    for_each_tile_over(*s.terrain, samples.grown(edit::horizon_reach), [&](std::uint32_t number) {
+        m.tiles[number].repaint = static_cast<std::uint16_t>((2u << m.sizes.top_log2) - 4);
+    });
+    s.ground_rests = 0;
 }
 void follow_horizons(StreamState& s) {
     const TerrainData& t = *s.terrain;
     if (s.maps[static_cast<std::uint32_t>(MapKind::horizon)].sizes.top_log2 == 0 || t.raise_horizons == nullptr) return;
     if (s.ground_rests < ground_is_at_rest) ++s.ground_rests;
+    if (t.ground_changes == s.seen_moved) return;
     if (t.ground_changes - s.seen_moved > ground_change_log || t.changed_ground == nullptr) {
-        if (t.ground_changes != s.seen_moved) note_moved(s, {0, 0, t.tree.columns() - 1, t.tree.rows() - 1});
-        s.ground_rests = t.ground_changes != s.seen_moved ? 0 : s.ground_rests;
+        note_moved(s, {0, 0, t.tree.columns() - 1, t.tree.rows() - 1});
         s.seen_moved = t.ground_changes;
     }
     for (; s.seen_moved != t.ground_changes; ++s.seen_moved) {
@@ -478,7 +479,6 @@ void follow_horizons(StreamState& s) {
         if (change.step_log2 != heights_changed) continue;
         const SampleIndex first = t.tree.sample(change.first), last = t.tree.sample(change.last);
         note_moved(s, {first.column, first.row, last.column, last.row});
-        s.ground_rests = 0;
     }
 }
 
