@@ -62,7 +62,8 @@ void end_stroke(Ground& ground, Engine& engine) {
     const bool is_road = ground.last_dab && ground.brush.tool == BrushTool::road;
     ground.last_dab.reset();
     const std::vector<StampPoint> road = std::exchange(ground.road, {});
-    if (is_road && road.size() < 2) throw io::Failure(2, "a road needs two places on the ground: drag farther, or name another");
+    if (is_road && road.size() < 2)
+        throw io::Failure(2, "a road needs two places on the ground: drag farther, or name another");
     if (is_road) {
         const io::KeptStamp built = road_of(ground.brush, road);
         engine.digging().dab(built.stamp());
