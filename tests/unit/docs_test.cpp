@@ -437,6 +437,10 @@ TEST_CASE("every command line of the documents uses flags that its program lists
     const auto check = [](const Page& page, const std::string& command) {
         const std::string program = program_of(command);
         if (program.empty()) return false;
+        if (program == "fjell-lab" && !fs::exists(FJELL_BIN_DIR "/fjell-lab")) {
+            WARN("skipped: " << command << ": the lab is built by --long");
+            return true;
+        }
         const std::string unquoted =
             std::regex_replace(command.substr(0, command.find(" #")), std::regex("\"[^\"]*\""), "");
         for (const std::string& flag : matches(unquoted, " (--?[a-z][a-z-]*)")) {
