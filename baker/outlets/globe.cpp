@@ -37,12 +37,6 @@ double distance_m(const GlobePlace& a, const GlobePlace& b) {
 
 } // namespace
 
-std::array<double, 2> step_of(const HeightSource& source) {
-    double step[2] = {source.crs_step[0], source.crs_step[1]};
-    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(source.spacing_m, source.crs_wkt, step);
-    return {step[0], step[1]};
-}
-
 GlobePlace up_at(LonLat at) {
     const double c = std::cos(at.latitude * radian);
     return {c * std::cos(at.longitude * radian), c * std::sin(at.longitude * radian), std::sin(at.latitude * radian)};

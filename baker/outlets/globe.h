@@ -56,9 +56,6 @@ enum class Tiling : std::uint8_t { geographic, mercator }; // EPSG:4326 with two
 // tiles, and twice as much where it has one.
 [[nodiscard]] double assumed_error_m(Tiling tiling, std::int32_t level);
 
-// Units of the CRS from sample to sample; 0: not known.
-[[nodiscard]] std::array<double, 2> step_of(const HeightSource& source);
-
 // Where the samples of a height field lie: exact at nodes of a coarse grid, Lagrange's cubic between them, to within
 // 1e-5 of the samples' spacing, which is measured. Thread: immutable.
 class SamplePlaces {

@@ -438,6 +438,12 @@ void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, doubl
         if (unit_m > 0) step[axis] = spacing_m[axis] / unit_m;
 }
 
+std::array<double, 2> step_of(const HeightSource& source) {
+    double step[2] = {source.crs_step[0], source.crs_step[1]};
+    if (!(step[0] > 0 && step[1] > 0)) crs_step_of(source.spacing_m, source.crs_wkt, step);
+    return {step[0], step[1]};
+}
+
 bool points_are_bent(GDALDataset& file, double& off_px) {
     const int count = file.GetGCPCount();
     const GDAL_GCP* const points = file.GetGCPs();

@@ -15,6 +15,7 @@
 
 namespace fjell::baker {
 
+class HeightSource;
 using io::Failure;
 
 // Before anything else of GDAL, once for the whole process; safe to repeat. Whoever has GdalMessages has called it.
@@ -110,6 +111,8 @@ struct Placement {
 
 // What a spacing is in units of the CRS, where that counts metres, feet and so on; 0 in degrees and without a CRS.
 void crs_step_of(const double (&spacing_m)[2], const std::string& crs_wkt, double (&step)[2]);
+// Units of the CRS from sample to sample; 0: not known.
+[[nodiscard]] std::array<double, 2> step_of(const HeightSource& source);
 
 // What once around the Earth is along x, in units of the CRS: 360 of degrees, the width of a map on a cylinder; 0:
 // x is no longitude. middle: of the map, around which the CRS has its own places.

@@ -1,0 +1,151 @@
+#include "baker/read/vectors.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <gdal_priv.h>
+#include <ogr_api.h>
+#include <ogr_spatialref.h>
+
+#include "baker/read/gdal_file.h"
+
+namespace fjell::baker {
+
+namespace {
+
+// Of GDAL's C functions, whose handles all have one type.
+template <void (*destroy)(void*)>
+struct Destroy {
+    void operator()(void* handle) const { destroy(handle); }
+};
+using Feature = std::unique_ptr<void, Destroy<OGR_F_Destroy>>;
+using Geometry = std::unique_ptr<void, Destroy<OGR_G_DestroyGeometry>>;
+struct DestroyChange {
+    void operator()(OGRCoordinateTransformation* t) const { OGRCoordinateTransformation::DestroyCT(t); }
+};
+using CrsChange = std::unique_ptr<OGRCoordinateTransformation, DestroyChange>;
+
+class Reading {
+public:
+    Reading(const std::string& path, const VectorGrid& grid) : path_(path), grid_(grid) {}
+
+    void layer(OGRLayerH layer) {
+        change_ = change_of(layer);
+        for (Feature f; f.reset(OGR_L_GetNextFeature(layer)), f;)
+            if (const OGRGeometryH geometry = OGR_F_GetGeometryRef(f.get())) {
+                numbers_ = numbers_of(f.get());
+                if (OGR_G_HasCurveGeometry(geometry, FALSE) == TRUE) {
+                    const Geometry lines(OGR_G_GetLinearGeometry(geometry, 0, nullptr));
+                    if (lines) take(lines.get());
+                } else {
+                    take(geometry);
+                }
+            }
+    }
+
+    std::vector<VectorShape> shapes;
+
+private:
+    // From a layer's CRS to the grid's; none: they are the same, or one of them says none.
+    [[nodiscard]] CrsChange change_of(OGRLayerH layer) const {
+        const OGRSpatialReference* const said = OGRSpatialReference::FromHandle(OGR_L_GetSpatialRef(layer));
+        if (said == nullptr || grid_.crs_wkt.empty()) return {};
+        OGRSpatialReference from(*said), to;
+        to.importFromWkt(grid_.crs_wkt.c_str());
+        from.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+        to.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+        CrsChange change(OGRCreateCoordinateTransformation(&from, &to));
+        if (!change) throw Failure(1, fmt::format("{}: its CRS does not lead to that of the heights", path_));
+        return change;
+    }
+
+    [[nodiscard]] static std::vector<std::pair<std::string, double>> numbers_of(OGRFeatureH feature) {
+        std::vector<std::pair<std::string, double>> numbers;
+        for (int i = 0; i < OGR_F_GetFieldCount(feature); ++i) {
+            if (OGR_F_IsFieldSetAndNotNull(feature, i) == FALSE) continue;
+            const OGRFieldDefnH field = OGR_F_GetFieldDefnRef(feature, i);
+            const char* const text = OGR_F_GetFieldAsString(feature, i);
+            double value = 0;
+            const auto [end, error] = std::from_chars(text, text + std::strlen(text), value);
+            if (error == std::errc{} && *end == '\0') numbers.emplace_back(OGR_Fld_GetNameRef(field), value);
+        }
+        return numbers;
+    }
+
+    void take(OGRGeometryH geometry) {
+        switch (wkbFlatten(OGR_G_GetGeometryType(geometry))) {
+        case wkbPoint:
+        case wkbLineString: {
+            const bool point = wkbFlatten(OGR_G_GetGeometryType(geometry)) == wkbPoint;
+            VectorShape shape{point ? VectorKind::point : VectorKind::line, {places(geometry)}, numbers_};
+            if (!shape.parts[0].empty()) shapes.push_back(std::move(shape));
+            break;
+        }
+        case wkbPolygon:
+        case wkbTriangle: {
+            VectorShape shape{VectorKind::polygon, {}, numbers_};
+            for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+                shape.parts.push_back(places(OGR_G_GetGeometryRef(geometry, i)));
+            if (!shape.parts.empty() && !shape.parts[0].empty()) shapes.push_back(std::move(shape));
+            break;
+        }
+        default:
+            for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i) take(OGR_G_GetGeometryRef(geometry, i));
+        }
+    }
+
+    [[nodiscard]] std::vector<VectorShape::Place> places(OGRGeometryH line) const {
+        // A side that is straight in one CRS is not in another.
+        OGREnvelope box{};
+        OGR_G_GetEnvelope(line, &box);
+        constexpr double parts = 1000;
+        const double longest = std::max(box.MaxX - box.MinX, box.MaxY - box.MinY) / parts;
+        if (change_ && longest > 0) OGR_G_Segmentize(line, longest);
+        std::vector<VectorShape::Place> all;
+        all.reserve(static_cast<std::size_t>(OGR_G_GetPointCount(line)));
+        for (int i = 0; i < OGR_G_GetPointCount(line); ++i) {
+            double x = OGR_G_GetX(line, i), y = OGR_G_GetY(line, i);
+            if ((change_ && !change_->Transform(1, &x, &y)) || !std::isfinite(x) || !std::isfinite(y))
+                throw Failure(1, fmt::format("{}: has places that the CRS of the heights does not know", path_));
+            all.push_back({(x - grid_.origin[0]) / grid_.step[0], (grid_.origin[1] - y) / grid_.step[1]});
+        }
+        return all;
+    }
+
+    const std::string& path_;
+    const VectorGrid& grid_;
+    CrsChange change_;
+    std::vector<std::pair<std::string, double>> numbers_; // of the feature that is read
+};
+
+} // namespace
+
+VectorGrid::VectorGrid(const HeightSource& field)
+    : crs_wkt(field.crs_wkt), origin{field.crs_origin[0], field.crs_origin[1]}, step(step_of(field)) {
+    for (const std::size_t axis : {0, 1})
+        if (!(step[axis] > 0)) step[axis] = field.spacing_m[axis];
+}
+
+std::optional<double> VectorShape::number(const std::string& name) const {
+    const auto found = std::ranges::find(numbers, name, &std::pair<std::string, double>::first);
+    return found != numbers.end() ? std::optional(found->second) : std::nullopt;
+}
+
+std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what) {
+    GdalMessages messages;
+    register_drivers();
+    const GdalFile file(GDALDataset::FromHandle(
+        GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY, nullptr, nullptr, nullptr)));
+    if (!file) throw Failure(1, fmt::format("{}: is no file of {} that GDAL reads{}", path, what, messages.said()));
+    Reading reading(path, grid);
+    const GDALDatasetH handle = GDALDataset::ToHandle(file.get());
+    for (int l = 0; l < GDALDatasetGetLayerCount(handle); ++l) reading.layer(GDALDatasetGetLayer(handle, l));
+    return std::move(reading.shapes);
+}
+
+} // namespace fjell::baker
