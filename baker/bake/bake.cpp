@@ -162,7 +162,9 @@ void Bake::run_stages() {
     check_mixed(mixed);
     check_step(finer, {Stage::finest_step});
     stage({Stage::finest_step}, [&] {
-        found.ground_error_m = make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
+        const FinestStepResult made = make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
+        found.ground_error_m = made.ground_error_m;
+        found.always_drawn = made.always_drawn;
         note_unsaturated(unsaturated);
         note_step(0, finer, mixed);
     });
@@ -251,8 +253,8 @@ void Bake::coarser_step(const BakePlan& plan, int z, const Below& below, MixedSt
     if (z < context_.tree.tile_log2 - 1 && !complete({Stage::coarser_steps, z + 1})) step = open_step(context_, z);
     check_step(step, {Stage::coarser_steps, z});
     stage({Stage::coarser_steps, z}, [&] {
-        make_coarser_step(context_, plan, {z, holes, below.unsaturated, below.finer, &below.heights},
-                          {step, mixed, *spool_});
+        checkpoint_.state.always_drawn += make_coarser_step(
+            context_, plan, {z, holes, below.unsaturated, below.finer, &below.heights}, {step, mixed, *spool_});
         note_step(z, step, mixed);
     });
     below.finer.remove();

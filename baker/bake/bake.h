@@ -22,8 +22,10 @@ using Progress = std::function<void(const char* stage, std::uint64_t done, std::
 struct BakeOptions {
     int tile_log2 = 0; // 0: auto
     ErrorEstimate estimate = ErrorEstimate::max;
-    double nesting = 0.05;       // mu, 0.001..1
-    bool room_for_holes = false; // errors have codes for a hole's rim, whether there are holes or not
+    double nesting = 0.05;              // mu, 0.001..1
+    std::string locks_path;             // where errors are smaller (locks/locks.h); empty: nowhere
+    std::optional<double> lock_error_m; // of locks that say none
+    bool room_for_holes = false;        // errors have codes for a hole's rim, whether there are holes or not
     PageOrder order = PageOrder::planar;
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost
@@ -59,6 +61,8 @@ struct BakeSummary {
     float ground_error_m = 0; // how far ground lies from a triangle that could be drawn over it, at most
     std::string crs_wkt;      // empty: none
     SourceFacts source;
+    std::string locks;               // what they are, and cost; empty: none
+    std::uint64_t always_drawn = 0;  // vertices that locks keep in every mesh, and what these ask for
     std::vector<std::string> images; // an account of each texture (ImageSource::accounts)
     std::uint64_t voids = 0;         // samples that are holes
     RepeatedHeight lowest, highest;  // that many samples share; share 0: no such height

@@ -58,6 +58,7 @@ struct CheckpointState {
     std::uint32_t holes = 0;                   // read: 1: those stay holes
     float max_error_m = 0;                     // mixed_pages
     float ground_error_m = 0;                  // finest_step
+    std::uint64_t always_drawn = 0;            // finest_step, coarser_steps
     double native_quantum_m = 0, anchor_m = 0; // read: see SourceProperties
     RepeatedHeight lowest, highest;            // read: see SourceProperties
     HeightStatistics heights;                  // measure

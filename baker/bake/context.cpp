@@ -90,6 +90,10 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
     return open_images(options.texture_paths, frame_of(source), options.texture_bands);
 }
 
+Locks locks_of(const HeightSource& source, const BakeOptions& options) {
+    return options.locks_path.empty() ? Locks{} : Locks(options.locks_path, options.lock_error_m, source);
+}
+
 SplatPlan splat_of(const BakeOptions& options) {
     return options.layers_path.empty() ? SplatPlan{} : read_splat(options.layers_path);
 }
@@ -106,7 +110,7 @@ BakeContext::BakeContext(const HeightSource& the_source, const BakeOptions& the_
       regions(tree, options.region_cells), part(the_part), pages{tree.tile_log2, options.order},
       threads(resolve_threads(options.threads)),
       mixed_log2(options.order == PageOrder::linear ? 0 : std::max(tree.tile_log2 - page_squares_log2, 0)),
-      folder(out_path), image(images_of(source, options)), splat(splat_of(options)),
+      folder(out_path), locks(locks_of(source, options)), image(images_of(source, options)), splat(splat_of(options)),
       splat_images(open_splat_images(splat, frame_of(source))),
       // Colours of a ramp change slowly, and normals carry the detail: half the samples' density.
       colour_log2(map_log2(image ? tree.side() * image->pixels_per_sample() : tree.side() / 2.0, options)),
@@ -169,7 +173,7 @@ std::string BakeContext::identity() const {
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
                        source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],
                        source.crs_wkt, o.horizon_spacing, image ? image->identity() : "") +
-           splat_identity() + (o.room_for_holes ? "\nroom for holes" : "");
+           splat_identity() + (o.room_for_holes ? "\nroom for holes" : "") + locks.identity();
 }
 
 std::string BakeContext::splat_identity() const {

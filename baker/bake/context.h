@@ -9,6 +9,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/heights/region.h"
+#include "baker/locks/locks.h"
 #include "baker/maps/image.h"
 #include "baker/maps/splat.h"
 #include "baker/store/store.h"
@@ -94,6 +95,7 @@ public:
     const int mixed_log2;
 
     WorkFolder folder;
+    const Locks locks;
     const std::unique_ptr<ImageSource> image; // or none
     const SplatPlan splat;                    // without rules: none
     const SplatImages splat_images;

@@ -92,7 +92,9 @@ BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
                                  plan.height_scale,
                                  found.heights,
                                  nesting,
-                                 context.options.room_for_holes});
+                                 context.options.room_for_holes,
+                                 context.locks.in_metres(),
+                                 context.locks.sharpest()});
     plan.leaf = LeafErrors(plan.scales.errors, plan.height_scale.quantum_m);
     plan.maps = plan_maps(context, found);
     plan.header = make_header(context, found.heights, plan);
@@ -114,11 +116,14 @@ BakeSummary summary_of(const BakeContext& context, const CheckpointState& found,
         header.quantum_m <= least_quantum_m(found.heights) * 1.001)
         s.quantum_range_m = found.heights.tile_range_m;
     s.max_error_m = header.max_error_m;
-    s.ground_error_m = header.voids ? found.ground_error_m : header.max_error_m;
+    s.ground_error_m = header.voids || !context.locks.empty() ? found.ground_error_m : header.max_error_m;
     s.voids = header.voids;
     s.crs_wkt = context.source.crs_wkt;
     s.source = context.source.facts;
     if (context.image) s.images = context.image->accounts;
+    s.locks = context.locks.account();
+    s.always_drawn = found.always_drawn;
+    if (s.always_drawn != 0) s.locks += fmt::format("; {} vertices are always drawn", s.always_drawn);
     s.lowest = found.lowest;
     s.highest = found.highest;
     return s;

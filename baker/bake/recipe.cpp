@@ -195,6 +195,21 @@ const std::vector<RecipeKey>& recipe_keys() {
          "content/edits)",
          {},
          true},
+        {"locks",
+         Of::files,
+         &Recipe::locks,
+         "points, lines and polygons along which errors are smaller: attributes error_m, metres that no view exceeds, "
+         "or error_px, 0.001 to 1, of a threshold of one pixel; and width_m (GeoPackage, GeoJSON, Shapefile, ...)",
+         {},
+         true},
+        {"lock-error-m",
+         Of::pack,
+         &Recipe::lock_error,
+         "error_m of locks that have neither attribute",
+         {},
+         false,
+         0,
+         1e6},
         {"horizons",
          Of::pack,
          &Recipe::horizons,
@@ -389,6 +404,12 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.splat_spacing = splat_spacings[word_at(recipe.splat, "splat", 1)];
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.room_for_holes = word_at(recipe.room_for_holes, "room-for-holes", 0) != 0;
+    o.locks_path = recipe.locks.value_or("");
+    o.lock_error_m = recipe.lock_error;
+    if (recipe.lock_error && !recipe.locks)
+        throw Failure(2, "--lock-error-m is of locks without an error; give their file with --locks");
+    if (recipe.locks && o.estimate == ErrorEstimate::midpoint)
+        throw Failure(2, "--locks need errors that are bounds; leave out --estimate midpoint");
     o.quantum_m = recipe.quantum.value_or(0);
     o.texture_paths = recipe.texture;
     o.texture_bands = recipe.texture_bands.value_or("");
@@ -414,6 +435,7 @@ std::vector<std::string> files_read(const Recipe& recipe) {
         else
             add(is_pack(recipe) ? io::files_of_pack(input) : raster_files(input, "a height field"));
     if (recipe.edits) all.push_back(*recipe.edits);
+    if (recipe.locks) all.push_back(*recipe.locks);
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {
         all.push_back(*recipe.layers);

@@ -1,6 +1,7 @@
 #include "baker/bake/stages.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/errors/lock_errors.h"
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
 #include "baker/maps/horizon.h"
@@ -511,14 +513,15 @@ StepExtents extents_of(const Region& region, int z) {
 }
 
 // What a region takes at its largest: its patch, split into planes, with codes, and the finer centres.
-std::uint64_t region_bytes(std::int32_t cells, int z) {
-    const double places = (cells >> z) + 16.0;
-    return static_cast<std::uint64_t>(places * places * (z == 0 ? 16 : 40)) + (std::uint64_t{1} << 20);
+std::uint64_t region_bytes(const BakeContext& context, int z) {
+    const double places = (context.regions.cells() >> z) + 16.0;
+    const double finest = context.locks.empty() ? 16 : 16 + 3.0 * sizeof(LockCodes);
+    return static_cast<std::uint64_t>(places * places * (z == 0 ? finest : 40)) + (std::uint64_t{1} << 20);
 }
 
 UnitLoop loop_over_regions(const BakeContext& context, const char* name, int z) {
     const std::uint64_t count = context.region_count();
-    return {name, count, context.workers_for(region_bytes(context.regions.cells(), z)),
+    return {name, count, context.workers_for(region_bytes(context, z)),
             context.samples() / static_cast<double>(count) / (1 << (2 * z))};
 }
 
@@ -604,9 +607,9 @@ struct StepOutput {
     ChunkSink& spool;
 };
 
-// From unsaturated errors to what a step leaves.
-void finish_step(const BakeContext& context, const BakePlan& plan, const Region& region, const StepInput& step,
-                 const VertexPlanes<std::uint8_t>* holes, const StepOutput& out) {
+// From unsaturated errors to what a step leaves. Returns how many vertices locks keep in every mesh.
+std::uint64_t finish_step(const BakeContext& context, const BakePlan& plan, const Region& region, const StepInput& step,
+                          const VertexPlanes<std::uint8_t>* holes, const StepOutput& out) {
     saturate_errors(step);
     Radii radii;
     nest_radii(step, radii);
@@ -614,14 +617,16 @@ void finish_step(const BakeContext& context, const BakePlan& plan, const Region&
     append_pages(context, plan, result, out.spool);
     if (out.step.exist()) store_step(result, out.step);
     if (step.z >= context.mixed_log2) store_mixed(result, context.mixed_log2, out.mixed);
+    return context.locks.in_metres() ? always_drawn(step) : 0;
 }
 
 } // namespace
 
-float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                       const FinestStepOutput& out) {
+FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                                  const FinestStepOutput& out) {
     const double spacing_m[2] = {context.source.spacing_m[0], context.source.spacing_m[1]};
     std::vector<std::uint8_t> worst(context.region_count());
+    std::atomic<std::uint64_t> always = 0;
     context.run_units(loop_over_regions(context, "errors", 0), [&](std::uint64_t u) {
         const std::int64_t index = context.region_at(u);
         const Region region = context.regions.at(index);
@@ -633,27 +638,33 @@ float make_finest_step(const BakeContext& context, const BakePlan& plan, const H
         const StepInput step{plan.scales, context.tree, {spacing_m[0], spacing_m[1]}, 0, square, nx, ny, steps, error};
         leaf_errors(step, plan.leaf);
         worst[u] = correct_leaves(context, plan, *ground, step);
+        Patch<std::uint8_t> errors;
         if (out.unsaturated.inside.exists()) {
-            Patch<std::uint8_t> errors;
             const std::uint8_t of_coarser = unsaturated_errors(
                 {*ground, region, plan.scales, plan.leaf, context.options.estimate, {spacing_m[0], spacing_m[1]}},
                 errors);
             worst[u] = std::max(worst[u], of_coarser);
-            store_unsaturated(context, index, errors, out.unsaturated);
         }
+        if (!context.locks.empty())
+            raise_locked({context.locks, plan.scales, context.tree, region}, error,
+                         out.unsaturated.inside.exists() ? &errors : nullptr);
+        if (out.unsaturated.inside.exists()) store_unsaturated(context, index, errors, out.unsaturated);
+        errors = {};
         const bool has_holes = ground->has_voids();
         if (has_holes) {
             holes = VertexPlanes<std::uint8_t>(nx, ny);
             split_planes(ground->voids, holes);
         }
         ground.reset(); // the largest of what a region takes
-        finish_step(context, plan, region, step, has_holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
+        always +=
+            finish_step(context, plan, region, step, has_holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
     });
-    return plan.scales.errors.metres[*std::max_element(worst.begin(), worst.end())];
+    return {plan.scales.errors.metres[*std::max_element(worst.begin(), worst.end())], always};
 }
 
-void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
-                       const CoarserStepOutput& out) {
+std::uint64_t make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
+                                const CoarserStepOutput& out) {
+    std::atomic<std::uint64_t> always = 0;
     context.run_units(loop_over_regions(context, "steps", in.z), [&](std::uint64_t u) {
         const std::int64_t index = context.region_at(u);
         const Region region = context.regions.at(index);
@@ -672,8 +683,10 @@ void make_coarser_step(const BakeContext& context, const BakePlan& plan, const C
                              in.z,        square,       nx,
                              ny,          steps,        error,
                              &finer};
-        finish_step(context, plan, region, step, in.holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
+        always +=
+            finish_step(context, plan, region, step, in.holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
     });
+    return always;
 }
 
 namespace {
@@ -742,7 +755,8 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
 // The last stage: the pack's chunks, in the order in which a reader wants them.
 
 std::string notes_of(const BakeContext& context, const BakeSummary& summary) {
-    return notes_text({context.options.reading, context.source.facts, summary.images, summary.ground_error_m});
+    return notes_text(
+        {context.options.reading, context.source.facts, summary.images, summary.locks, summary.ground_error_m});
 }
 
 void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary) {

@@ -130,9 +130,12 @@ struct FinestStepOutput {
     MixedStores& mixed;
     ChunkSink& spool;
 };
-// Returns the largest error on the ground of all steps, in metres: UnsaturatedError::on_ground.
-[[nodiscard]] float make_finest_step(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                                     const FinestStepOutput& out);
+struct FinestStepResult {
+    float ground_error_m = 0;       // the largest error on the ground of all steps: UnsaturatedError::on_ground
+    std::uint64_t always_drawn = 0; // vertices of this step
+};
+[[nodiscard]] FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& plan,
+                                                const HeightStores& heights, const FinestStepOutput& out);
 
 struct CoarserStepInput {
     int z; // log2 of the step, at least 1
@@ -146,8 +149,9 @@ struct CoarserStepOutput {
     MixedStores& mixed; // what finer steps wrote to it stays
     ChunkSink& spool;
 };
-void make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
-                       const CoarserStepOutput& out);
+// Returns the step's vertices that are always drawn: that locks keep in every mesh, or what these ask for; 0 without.
+std::uint64_t make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
+                                const CoarserStepOutput& out);
 
 // Pages of several steps, corners and the CRS. Returns the largest error in metres.
 [[nodiscard]] float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const MixedStores& mixed,

@@ -79,7 +79,11 @@ int run_bake(const Arguments& a) {
     const BakeSummary s = bake(*open_inputs(recipe), options, output);
     if (saved) save_recipe(recipe, a.save_recipe_path, *saved);
     summary.write(summary_json(s));
-    if (!a.quiet && a.json_path != "-") print_summary(s, output);
+    if (a.quiet || a.json_path == "-") return 0;
+    print_summary(s, output);
+    if (is_pack(recipe) && !recipe.locks)
+        if (const auto notes = read_notes(PackFile(recipe.inputs[0])); notes && !notes->locks.empty())
+            fmt::print("{} has locks, and the new pack none; give --locks again to keep them\n", recipe.inputs[0]);
     return 0;
 }
 
@@ -94,7 +98,7 @@ std::string description_of(const PackFile& file) {
     s.voids = h.voids;
     s.crs_wkt = file.crs();
     const std::optional<PackNotes> notes = read_notes(file);
-    if (notes) s.source = notes->source, s.images = notes->images;
+    if (notes) s.source = notes->source, s.images = notes->images, s.locks = notes->locks;
     return describe(s, notes.has_value());
 }
 

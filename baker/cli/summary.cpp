@@ -58,6 +58,7 @@ json summary_json(const BakeSummary& s) {
            {"texture_bytes", s.texture_bytes},
            {"horizon_bytes", s.horizon_bytes},
            {"splat_bytes", s.splat_bytes},
+           {"always_drawn", s.always_drawn},
            {"resumed", s.resumed},
            {"resident_mb_max", most_resident_mb()},
            {"seconds_read", s.seconds_read},
@@ -155,6 +156,7 @@ std::string describe(const BakeSummary& s, bool source_known) {
     if (least > 0) text += fmt::format("; a metre of ground is {:.4f} to {:.4f} m in it", least, most);
     text += "\n";
     for (const std::string& image : s.images) text += "image " + image + "\n";
+    if (!s.locks.empty()) text += "locks: " + s.locks + "\n";
     return text;
 }
 
@@ -166,17 +168,19 @@ void add_description(json& to, const BakeSummary& s) {
     to["crs_name"] = crs.name.empty() ? json() : json(crs.name);
     to["epsg"] = crs.epsg ? json(crs.epsg) : json();
     to["images"] = s.images;
+    to["locks"] = s.locks.empty() ? json() : json(s.locks);
     add_source(to, s.source);
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key : {"images", "driver", "type", "voids", "ground_error_m", "read", "band", "height_unit",
-                            "height_unit_m", "ground_scale", "reprojected_from", "resampled"})
+    for (const char* key : {"images", "locks", "driver", "type", "voids", "ground_error_m", "read", "band",
+                            "height_unit", "height_unit_m", "ground_scale", "reprojected_from", "resampled"})
         to[key] = json();
     if (!notes) return;
     if (notes->ground_error_m) to["ground_error_m"] = *notes->ground_error_m;
     if (!notes->read.empty()) to["read"] = io::parse_json(notes->read, "notes");
     to["images"] = notes->images;
+    if (!notes->locks.empty()) to["locks"] = notes->locks;
     add_source(to, notes->source);
 }
 

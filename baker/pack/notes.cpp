@@ -55,6 +55,7 @@ std::string notes_text(const PackNotes& notes) {
     }
     json all = {{"source", std::move(source)}};
     if (!notes.images.empty()) all["images"] = notes.images;
+    if (!notes.locks.empty()) all["locks"] = notes.locks;
     if (!notes.read.empty()) all["read"] = io::parse_json(notes.read, "notes");
     if (notes.ground_error_m) all["ground_error_m"] = *notes.ground_error_m;
     return all.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
@@ -73,6 +74,7 @@ std::optional<PackNotes> read_notes(const io::PackFile& file) {
         PackNotes notes;
         notes.source = source_of(all.at("source"));
         if (all.contains("images")) notes.images = all["images"].get<std::vector<std::string>>();
+        if (all.contains("locks")) notes.locks = all["locks"].get<std::string>();
         if (all.contains("read")) notes.read = all["read"].dump();
         if (all.contains("ground_error_m")) notes.ground_error_m = all["ground_error_m"].get<double>();
         return notes;

@@ -19,6 +19,7 @@ struct PackNotes {
     std::string read;
     SourceFacts source;
     std::vector<std::string> images;      // an account of each texture: its numbers, and how it was placed
+    std::string locks;                    // what they are, and cost; empty: none
     std::optional<double> ground_error_m; // BakeSummary::ground_error_m
 };
 

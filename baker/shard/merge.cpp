@@ -54,7 +54,7 @@ private:
     void gather(const ShardStep& step, const std::string& name, const Window& whole, std::int32_t take_x,
                 std::int32_t take_y, const HeldOf& held_of, Store<T>& to) const;
     [[nodiscard]] UnsaturatedStores gather_unsaturated() const;
-    void make_steps(const BakePlan& plan, const CheckpointState& found, MixedStores& mixed, ChunkSpool& spool) const;
+    void make_steps(const BakePlan& plan, CheckpointState& found, MixedStores& mixed, ChunkSpool& spool) const;
     void make_mips(const BakePlan& plan, ChunkSpool& spool) const;
     // Everything but the pack: all chunks, in files of shards and in one of the merge's own.
     struct Made {
@@ -120,8 +120,7 @@ UnsaturatedStores Merge::gather_unsaturated() const {
     return stores;
 }
 
-void Merge::make_steps(const BakePlan& plan, const CheckpointState& found, MixedStores& mixed,
-                       ChunkSpool& spool) const {
+void Merge::make_steps(const BakePlan& plan, CheckpointState& found, MixedStores& mixed, ChunkSpool& spool) const {
     const int first = plan_.rounds, last_z = context_.tree.tile_log2 - 1;
     UnsaturatedStores unsaturated = gather_unsaturated();
     StepStores finer = open_step(context_, first - 1);
@@ -134,7 +133,8 @@ void Merge::make_steps(const BakePlan& plan, const CheckpointState& found, Mixed
     for (int z = first; z <= last_z; ++z) {
         StepStores step;
         if (z < last_z) step = open_step(context_, z);
-        make_coarser_step(context_, plan, {z, found.holes != 0, unsaturated, finer}, {step, mixed, spool});
+        found.always_drawn +=
+            make_coarser_step(context_, plan, {z, found.holes != 0, unsaturated, finer}, {step, mixed, spool});
         finer.remove();
         finer = std::move(step);
     }
@@ -173,8 +173,12 @@ Merge::Made Merge::make_rest() const {
     made.found.max_error_m = make_mixed_pages(context_, made.plan, mixed, *made.spool);
     mixed.remove();
     for_each_shard([&](int shard, const PartWindows&) {
-        const std::vector<std::byte> bytes = read_parcel(plan_, {ShardStep::Kind::errors, 0}, shard, "facts");
-        made.found.ground_error_m = std::max(made.found.ground_error_m, ParcelReader(bytes).get<float>());
+        for (int z = 0; z < plan_.rounds; ++z) {
+            const std::vector<std::byte> bytes = read_parcel(plan_, {ShardStep::Kind::errors, z}, shard, "facts");
+            ParcelReader facts(bytes);
+            made.found.always_drawn += facts.get<std::uint64_t>();
+            if (z == 0) made.found.ground_error_m = std::max(made.found.ground_error_m, facts.get<float>());
+        }
     });
     header.max_error_m = made.found.max_error_m;
     made.summary = summary_of(context_, made.found, header);

@@ -489,8 +489,10 @@ void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkF
         make<std::uint8_t>("south", {0, 0, all.columns, context_.regions.down()}, own_.south(1)),
         make<std::uint8_t>("east", {0, 0, all.rows, context_.regions.across()}, own_.east(1))};
     MixedStores none; // steps whose pages hold others too are the merge's
+    const FinestStepResult made = make_finest_step(context_, plan, {heights, holes}, {unsaturated, step, none, chunks});
     ParcelWriter facts;
-    facts.put(make_finest_step(context_, plan, {heights, holes}, {unsaturated, step, none, chunks}));
+    facts.put(made.always_drawn);
+    facts.put(made.ground_error_m);
     scratch_.write_parcel("facts", facts.bytes);
     leave("unsaturated", unsaturated.inside);
     leave("south", unsaturated.south);
@@ -545,7 +547,9 @@ void ShardRun::coarser(const BakePlan& plan, const CheckpointState& found, Chunk
     add_frames_to(finer.centres, before, "centres", step_frame, step_frame,
                   [&](const PartWindows& w) { return w.centres(z - 1); });
     MixedStores none;
-    make_coarser_step(context_, plan, {z, found.holes != 0, unsaturated, finer}, {step, none, chunks});
+    ParcelWriter facts;
+    facts.put(make_coarser_step(context_, plan, {z, found.holes != 0, unsaturated, finer}, {step, none, chunks}));
+    scratch_.write_parcel("facts", facts.bytes);
 }
 
 TexelStore ShardRun::make_texels(const MapPlan& maps, MapKind kind, std::uint32_t mip) const {

@@ -1,0 +1,242 @@
+#include "baker/locks/locks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+namespace fjell::baker {
+
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+constexpr std::size_t run_places = 64;
+constexpr double longest_cells = 32; // of a side: longer ones are cut, so that the box of a run is small
+
+// The largest code whose error is not above error_m.
+std::uint8_t code_down(const ErrorScale& scale, double error_m) {
+    std::uint8_t code = 0;
+    while (code < 254 && static_cast<double>(scale.metres[code + 1]) <= error_m) ++code;
+    return code;
+}
+// How many codes make an error at least so many times as large.
+std::uint8_t codes_for(const ErrorScale& scale, double times) {
+    std::uint8_t codes = 0;
+    while (codes < 254 && static_cast<double>(scale.metres[1 + codes]) < static_cast<double>(scale.metres[1]) * times)
+        ++codes;
+    return codes;
+}
+
+} // namespace
+
+struct Locks::Raster {
+    const Window& window;
+    const Window field; // what of it the field has
+    std::vector<LockCodes>& codes;
+    LockCodes held; // by the shape that is drawn
+
+    void hold(std::int32_t x, std::int32_t y) {
+        LockCodes& at = codes[static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.columns) +
+                              static_cast<std::size_t>(x - window.x)];
+        at.allowed = std::min(at.allowed, held.allowed);
+        at.raise = std::max(at.raise, held.raise);
+    }
+};
+
+Locks::Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field)
+    : spacing_m_{field.spacing_m[0], field.spacing_m[1]}, columns_(field.columns), rows_(field.rows) {
+    std::size_t number = 0;
+    for (const VectorShape& shape : read_vectors(path, VectorGrid(field), "locks"))
+        add(shape, error_m, fmt::format("{}: lock {}", path, ++number));
+    if (number == 0) throw Failure(1, fmt::format("{}: has no point, line or polygon", path));
+    if (empty()) throw Failure(1, fmt::format("{}: its {} locks all lie beside the terrain", path, number));
+}
+
+void Locks::add(const VectorShape& shape, std::optional<double> error_m, const std::string& name) {
+    const auto number = [&](const char* key, double least, double most, std::optional<double> usual) {
+        const std::optional<double> said = shape.number(key);
+        if (said && !(*said >= least && *said <= most))
+            throw Failure(1, fmt::format("{}: {} is {}, and must be {} to {}", name, key, *said, least, most));
+        return said ? said : usual;
+    };
+    const std::optional<double> px = number("error_px", 1e-3, 1, {});
+    const std::optional<double> metres = number("error_m", 0, 1e6, px ? std::nullopt : error_m);
+    if (!px && !metres)
+        throw Failure(1, fmt::format("{}: has neither error_m nor error_px; give --lock-error-m for all such", name));
+    const double width_m = number("width_m", 0, 1e6, 0).value_or(0);
+    const double cell_m = std::hypot(spacing_m_[0], spacing_m_[1]);
+    const std::size_t before = runs_.size();
+    shapes_.push_back({shape.kind, width_m / 2 + cell_m, metres.value_or(no_limit), px.value_or(1)});
+    for (const std::vector<Place>& part : shape.parts) add_part(part);
+    const bool near = std::any_of(runs_.begin() + static_cast<std::ptrdiff_t>(before), runs_.end(), [&](const Run& r) {
+        return r.box[2] >= 0 && r.box[3] >= 0 && r.box[0] <= columns_ - 1 && r.box[1] <= rows_ - 1;
+    });
+    // A polygon around the whole terrain has no side near it.
+    const auto covers = [&] {
+        if (shape.kind != VectorKind::polygon) return false;
+        const Window corner{0, 0, 1, 1};
+        std::vector<LockCodes> codes(1);
+        Raster raster{corner, corner, codes, {0, 1}};
+        hold_inside(std::span(runs_).subspan(before), raster);
+        return codes[0].allowed == 0;
+    };
+    if (near || covers()) return;
+    if (before < runs_.size()) places_.resize(runs_[before].first);
+    runs_.resize(before);
+    shapes_.pop_back();
+    ++outside_;
+}
+
+void Locks::add_part(const std::vector<Place>& part) {
+    const Shape& shape = shapes_.back();
+    const auto flush = [&](std::size_t first) {
+        Run run{shapes_.size() - 1, first, places_.size() - first, {no_limit, no_limit, -no_limit, -no_limit}};
+        for (std::size_t i = first; i < places_.size(); ++i)
+            for (const std::size_t axis : {0, 1}) {
+                const double reach = shape.reach_m / spacing_m_[axis];
+                run.box[axis] = std::min(run.box[axis], places_[i][axis] - reach);
+                run.box[axis + 2] = std::max(run.box[axis + 2], places_[i][axis] + reach);
+            }
+        runs_.push_back(run);
+    };
+    std::size_t first = places_.size();
+    for (std::size_t i = 0; i < part.size(); ++i) {
+        const Place& to = part[i];
+        const Place from = i == 0 ? to : part[i - 1];
+        const double cells = std::max(std::abs(to[0] - from[0]), std::abs(to[1] - from[1]));
+        const double pieces = std::clamp(std::ceil(cells / longest_cells), 1.0, 1e5);
+        for (double k = 1; k <= pieces; ++k) {
+            const double t = k / pieces;
+            places_.push_back(k == pieces ? to
+                                          : Place{from[0] + (to[0] - from[0]) * t, from[1] + (to[1] - from[1]) * t});
+            if (places_.size() - first < run_places) continue;
+            flush(first);
+            first = places_.size() - 1;
+            places_.push_back(places_[first]); // the next run begins where this one ends
+            ++first;
+        }
+    }
+    if (places_.size() > first) flush(first);
+}
+
+bool Locks::in_metres() const {
+    return std::ranges::any_of(shapes_, [](const Shape& s) { return s.error_m != no_limit; });
+}
+
+double Locks::sharpest() const {
+    double least = 1;
+    for (const Shape& s : shapes_) least = std::min(least, s.error_px);
+    return 1 / least;
+}
+
+std::string Locks::account() const {
+    std::string text;
+    const auto say = [&](std::size_t count, const char* one, const char* more) {
+        if (count) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : more);
+    };
+    const auto of = [&](VectorKind kind) {
+        return static_cast<std::size_t>(std::ranges::count(shapes_, kind, &Shape::kind));
+    };
+    say(of(VectorKind::point), "point", "points");
+    say(of(VectorKind::line), "line", "lines");
+    say(of(VectorKind::polygon), "area", "areas");
+    if (outside_) text += fmt::format("; {} beside the terrain left out", outside_);
+    return text;
+}
+
+std::string Locks::identity() const {
+    if (empty()) return {};
+    std::string text = "\nlocks";
+    for (const Shape& s : shapes_)
+        text += fmt::format(" {} {} {} {}", static_cast<int>(s.kind), s.reach_m, s.error_m, s.error_px);
+    for (const Run& r : runs_) text += fmt::format(" {} {}", r.shape, r.count);
+    return text + fmt::format(" {:016x}", XXH3_64bits(places_.data(), places_.size() * sizeof(Place)));
+}
+
+std::vector<LockCodes> Locks::over(const Window& window, const ErrorScale& scale) const {
+    std::vector<LockCodes> codes;
+    const Window field = common(window, {0, 0, columns_, rows_});
+    const double from_x = field.x, from_y = field.y, to_x = field.x + field.columns - 1,
+                 to_y = field.y + field.rows - 1;
+    const auto meets = [&](const std::array<double, 4>& b) {
+        return b[0] <= to_x && b[1] <= to_y && b[2] >= from_x && b[3] >= from_y;
+    };
+    for (std::size_t i = 0, end = 0; i < runs_.size(); i = end) {
+        std::array<double, 4> box{no_limit, no_limit, -no_limit, -no_limit}; // of the shape
+        for (; end < runs_.size() && runs_[end].shape == runs_[i].shape; ++end)
+            for (const std::size_t axis : {0, 1}) {
+                box[axis] = std::min(box[axis], runs_[end].box[axis]);
+                box[axis + 2] = std::max(box[axis + 2], runs_[end].box[axis + 2]);
+            }
+        if (!meets(box)) continue;
+        if (codes.empty()) codes.resize(window.area());
+        const Shape& s = shapes_[runs_[i].shape];
+        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : code_down(scale, s.error_m);
+        Raster raster{window, field, codes, {allowed, codes_for(scale, 1 / s.error_px)}};
+        const std::span<const Run> runs(runs_.data() + i, end - i);
+        if (s.kind == VectorKind::polygon) hold_inside(runs, raster);
+        for (const Run& run : runs)
+            if (meets(run.box)) hold_along(run, raster);
+    }
+    return codes;
+}
+
+// Samples within reach of a side, or of a point.
+void Locks::hold_along(const Run& run, Raster& raster) const {
+    const double reach_m = shapes_[run.shape].reach_m;
+    const Window& w = raster.field;
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+        const Place& a = places_[i == run.first ? i : i - 1];
+        const Place& b = places_[i];
+        const auto range = [&](std::size_t axis, std::int32_t first, std::int32_t count) {
+            const double reach = reach_m / spacing_m_[axis];
+            const double from = std::ceil(std::min(a[axis], b[axis]) - reach),
+                         to = std::floor(std::max(a[axis], b[axis]) + reach);
+            return std::pair{static_cast<std::int32_t>(std::max(from, static_cast<double>(first))),
+                             static_cast<std::int32_t>(std::min(to, static_cast<double>(first + count - 1)))};
+        };
+        const auto [x0, x1] = range(0, w.x, w.columns);
+        const auto [y0, y1] = range(1, w.y, w.rows);
+        const double dx = (b[0] - a[0]) * spacing_m_[0], dy = (b[1] - a[1]) * spacing_m_[1];
+        const double length2 = dx * dx + dy * dy;
+        for (std::int32_t y = y0; y <= y1; ++y)
+            for (std::int32_t x = x0; x <= x1; ++x) {
+                const double px = (x - a[0]) * spacing_m_[0], py = (y - a[1]) * spacing_m_[1];
+                const double t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0;
+                const double ex = px - t * dx, ey = py - t * dy;
+                if (ex * ex + ey * ey <= reach_m * reach_m) raster.hold(x, y);
+            }
+    }
+}
+
+// By rows: between sides that cross it, every second stretch.
+void Locks::hold_inside(std::span<const Run> rings, Raster& raster) const {
+    const Window& w = raster.field;
+    std::vector<std::vector<double>> crossings(static_cast<std::size_t>(w.rows));
+    for (const Run& run : rings) {
+        if (run.box[3] < w.y || run.box[1] > w.y + w.rows) continue;
+        for (std::size_t i = run.first + 1; i < run.first + run.count; ++i) {
+            const auto [a, b] =
+                std::minmax(places_[i - 1], places_[i], [](const Place& p, const Place& q) { return p[1] < q[1]; });
+            const double from = std::max(std::ceil(a[1]), static_cast<double>(w.y)),
+                         to = std::min(std::ceil(b[1]), static_cast<double>(w.y + w.rows));
+            for (double y = from; y < to; ++y)
+                crossings[static_cast<std::size_t>(y - w.y)].push_back(a[0] +
+                                                                       (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+        }
+    }
+    for (std::int32_t row = 0; row < w.rows; ++row) {
+        std::vector<double>& at = crossings[static_cast<std::size_t>(row)];
+        std::ranges::sort(at);
+        for (std::size_t i = 0; i + 1 < at.size(); i += 2) {
+            const double from = std::max(std::ceil(at[i]), static_cast<double>(w.x)),
+                         to = std::min(std::floor(at[i + 1]), static_cast<double>(w.x + w.columns - 1));
+            for (double x = from; x <= to; ++x) raster.hold(static_cast<std::int32_t>(x), w.y + row);
+        }
+    }
+}
+
+} // namespace fjell::baker
