@@ -1,11 +1,18 @@
 #include "fjell/live_c.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <memory>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "fjell/io/failure.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/profile.h"
 #include "fjell/profile/keys.h"
+#include "io/system.h"
 #include "shared/c_convert.h"
 
 using namespace fjell;
@@ -22,6 +29,8 @@ struct FjellLive {
                                                       "the pack in memory", opened)) {}
     Profile profile;
     io::LiveTerrain terrain;
+    std::string journal_path;             // empty: none
+    std::unique_ptr<io::Journal> journal; // from the first stamps that are kept
 };
 
 namespace {
@@ -75,7 +84,11 @@ FjellLive* fjell_live_open(const FjellLiveOptions* options, char* why, size_t wh
         const Profile profile = profile_of(o);
         io::LiveOptions opened = live_options(profile);
         if (o.edits != nullptr) opened.edits = edits.value;
+        if (o.journal != nullptr && o.edits == nullptr)
+            throw io::Failure(1, "FjellLiveOptions::journal: needs edits, which says what it may use");
+        if (o.journal != nullptr && std::filesystem::exists(io::os::path_of(o.journal))) opened.journal = o.journal;
         live = new FjellLive(o, profile, opened);
+        if (o.journal != nullptr) live->journal_path = o.journal;
     });
     return live;
 }
@@ -94,6 +107,30 @@ bool fjell_live_set(FjellLive* live, FjellProfileKey key, char* why, size_t why_
         live->profile = changed;
         live->terrain.settings.cut = cut_settings(changed, 0);
         live->terrain.settings.stream = stream_settings(changed, 0);
+    });
+}
+
+bool fjell_live_keep_stamps(FjellLive* live, const char* layer, const FjellStamp* stamps, size_t stamp_count, char* why,
+                            size_t why_bytes) {
+    return attempt(why, why_bytes, [&] {
+        if (live == nullptr || layer == nullptr || (stamps == nullptr && stamp_count != 0))
+            throw io::Failure(1, "fjell_live_keep_stamps: NULL is no object, layer or stamp");
+        if (live->journal_path.empty()) throw io::Failure(1, "fjell_live_keep_stamps: needs FjellLiveOptions::journal");
+        std::vector<io::KeptStamp> kept;
+        for (std::size_t i = 0; i < stamp_count; ++i) {
+            const In stamp(&stamps[i]);
+            if (!stamp.ok) throw io::Failure(1, "FjellStamp::struct_size: set it to sizeof the struct");
+            if (const Status status = check_stamp(stamp.value); !status.ok())
+                throw io::Failure(1, std::string(status.field) + ": " + message(status.code));
+            kept.emplace_back(stamp.value);
+        }
+        if (live->journal == nullptr)
+            live->journal = std::make_unique<io::Journal>(live->journal_path, live->terrain.terrain().header());
+        io::Journal& journal = *live->journal;
+        const auto found = std::ranges::find(journal.layers(), layer, &io::JournalLayer::name);
+        const std::uint32_t id = found != journal.layers().end() ? found->id : journal.add_layer(layer);
+        if (!kept.empty()) (void)journal.add_stamps(id, kept);
+        journal.commit();
     });
 }
 

@@ -1,10 +1,13 @@
 // The terrain in one object for hosts in C: it shows what the one in C++ shows, and what is wrong is one line.
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "fjell/io/journal.h"
 #include "fjell/io/live_terrain.h"
 #include "fjell/live_c.h"
 #include "fjell/profile.h"
@@ -183,6 +186,85 @@ TEST_CASE("a host in C moves the ground of its terrain in one object, if it has 
     CHECK(fjell_take_ground_changes(fjell_live_edits(live), &cursor, &rect, 1, &lost) <= 1);
     CHECK(!lost);
     fjell_live_close(live);
+}
+
+TEST_CASE("stamps that a host in C keeps are the ground of the next run, and any that it cannot keep are none") {
+    const CPlace place;
+    const std::string path = place.folder / "t.fjell.journal";
+    FjellLiveOptions options = options_of(place.pack.c_str());
+    options.journal = path.c_str();
+    CHECK_THAT(why_not(options), Catch::Contains("FjellLiveOptions::journal: needs edits"));
+    const FjellEditBudget budget = fjell_edit_budget_default();
+    options.edits = &budget;
+    char why[300];
+    FjellStamp mounds[2] = {fjell_stamp_default(), fjell_stamp_default()};
+    for (FjellStamp& mound : mounds) {
+        mound.x_m = 80, mound.z_m = 60, mound.radius_m = 9, mound.falloff_m = 9, mound.amount_m = 4;
+    }
+    mounds[1].x_m = 30;
+    const auto heights = [&](FjellLive* live) {
+        const FjellTerrain terrain = fjell_live_terrain(live);
+        return std::pair{fjell_ground_height(terrain, 80, 60, 0).height_m,
+                         fjell_ground_height(terrain, 30, 60, 0).height_m};
+    };
+    const auto flown = [&] { // what it stands on when all is applied
+        FjellLive* const live = fjell_live_open(&options, why, sizeof why);
+        INFO(why);
+        REQUIRE(live != nullptr);
+        const FjellView view = view_of(80, 900, 60);
+        FjellLiveFrame frame{};
+        frame.struct_size = sizeof frame;
+        const Patience patience;
+        double now_s = 0;
+        do {
+            REQUIRE(fjell_live_update(live, &view, 1, now_s += 0.1, &frame).code == FJELL_OK);
+        } while (!frame.settled && patience.left());
+        const auto all = heights(live);
+        fjell_live_close(live);
+        return all;
+    };
+    const auto before = flown();
+    CHECK_FALSE(std::filesystem::exists(path)); // nothing was kept
+
+    FjellLive* const live = fjell_live_open(&options, why, sizeof why);
+    REQUIRE(live != nullptr);
+    const auto keeps = [&](const char* layer, const FjellStamp* stamps, std::size_t count) {
+        return fjell_live_keep_stamps(live, layer, stamps, count, why, sizeof why);
+    };
+    CHECK(keeps("mounds", mounds, 2));
+    CHECK(std::string(why).empty());
+    const auto bytes = std::filesystem::file_size(path);
+    mounds[1].amount_m = std::nanf("");
+    CHECK_FALSE(keeps("mounds", mounds, 2)); // one of them is none, so neither is kept
+    CHECK_THAT(why, Catch::Contains("amount_m"));
+    CHECK_FALSE(keeps(nullptr, mounds, 1));
+    CHECK_FALSE(keeps("mounds", nullptr, 1));
+    mounds[0].struct_size = 3;
+    CHECK_FALSE(keeps("mounds", mounds, 1));
+    CHECK_THAT(why, Catch::Contains("FjellStamp::struct_size"));
+    CHECK(std::filesystem::file_size(path) == bytes);
+    CHECK_FALSE(fjell_live_keep_stamps(nullptr, "mounds", mounds, 0, why, sizeof why));
+    FjellLive* const second = fjell_live_open(&options, why, sizeof why);
+    REQUIRE(second != nullptr);
+    mounds[0].struct_size = sizeof mounds[0];
+    CHECK_FALSE(fjell_live_keep_stamps(second, "mounds", mounds, 1, why, sizeof why)); // the first one has it open
+    CHECK_THAT(why, Catch::Contains(path));
+    fjell_live_close(second);
+    fjell_live_close(live);
+
+    const auto after = flown();
+    CHECK(after.first == Approx(before.first + 4).margin(0.1));
+    CHECK(after.second == Approx(before.second + 4).margin(0.1));
+    const io::Journal journal(path);
+    CHECK(journal.layers().size() == 1);
+    CHECK(journal.layers()[0].name == "mounds");
+    CHECK(journal.layers()[0].stamps.size() == 2);
+    options.journal = nullptr;
+    CHECK(flown() == before);
+    FjellLive* const without = fjell_live_open(&options, why, sizeof why);
+    CHECK_FALSE(fjell_live_keep_stamps(without, "mounds", mounds, 1, why, sizeof why));
+    CHECK_THAT(why, Catch::Contains("needs FjellLiveOptions::journal"));
+    fjell_live_close(without);
 }
 
 TEST_CASE("what a host in C gets wrong is a status or one line, and nothing is left behind") {

@@ -52,6 +52,9 @@ typedef struct FjellLiveOptions {
     const FjellProfileKey* keys; // keys that override the profile, in order
     size_t key_count;
     const FjellEditBudget* edits; // not NULL: the ground can be changed, and this is what changes may use
+    // Not NULL: the pack's journal (fjell/io/journal.h), whose stamps are applied from the first update on. A file that
+    // is not there has none. Needs `edits`.
+    const char* journal;
 } FjellLiveOptions;
 
 // Opens a terrain. NULL if it fails; `why` then has the reason: a pack, a set or a profile that cannot be used (with
@@ -62,6 +65,13 @@ void fjell_live_close(FjellLive* live);
 // Changes a key from the next update on. False if it fails; `why` then has the reason: an unknown key, a value out of
 // its range, or a key that is fixed at opening (budgets). It allocates, so do not call it in every frame.
 bool fjell_live_set(FjellLive* live, FjellProfileKey key, char* why, size_t why_bytes);
+
+// Keeps stamps in FjellLiveOptions::journal, on top of the layer of that name, which is made if there is none. All of
+// them are on the disk when it returns true; otherwise none are, and `why` has the reason. It does not apply them:
+// push them too. What they point to is copied. From the first call on, the journal cannot be changed by another
+// program. It allocates and writes, so do not call it in every frame. Any thread, one at a time.
+bool fjell_live_keep_stamps(FjellLive* live, const char* layer, const FjellStamp* stamps, size_t stamp_count, char* why,
+                            size_t why_bytes);
 
 // What an update has done. The pointers are valid until the next one.
 typedef struct FjellLiveFrame {
