@@ -18,9 +18,12 @@
 
 #include "fjell/view.h"
 #include "support/program.h"
+#include "support/rounds.h"
 #include "support/temporary_folder.h"
 
 using fjell::Vec3;
+using fjell::test::first_of;
+using fjell::test::full_rounds;
 using fjell::test::run_in;
 using fjell::test::TemporaryFolder;
 
@@ -144,13 +147,14 @@ double changed_by_a_pixel(const Camera& before, const Draw& draw) {
 
 } // namespace
 
-TEST_CASE("three pictures of the gallery are what their commands draw, and other light or another camera is noticed") {
-    for (const char* const name : {"gallery-valley-road", "gallery-valley-terraces", "gallery-valley-above"}) {
+TEST_CASE("pictures of the gallery are what their commands draw, and other light or another camera is noticed") {
+    for (const char* const name :
+         first_of(2, {"gallery-valley-terraces", "gallery-valley-above", "gallery-valley-road"})) {
         INFO(name << ": ./dev pictures makes it again");
         CHECK(difference(name) < tolerance);
     }
     CHECK(difference("gallery-valley-terraces", " -- --light exposure_bias_ev=-0.3") > tolerance);
-    CHECK(difference("gallery-valley-terraces", " -- --fov 48") > tolerance);
+    if (full_rounds()) CHECK(difference("gallery-valley-terraces", " -- --fov 48") > tolerance);
 }
 
 TEST_CASE("a camera that turns by a pixel changes hardly any pixel of the valley, and of sand and gravel underfoot") {
@@ -159,9 +163,10 @@ TEST_CASE("a camera that turns by a pixel changes hardly any pixel of the valley
         const char* name;
         Camera camera;
     };
-    for (const Scene& scene : {Scene{"gallery-valley-road", {{1528, 453.3, 914}, {1380, 446, 972}, 50}},
-                               Scene{"gallery-valley-terraces", {{930, 458, 1100}, {800, 452, 1000}, 45}},
-                               Scene{"gallery-valley-above", {{1250, 620, 1520}, {1170, 440, 1230}, 50}}}) {
+    for (const Scene& scene :
+         first_of<Scene>(1, {{"gallery-valley-terraces", {{930, 458, 1100}, {800, 452, 1000}, 45}},
+                             {"gallery-valley-road", {{1528, 453.3, 914}, {1380, 446, 972}, 50}},
+                             {"gallery-valley-above", {{1250, 620, 1520}, {1170, 440, 1230}, 50}}})) {
         const double changed = changed_by_a_pixel(scene.camera, [&](const std::string& camera) {
             return drawn(folder, scene.name, " -- --size 640x360" + camera);
         });

@@ -331,6 +331,7 @@ TEST_CASE("heights for engines are the field's, as the summary beside them says"
                                          {"--tiles 17 --at 2", 17, 17, 2, 2}})
         for (const std::string ending : {"r16", "raw", "png"}) {
             const bool mirrored = ending == "raw"; // the other diagonal is the worse one
+            if (!full_rounds() && ending != "raw" && w.level != 1) continue;
             CAPTURE(w.options, ending);
             write_mountains(folder, 97, 60, "30", false, mirrored);
             done(folder, "rm -f h*; " + bake + "heights dem.asc -o h." + ending + " --quiet " + w.options);
