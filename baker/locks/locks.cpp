@@ -95,7 +95,7 @@ void Locks::add_part(const std::vector<Place>& part) {
     const auto flush = [&](std::size_t first) {
         Run run{shapes_.size() - 1, first, places_.size() - first, {no_limit, no_limit, -no_limit, -no_limit}};
         for (std::size_t i = first; i < places_.size(); ++i)
-            for (const std::size_t axis : {0, 1}) {
+            for (std::size_t axis = 0; axis < 2; ++axis) {
                 const double reach = shape.reach_m / spacing_m_[axis];
                 run.box[axis] = std::min(run.box[axis], places_[i][axis] - reach);
                 run.box[axis + 2] = std::max(run.box[axis + 2], places_[i][axis] + reach);
@@ -167,7 +167,7 @@ std::vector<LockCodes> Locks::over(const Window& window, const ErrorScale& scale
     for (std::size_t i = 0, end = 0; i < runs_.size(); i = end) {
         std::array<double, 4> box{no_limit, no_limit, -no_limit, -no_limit}; // of the shape
         for (; end < runs_.size() && runs_[end].shape == runs_[i].shape; ++end)
-            for (const std::size_t axis : {0, 1}) {
+            for (std::size_t axis = 0; axis < 2; ++axis) {
                 box[axis] = std::min(box[axis], runs_[end].box[axis]);
                 box[axis + 2] = std::max(box[axis + 2], runs_[end].box[axis + 2]);
             }

@@ -26,6 +26,7 @@
 
 #include "baker/read/netcdf_length.h"
 #include "baker/read/options.h"
+#include "baker/read/source.h"
 #include "io/file.h"
 
 namespace fjell::baker {

@@ -127,7 +127,7 @@ private:
 
 VectorGrid::VectorGrid(const HeightSource& field)
     : crs_wkt(field.crs_wkt), origin{field.crs_origin[0], field.crs_origin[1]}, step(step_of(field)) {
-    for (const std::size_t axis : {0, 1})
+    for (std::size_t axis = 0; axis < 2; ++axis)
         if (!(step[axis] > 0)) step[axis] = field.spacing_m[axis];
 }
 
