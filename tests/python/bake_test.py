@@ -77,6 +77,16 @@ class Bakes(unittest.TestCase):
             if name not in ("inputs", "output"):
                 self.assertIn("--" + name.replace("_", "-"), options)
 
+    def test_locks_hold_a_line_over_an_array(self):
+        line, pack = self.path("line.geojson"), self.path("locked.fjell")
+        with open(line, "w") as file:
+            file.write('{"type": "LineString", "coordinates": [[100, -100], [1500, -900]]}')
+        said = fjell.bake(terrain(90, 120), pack, spacing=20, locks=line, lock_error_m=0.1)
+        self.assertGreater(said["always_drawn"], 50)
+        self.assertEqual(said["locks"], f"1 line; {said['always_drawn']} vertices are always drawn")
+        with self.assertRaisesRegex(ValueError, "lock-error-m"):
+            fjell.bake(terrain(90, 120), self.path("none.fjell"), spacing=20, lock_error_m=0.1)
+
     def test_stamps_change_an_array_and_a_file_alike(self):
         heights = np.rint(10 * terrain(90, 120)).astype(np.int16)
         stamps, array, again = (self.path(name) for name in ("stamps.json", "array.fjell", "again.fjell"))
