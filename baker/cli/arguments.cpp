@@ -373,6 +373,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     declare_materials(app, a, c);
     declare_shards(app, a, c);
     c.journals = declare_journals(app, a.journals);
+    c.vectors = declare_vectors(app, a.vectors);
     add_common_options(app, a);
     app.require_subcommand(0, 1);
     return c;

@@ -10,6 +10,7 @@
 #include "baker/bake/recipe.h"
 #include "baker/check/picture.h"
 #include "baker/cli/journals.h"
+#include "baker/cli/vectors.h"
 #include "baker/outlets/height_files.h"
 #include "baker/outlets/mesh_file.h"
 #include "baker/outlets/simulate.h"
@@ -63,6 +64,7 @@ struct Arguments {
     SimulateOptions simulate;
 
     JournalArguments journals; // journal, rebase
+    VectorArguments vectors;   // roads, rivers
 
     std::string recipes_path, materials_path, textures_folder; // materials
     std::uint32_t texels = 512;
@@ -84,6 +86,7 @@ struct Commands {
     CLI::App* launch;
     CLI::App* merge;
     JournalCommands journals;
+    VectorCommands vectors;
 };
 
 [[nodiscard]] Commands declare_arguments(CLI::App& app, Arguments& arguments);

@@ -37,13 +37,6 @@ const char* order_name(PageOrder order) {
     return "linear";
 }
 
-std::vector<std::string> layer_names(const PackFile& file) {
-    if (file.pack().header.layer_bytes == 0) return {};
-    std::vector<std::byte> text;
-    file.read_chunk({ChunkKind::layers, 0, 0}, text);
-    return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
-}
-
 // Throws when what the pack is compared with has its samples elsewhere.
 void check_spacing(const HeightSource& against, const std::string& name, const PackHeader& header) {
     for (const int axis : {0, 1})
@@ -87,6 +80,13 @@ std::string seam_of(const std::string& path) {
 }
 
 } // namespace
+
+std::vector<std::string> layer_names(const PackFile& file) {
+    if (file.pack().header.layer_bytes == 0) return {};
+    std::vector<std::byte> text;
+    file.read_chunk({ChunkKind::layers, 0, 0}, text);
+    return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
+}
 
 json info_json(const PackFile& file) {
     const PackHeader& h = file.pack().header;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,8 @@
 namespace fjell::baker {
 
 [[nodiscard]] nlohmann::json info_json(const io::PackFile& file);
+// Of the materials in a pack's splat maps; empty: it has none.
+[[nodiscard]] std::vector<std::string> layer_names(const io::PackFile& file);
 
 struct PackCheck {
     Recipe source; // what it was compared with, and how that was read: as the pack says, unless it was given

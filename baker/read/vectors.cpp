@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <string_view>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -72,7 +74,9 @@ private:
             const char* const text = OGR_F_GetFieldAsString(feature, i);
             double value = 0;
             const auto [end, error] = std::from_chars(text, text + std::strlen(text), value);
-            if (error == std::errc{} && *end == '\0') numbers.emplace_back(OGR_Fld_GetNameRef(field), value);
+            if (error != std::errc{}) continue;
+            const std::string_view unit(end);
+            if (unit.empty() || unit == " m" || unit == "m") numbers.emplace_back(OGR_Fld_GetNameRef(field), value);
         }
         return numbers;
     }
@@ -82,7 +86,7 @@ private:
         case wkbPoint:
         case wkbLineString: {
             const bool point = wkbFlatten(OGR_G_GetGeometryType(geometry)) == wkbPoint;
-            VectorShape shape{point ? VectorKind::point : VectorKind::line, {places(geometry)}, numbers_};
+            VectorShape shape{point ? VectorKind::point : VectorKind::line, {places(geometry, !point)}, numbers_};
             if (!shape.parts[0].empty()) shapes.push_back(std::move(shape));
             break;
         }
@@ -99,20 +103,26 @@ private:
         }
     }
 
-    [[nodiscard]] std::vector<VectorShape::Place> places(OGRGeometryH line) const {
+    [[nodiscard]] std::vector<VectorShape::Place> places(OGRGeometryH line, bool may_be_unknown = false) const {
         // A side that is straight in one CRS is not in another.
         OGREnvelope box{};
         OGR_G_GetEnvelope(line, &box);
         constexpr double parts = 1000;
         const double longest = std::max(box.MaxX - box.MinX, box.MaxY - box.MinY) / parts;
         if (change_ && longest > 0) OGR_G_Segmentize(line, longest);
-        std::vector<VectorShape::Place> all;
-        all.reserve(static_cast<std::size_t>(OGR_G_GetPointCount(line)));
-        for (int i = 0; i < OGR_G_GetPointCount(line); ++i) {
-            double x = OGR_G_GetX(line, i), y = OGR_G_GetY(line, i);
-            if ((change_ && !change_->Transform(1, &x, &y)) || !std::isfinite(x) || !std::isfinite(y))
+        const auto count = static_cast<std::size_t>(OGR_G_GetPointCount(line));
+        std::vector<double> x(count), y(count);
+        std::vector<int> known(count, TRUE);
+        OGR_G_GetPoints(line, x.data(), sizeof(double), y.data(), sizeof(double), nullptr, 0);
+        if (change_ && count != 0)
+            change_->Transform(static_cast<int>(count), x.data(), y.data(), nullptr, nullptr, known.data());
+        std::vector<VectorShape::Place> all(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            all[i] = {(x[i] - grid_.origin[0]) / grid_.step[0], (grid_.origin[1] - y[i]) / grid_.step[1]};
+            if (known[i] != FALSE && std::isfinite(x[i]) && std::isfinite(y[i])) continue;
+            if (!may_be_unknown)
                 throw Failure(1, fmt::format("{}: has places that the CRS of the heights does not know", path_));
-            all.push_back({(x - grid_.origin[0]) / grid_.step[0], (grid_.origin[1] - y) / grid_.step[1]});
+            all[i] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
         }
         return all;
     }
@@ -136,7 +146,8 @@ std::optional<double> VectorShape::number(const std::string& name) const {
     return found != numbers.end() ? std::optional(found->second) : std::nullopt;
 }
 
-std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what) {
+std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what,
+                                      const std::string& layer) {
     GdalMessages messages;
     register_drivers();
     const GdalFile file(GDALDataset::FromHandle(
@@ -144,7 +155,17 @@ std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid&
     if (!file) throw Failure(1, fmt::format("{}: is no file of {} that GDAL reads{}", path, what, messages.said()));
     Reading reading(path, grid);
     const GDALDatasetH handle = GDALDataset::ToHandle(file.get());
-    for (int l = 0; l < GDALDatasetGetLayerCount(handle); ++l) reading.layer(GDALDatasetGetLayer(handle, l));
+    std::string names;
+    bool found = layer.empty();
+    for (int l = 0; l < GDALDatasetGetLayerCount(handle); ++l) {
+        const OGRLayerH one = GDALDatasetGetLayer(handle, l);
+        const std::string name = OGR_L_GetName(one);
+        names += (names.empty() ? "" : ", ") + name;
+        if (!layer.empty() && name != layer) continue;
+        found = true;
+        reading.layer(one);
+    }
+    if (!found) throw Failure(1, fmt::format("{}: has no layer \"{}\"; its layers are {}", path, layer, names));
     return std::move(reading.shapes);
 }
 

@@ -29,16 +29,19 @@ enum class VectorKind { point, line, polygon };
 struct VectorShape {
     using Place = std::array<double, 2>; // columns and rows; samples are at whole numbers
     VectorKind kind = VectorKind::point;
-    // One of a point or a line; of a polygon the ring around it first, then those of its holes, each closed.
+    // One of a point or a line, where a place that the grid's CRS does not know is NaN; of a polygon the ring around it
+    // first, then those of its holes, each closed.
     std::vector<std::vector<Place>> parts;
-    std::vector<std::pair<std::string, double>> numbers; // its attributes that are numbers, or text that is one
+    std::vector<std::pair<std::string, double>>
+        numbers; // its attributes that are numbers, or text that is one: 6, "6", "6 m"
 
     [[nodiscard]] std::optional<double> number(const std::string& name) const;
 };
 
-// Of all layers, in the file's order, each in the CRS that its layer says, or in the grid's. What is collected comes
-// one by one; curves come as lines. Sides are cut so that they are straight in the grid, too. what: "polygons", for the
-// message.
-[[nodiscard]] std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what);
+// In the file's order, each in the CRS that its layer says, or in the grid's. What is collected comes one by one;
+// curves come as lines. Sides are cut so that they are straight in the grid, too. what: "polygons", for the message.
+// layer: of the file; empty: all of them.
+[[nodiscard]] std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what,
+                                                    const std::string& layer = {});
 
 } // namespace fjell::baker

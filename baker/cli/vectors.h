@@ -1,0 +1,32 @@
+// The commands that lay a map's lines on a pack's ground: roads, rivers. Each returns the program's exit code.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "baker/vectors/roads.h"
+
+namespace fjell::baker {
+
+struct VectorArguments {
+    std::string pack, file, from; // from: a layer of the file
+    std::string journal;          // empty: the pack's own
+    std::string layer;            // of the journal
+    bool replace = false;
+    LineOptions roads, rivers;
+    std::string paint, material;
+    std::string json_path;
+    bool quiet = false;
+};
+
+struct VectorCommands {
+    CLI::App* roads;
+    CLI::App* rivers;
+};
+
+[[nodiscard]] VectorCommands declare_vectors(CLI::App& app, VectorArguments& arguments);
+
+int run_vectors(VectorArguments arguments, LineKind kind);
+
+} // namespace fjell::baker
