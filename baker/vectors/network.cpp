@@ -278,8 +278,8 @@ Network make_network(std::span<const std::vector<Place>> lines, const NetworkOpt
     return making.finish();
 }
 
-std::vector<NearPair> near_pairs(const Network& network, double near_m) {
-    constexpr std::size_t most_near = 256, most_reached = 512;
+void near_pairs(const Network& network, double near_m, const std::function<void(const NearPair&)>& found) {
+    constexpr std::size_t most_near = 96, most_reached = 512;
     std::vector<std::uint32_t> first(network.stations.size() + 2), beside(2 * network.links.size());
     for (const Link& link : network.links) ++first[link.from + 2], ++first[link.to + 2];
     std::partial_sum(first.begin(), first.end(), first.begin());
@@ -289,46 +289,37 @@ std::vector<NearPair> near_pairs(const Network& network, double near_m) {
     for (std::uint32_t i = 0; i < network.stations.size(); ++i)
         squares.add(squares.at(network.stations[i][0]), squares.at(network.stations[i][1]), i);
     squares.sort();
-    std::vector<NearPair> pairs;
-    struct Reached {
-        std::uint32_t station;
-        double along_m;
-    };
-    std::vector<Reached> reached;  // by the network; few, so they are searched one by one
-    std::vector<std::size_t> open; // of these, whose neighbours are looked at next
+    // By the network from the station that is looked at, and which stations that is known of.
+    std::vector<double> along_m(network.stations.size(), std::numeric_limits<double>::infinity());
+    std::vector<std::uint32_t> open;
     for (std::uint32_t i = 0; i < network.stations.size(); ++i) {
-        reached.assign(1, {i, 0});
-        open.assign(1, 0);
-        for (std::size_t next = 0; next < open.size() && reached.size() < most_reached; ++next) {
-            const Reached from = reached[open[next]];
-            for (std::uint32_t l = first[from.station]; l < first[from.station + 1]; ++l) {
+        open.assign(1, i);
+        along_m[i] = 0;
+        for (std::size_t next = 0; next < open.size() && open.size() < most_reached; ++next) {
+            const std::uint32_t from = open[next];
+            for (std::uint32_t l = first[from]; l < first[from + 1]; ++l) {
                 const Link& link = network.links[beside[l]];
-                const Reached to{link.from == from.station ? link.to : link.from, from.along_m + link.length_m};
-                if (to.along_m > 2 * near_m) continue;
-                const auto there = std::ranges::find(reached, to.station, &Reached::station);
-                if (there != reached.end() && there->along_m <= to.along_m) continue;
-                open.push_back(static_cast<std::size_t>(there - reached.begin()));
-                if (there == reached.end())
-                    reached.push_back(to);
-                else
-                    *there = to;
+                const std::uint32_t to = link.from == from ? link.to : link.from;
+                const double to_m = along_m[from] + link.length_m;
+                if (to_m > 2 * near_m || along_m[to] <= to_m) continue;
+                along_m[to] = to_m;
+                open.push_back(to);
             }
         }
         const Place& at = network.stations[i];
         const std::int32_t x = squares.at(at[0]), y = squares.at(at[1]);
-        const std::size_t before = pairs.size();
+        std::size_t count = 0;
         for (std::int32_t dy = -1; dy <= 1; ++dy)
             for (std::int32_t dx = -1; dx <= 1; ++dx)
                 for (const auto& [square, j] : squares.in(x + dx, y + dy)) {
-                    const double distance_m = j < i ? apart(at, network.stations[j]) : near_m;
-                    if (distance_m >= near_m || pairs.size() - before == most_near) continue;
-                    const auto there = std::ranges::find(reached, j, &Reached::station);
-                    const double along_m =
-                        there != reached.end() ? there->along_m : std::numeric_limits<double>::infinity();
-                    if (along_m > distance_m * 1.001) pairs.push_back({i, j, distance_m, along_m});
+                    if (j >= i || count == most_near) break; // they are in order
+                    const double distance_m = apart(at, network.stations[j]);
+                    if (!(distance_m < near_m && along_m[j] > distance_m * 1.001)) continue;
+                    found({i, j, distance_m, along_m[j]});
+                    ++count;
                 }
+        for (const std::uint32_t station : open) along_m[station] = std::numeric_limits<double>::infinity();
     }
-    return pairs;
 }
 
 std::vector<Place> simplified(std::span<const Place> line, double off_m) {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -46,13 +47,13 @@ void leave_out(Network& network, const std::vector<bool>& gone);
 [[nodiscard]] std::vector<std::vector<Place>> clipped(std::span<const Place> line, double width_m, double height_m);
 
 // Two stations nearer to each other than `near_m` by a way that is not along the network: beside a bend, a crossing, or
-// another line. Of one station to at most 256 others, which only lines that are drawn over each other have.
+// another line. Of one station to at most 96 others, which only lines that are drawn over each other have.
 struct NearPair {
     std::uint32_t a = 0, b = 0;
     double distance_m = 0;
     double along_m = 0; // by the network; infinite: more than twice near_m
 };
-[[nodiscard]] std::vector<NearPair> near_pairs(const Network& network, double near_m);
+void near_pairs(const Network& network, double near_m, const std::function<void(const NearPair&)>& found);
 
 // As few of a line's places as leave it within `off_m`.
 [[nodiscard]] std::vector<Place> simplified(std::span<const Place> line, double off_m);

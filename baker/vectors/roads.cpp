@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -42,8 +44,9 @@ public:
             limits.push_back({l.from, l.to, grade * l.length_m});
             neighbours.push_back({l.from, l.to, l.length_m});
         }
-        for (const NearPair& p : near_pairs(network_, near_samples * widest_m_))
+        near_pairs(network_, near_samples * widest_m_, [&](const NearPair& p) {
             limits.push_back({p.a, p.b, std::min(most[p.a], most[p.b]) * beside_m(p)});
+        });
         heights_m_ = limited_heights(without_bumps(ground_m_, neighbours, o_.smooth_m), limits);
         lay();
         return finish();
@@ -66,8 +69,18 @@ public:
         }
         // In a bend too narrow for the samples, and beside another river, they have one bed.
         constexpr double straight = 1.05;
-        for (const NearPair& p : near_pairs(network_, near_samples * widest_m_))
-            if (p.along_m > straight * p.distance_m) flows.push_back({p.a, p.b}), flows.push_back({p.b, p.a});
+        std::vector<std::uint32_t> one(network_.stations.size()); // a station of the same bed, which may be itself
+        std::iota(one.begin(), one.end(), 0u);
+        const auto first_of = [&](std::uint32_t station) {
+            while (one[station] != station) station = one[station] = one[one[station]];
+            return station;
+        };
+        near_pairs(network_, near_samples * widest_m_, [&](const NearPair& p) {
+            const std::uint32_t a = first_of(p.a), b = first_of(p.b);
+            if (a == b || p.along_m <= straight * p.distance_m) return;
+            one[a] = b;
+            flows.push_back({p.a, p.b}), flows.push_back({p.b, p.a});
+        });
         heights_m_ = river_beds(most_m, flows);
         return finish();
     }

@@ -71,8 +71,13 @@ void declare_edits(CLI::App& app, FlightOptions& o) {
     auto* const edits =
         app.add_option("--edits", o.edits_path,
                        "stamps that move the ground, each in its frame (content/edits/*.json), or the pack's journal");
-    app.add_option("--edit-blocks", o.edit_budget.blocks,
-                   "blocks of 32 x 32 samples, 4.2 KB each, that --edits may change (default 1024)")
+    app.add_option_function<std::uint32_t>(
+           "--edit-blocks",
+           [&o](std::uint32_t blocks) {
+               o.edit_budget.blocks = blocks;
+               o.edit_room = false;
+           },
+           "blocks of 32 x 32 samples, 4.2 KB each, that --edits may change (default: as many as it needs)")
         ->check(io::whole_within(1, 1u << 24))
         ->needs(edits);
 }

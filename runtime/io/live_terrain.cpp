@@ -13,6 +13,7 @@
 #include "io/file.h"
 #include "io/pack_stream.h"
 #include "io/quiet.h"
+#include "io/stamp_blocks.h"
 
 namespace fjell::io {
 
@@ -66,10 +67,6 @@ void LiveTerrain::begin(const std::string& name) {
     require(file_ ? create_terrain(pack_, file_->corners(), slots, terrain_block_->all(), terrain_)
                   : create_terrain(pack_, slots, terrain_block_->all(), terrain_),
             name);
-    if (options_.edits) {
-        edits_block_ = std::make_unique<Block>(edits_bytes(h, *options_.edits));
-        require(create_edits(terrain_, *options_.edits, edits_block_->all(), edits_), name);
-    }
     if (!options_.journal.empty()) {
         if (!options_.edits)
             throw Failure(1, "LiveOptions::journal: needs LiveOptions::edits, which says what it may use");
@@ -81,6 +78,13 @@ void LiveTerrain::begin(const std::string& name) {
         if (holes && !(options_.edits->holes && has_room_for_holes(h)))
             throw Failure(1, options_.journal + ": cuts holes: set EditBudget::holes, and give a pack that is baked "
                                                 "with --room-for-holes yes");
+        StampBlocks blocks(h);
+        for (const KeptStamp& kept : kept_->stamps) blocks.add(kept);
+        options_.edits->blocks += blocks.heights(), options_.edits->paint += blocks.paint();
+    }
+    if (options_.edits) {
+        edits_block_ = std::make_unique<Block>(edits_bytes(h, *options_.edits));
+        require(create_edits(terrain_, *options_.edits, edits_block_->all(), edits_), name);
     }
     options_.cut = suited(options_.cut, terrain_);
     cut_block_ = std::make_unique<Block>(cut_bytes(terrain_, options_.cut));

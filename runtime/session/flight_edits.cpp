@@ -69,13 +69,13 @@ void FlightEdits::update_mirror(double now_s) {
     }
 }
 
-std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views, double now_s) {
-    const std::size_t first = next_;
+// Those that the queue has room for.
+void FlightEdits::push_due() {
     for (; next_ < stamps_.size() && stamps_[next_].frame <= frame_; ++next_) {
         StampId id = 0;
         const Status pushed = push_stamp(live_.edits, stamps_[next_].what.stamp(), id);
-        if (pushed.code == StatusCode::out_of_slots) break; // the next update goes on
-        if (pushed.code == StatusCode::out_of_range) {      // a hole, on a pack that has no room for it
+        if (pushed.code == StatusCode::out_of_slots) return;
+        if (pushed.code == StatusCode::out_of_range) { // a hole, on a pack that has no room for it
             settle({0, next_}, {StampState::refused, pushed});
             ++totals_.refused;
             continue;
@@ -83,26 +83,35 @@ std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views,
         require_edit(pushed);
         open_.push_back({id, next_});
     }
+}
+
+std::span<const io::TimedStamp> FlightEdits::update(std::span<const View> views, double now_s) {
+    const std::size_t first = next_;
     EditReport report;
     settings_.now_s = now_s;
-    require_edit(update_edits(live_.edits, views, settings_, report));
-    update_mirror(now_s);
-    // In the order of pushing, in which those that overlap were applied.
-    std::erase_if(open_, [&](const Open& open) {
-        const StampResult result = stamp_state(live_.edits, open.id);
-        if (result.state == StampState::waiting || result.state == StampState::moving) return false;
-        settle(open, result);
-        stamps_[open.stamp].what.heights_m = {}; // large, and nobody's any more
-        return true;
-    });
-    totals_.applied += report.applied;
-    totals_.refused += report.refused;
-    totals_.samples += report.samples;
-    totals_.exhausted |= report.exhausted;
-    totals_.apply_us += report.apply_us;
-    totals_.measure_us += report.measure_us;
-    totals_.apply_us_max = std::max(totals_.apply_us_max, report.apply_us);
-    totals_.update_us_max = std::max(totals_.update_us_max, report.apply_us + report.measure_us);
+    // Without a limit all of a frame's come in it, however many queues they fill.
+    do {
+        push_due();
+        require_edit(update_edits(live_.edits, views, settings_, report));
+        update_mirror(now_s);
+        // In the order of pushing, in which those that overlap were applied.
+        std::erase_if(open_, [&](const Open& open) {
+            const StampResult result = stamp_state(live_.edits, open.id);
+            if (result.state == StampState::waiting || result.state == StampState::moving) return false;
+            settle(open, result);
+            stamps_[open.stamp].what.heights_m = {}; // large, and nobody's any more
+            return true;
+        });
+        totals_.applied += report.applied;
+        totals_.refused += report.refused;
+        totals_.samples += report.samples;
+        totals_.exhausted |= report.exhausted;
+        totals_.apply_us += report.apply_us;
+        totals_.measure_us += report.measure_us;
+        totals_.apply_us_max = std::max(totals_.apply_us_max, report.apply_us);
+        totals_.update_us_max = std::max(totals_.update_us_max, report.apply_us + report.measure_us);
+    } while (settings_.max_time_us == 0 && report.applied + report.refused != 0 && next_ < stamps_.size() &&
+             stamps_[next_].frame <= frame_);
     totals_.last = report;
     return std::span(stamps_).subspan(first, next_ - first);
 }

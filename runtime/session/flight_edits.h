@@ -72,6 +72,7 @@ private:
         bool mirrored = false; // the second terrain has it
     };
     void create(const Terrain& terrain, Place& place) const;
+    void push_due();
     void settle(const Open& open, const StampResult& result);
     void update_mirror(double now_s);
 

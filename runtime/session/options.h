@@ -52,6 +52,7 @@ struct FlightOptions {
     std::string edits_path;
     std::vector<io::TimedStamp> stamps; // and what is in it
     EditBudget edit_budget;
+    bool edit_room = true; // edit_budget grows to the blocks that `stamps` change
     bool editable = false; // the ground may change later, if it can
     std::vector<Export> exports;
     double export_texel_m = 0;     // width of a texel of the file's textures; 0: as fine as the maps are

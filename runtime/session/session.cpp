@@ -12,6 +12,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/pages.h"
 #include "io/file.h"
+#include "io/stamp_blocks.h"
 
 namespace fjell::session {
 
@@ -92,6 +93,14 @@ void make_edits(const FlightOptions& options, Session& session) {
     }
     const bool sparse = session.terrain().header().tiles_held != 0; // takes none
     if (stamps.empty() && (!options.editable || sparse)) return;
+    if (options.edit_room && options.replay.empty()) {
+        io::StampBlocks blocks(session.terrain().header());
+        for (const io::TimedStamp& stamp : stamps) blocks.add(stamp.what);
+        // Where the ground may change later, what the budget says is for that.
+        const bool more = options.editable;
+        budget.blocks = more ? budget.blocks + blocks.heights() : std::max(budget.blocks, blocks.heights());
+        budget.paint = more ? budget.paint + blocks.paint() : std::max(budget.paint, blocks.paint());
+    }
     if (options.editable) budget.holes = has_room_for_holes(session.terrain().header());
     session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));
     if (session.reference) session.edits->mirror(session.reference->terrain);

@@ -190,7 +190,8 @@ TEST_CASE("pairs beside each other are all that are near, but not along a straig
                 const double distance_m = apart_m(n.stations[i], n.stations[j]);
                 expected += distance_m < near_m && along_m[i][j] > 1.001 * distance_m;
             }
-        const std::vector<NearPair> pairs = near_pairs(n, near_m);
+        std::vector<NearPair> pairs;
+        near_pairs(n, near_m, [&](const NearPair& pair) { pairs.push_back(pair); });
         for (const NearPair& p : pairs) {
             const double by_network_m = along_m[p.a][p.b];
             found += by_network_m > 1.001 * p.distance_m;

@@ -210,7 +210,7 @@ const std::set<std::string>& flags_of(const std::string& program) {
 
 const std::vector<std::string> subcommands{"info",      "verify", "heights", "split",  "join",  "synth",
                                            "materials", "plan",   "shard",   "launch", "merge", "simulate",
-                                           "tiles",     "mesh",   "journal", "rebase"};
+                                           "tiles",     "mesh",   "journal", "rebase", "roads", "rivers"};
 
 // "fjell-bake info" of "fjell-bake info PACK --json"; empty when it is no call of one of our programs.
 std::string program_of(const std::string& command) {

@@ -202,7 +202,7 @@ TEST_CASE("a terrain in one object takes stamps from any thread, shows them, and
 TEST_CASE("a terrain that is opened with a journal has the ground that was left, however many stamps that took") {
     const LivePlace place(true);
     io::LiveOptions options = live_options(place.profile);
-    options.edits = EditBudget{.stamps = 2}; // fewer than the journal has
+    options.edits = EditBudget{.blocks = 1, .stamps = 2}; // fewer than the journal has, and than it changes
     const std::string path = io::journal_path(place.pack);
     std::filesystem::remove(path);
     double x_m = 0, z_m = 0;
@@ -223,7 +223,7 @@ TEST_CASE("a terrain that is opened with a journal has the ground that was left,
     {
         io::Journal journal(path, io::PackFile(place.pack).pack().header);
         Stamp raise;
-        raise.x_m = x_m, raise.z_m = z_m, raise.radius_m = 100, raise.falloff_m = 100, raise.amount_m = 2;
+        raise.x_m = x_m, raise.z_m = z_m, raise.radius_m = 100, raise.falloff_m = 2000, raise.amount_m = 2;
         const std::uint32_t layer = journal.add_layer("hill");
         for (int i = 0; i < 7; ++i) (void)journal.add_stamp(layer, io::KeptStamp(raise));
     }

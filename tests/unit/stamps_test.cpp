@@ -3,11 +3,16 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <random>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "fjell/io/failure.h"
 #include "io/file.h"
+#include "io/stamp_blocks.h"
 #include "io/stamps.h"
+#include "shared/stamp.h"
 
 using namespace fjell;
 using namespace fjell::session;
@@ -72,6 +77,48 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
     CHECK((level.morph_s == 0 && heights.morph_s == 0));
     const std::string written = io::write_stamps(stamps);
     CHECK(io::write_stamps(io::parse_stamps(written, "written")) == written);
+}
+
+TEST_CASE("blocks of stamps are all that a sample changes in, and not many more") {
+    std::mt19937 random(5);
+    const auto number = [&](double least, double most) {
+        return std::uniform_real_distribution<double>(least, most)(random);
+    };
+    PackHeader pack{};
+    pack.columns = 500, pack.rows = 400;
+    pack.spacing_m[0] = 2, pack.spacing_m[1] = 3;
+    const edit::StampGrid grid(500, 400, pack.spacing_m);
+    std::size_t all = 0, counted = 0;
+    for (int round = 0; round < 60; ++round) {
+        io::KeptStamp kept;
+        Stamp& s = kept.plain;
+        const int kind = round % 4;
+        s.shape = kind == 0 ? StampShape::path : kind == 1 ? StampShape::paint : StampShape::raise;
+        s.radius_m = static_cast<float>(number(0, 60)), s.falloff_m = static_cast<float>(number(0, 30));
+        s.x_m = number(-100, 1100), s.z_m = number(-100, 1300), s.amount_m = 1;
+        if (kind < 2)
+            for (int i = 0; i < 4; ++i) kept.points.push_back({number(-200, 1200), number(-200, 1400), 5});
+        if (kind == 3) {
+            s.first = {static_cast<std::int32_t>(number(-20, 480)), static_cast<std::int32_t>(number(-20, 380))};
+            s.columns = 60, s.rows = 40, s.radius_m = 0;
+            s.shape = StampShape::heights;
+            kept.heights_m.assign(2400, 7);
+        }
+        io::StampBlocks blocks(pack);
+        blocks.add(kept);
+        std::set<std::pair<int, int>> changed;
+        for (std::int32_t y = 0; y < 400; ++y)
+            for (std::int32_t x = 0; x < 500; ++x)
+                if (edit::samples_of(grid, kept.stamp()).contains(SampleIndex{x, y}) &&
+                    edit::stamp_weight(grid, kept.stamp(), {x, y}) > 0)
+                    changed.insert({x / 32, y / 32});
+        const std::uint32_t count = s.shape == StampShape::paint ? blocks.paint() : blocks.heights();
+        CAPTURE(round);
+        CHECK(blocks.paint() + blocks.heights() == count);
+        CHECK(count >= changed.size());
+        all += changed.size(), counted += count;
+    }
+    CHECK((all > 500 && counted < all * 3 / 2));
 }
 
 TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {
