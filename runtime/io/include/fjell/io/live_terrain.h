@@ -58,8 +58,8 @@ struct LiveOptions {
     // Set: the ground can be changed, and this is what changes may use. Refused for a terrain that lacks tiles.
     std::optional<EditBudget> edits{};
     // A journal of the pack (fjell/io/journal.h), whose stamps are applied from the first update on. Needs `edits`, and
-    // adds what it needs itself to their `blocks` and `paint`. What it says later is not followed: push those stamps too.
-    // LiveFrame::edits counts what is refused. Empty: none.
+    // adds what it needs itself to their `blocks` and `paint`. What it says later is not followed: push those stamps
+    // too. LiveFrame::edits counts what is refused. Empty: none.
     std::string journal{};
 };
 
