@@ -52,7 +52,7 @@ template <typename Work>
 void Earthworks::each_near(const Link& link, double within_m, const Work& work) const {
     const Place &a = network_->stations[link.from], &b = network_->stations[link.to];
     std::array<std::int32_t, 2> first{}, last{};
-    for (const std::size_t axis : {0, 1}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
         const auto [least, most] = std::minmax(a[axis], b[axis]);
         const std::int32_t end = (axis == 0 ? ground_.columns() : ground_.rows()) - 1;
         first[axis] = std::max(static_cast<std::int32_t>(std::ceil((least - within_m) / spacing_m_[axis])), 0);
@@ -70,7 +70,7 @@ void Earthworks::mark_bed(const Link& link, double half_m) {
               [&](std::int32_t x, std::int32_t y, double) { cell_at(x, y).link[index(x, y)] = any_link; });
     const Place &a = network_->stations[link.from], &b = network_->stations[link.to];
     std::vector<double> shares{0, 1};
-    for (const std::size_t axis : {0, 1}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
         const double from = a[axis] / spacing_m_[axis], by = b[axis] / spacing_m_[axis] - from;
         const double least = std::min(from, from + by), most = std::max(from, from + by);
         for (double at = std::floor(least) + 1; at < most; ++at) shares.push_back((at - from) / by);

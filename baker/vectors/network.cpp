@@ -27,7 +27,7 @@ struct Part {
 };
 Part part_within(const Place& a, const Place& b, double width_m, double height_m) {
     Part part;
-    for (const std::size_t axis : {0, 1}) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
         const double most = axis == 0 ? width_m : height_m, by = b[axis] - a[axis];
         if (by == 0) {
             if (a[axis] < 0 || a[axis] > most) return {1, 0};
@@ -60,8 +60,9 @@ public:
     }
     // After sort().
     [[nodiscard]] std::span<const Entry> in(std::int32_t x, std::int32_t y) const {
-        const auto [first, last] = std::ranges::equal_range(entries_, key(x, y), {}, &Entry::square);
-        return {first, last};
+        const std::uint64_t square = key(x, y);
+        return {std::ranges::lower_bound(entries_, square, {}, &Entry::square),
+                std::ranges::upper_bound(entries_, square, {}, &Entry::square)};
     }
     // After sort(): work(things of a square, its key), square by square.
     template <typename Work>
@@ -121,8 +122,8 @@ public:
         std::erase_if(n_.links, [](const Link& l) { return l.from == l.to; });
         const auto ends = [](const Link& l) { return std::pair(l.from, l.to); };
         std::ranges::stable_sort(n_.links, {}, ends);
-        const auto rest = std::ranges::unique(n_.links, {}, ends);
-        n_.links.erase(rest.begin(), rest.end());
+        const auto same = [&](const Link& a, const Link& b) { return ends(a) == ends(b); };
+        n_.links.erase(std::unique(n_.links.begin(), n_.links.end(), same), n_.links.end());
         drop_unlinked(n_);
         return std::move(n_);
     }
@@ -173,7 +174,9 @@ private:
     void cut(std::uint32_t i, std::uint32_t j) {
         const Link a = n_.links[i], b = n_.links[j];
         if (a.from == b.from || a.from == b.to || a.to == b.from || a.to == b.to) return;
-        const bool touches = rest_on(i, b.from) | rest_on(i, b.to) | rest_on(j, a.from) | rest_on(j, a.to);
+        bool touches = false; // each of them is asked, because it joins
+        for (const auto& [link, end] : {std::pair{i, b.from}, {i, b.to}, {j, a.from}, {j, a.to}})
+            touches = rest_on(link, end) || touches;
         const Place &p = n_.stations[a.from], &q = n_.stations[b.from], &pe = n_.stations[a.to],
                     &qe = n_.stations[b.to];
         const double px = pe[0] - p[0], py = pe[1] - p[1], qx = qe[0] - q[0], qy = qe[1] - q[1],

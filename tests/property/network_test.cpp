@@ -1,4 +1,6 @@
 // Heights along networks of lines, and how lines become one: against slow and simple yardsticks.
+#include <catch2/catch.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

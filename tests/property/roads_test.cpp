@@ -1,4 +1,6 @@
 // Roads and rivers on the ground that a bake with their stamps has, read back by other code than made it.
+#include <catch2/catch.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
