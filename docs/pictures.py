@@ -117,8 +117,21 @@ class Page:
             maker = self.makes(token, at)
             if maker is not None:
                 history += self.bake(maker)
+            elif token.endswith(".journal"):
+                history += self.lay(token, at)
             elif re.search(r"\.(fjell|png|tif|jpg|dem|r32)$", token) and not os.path.exists(os.path.join(self.folder, token)):
                 raise Missing(token)
+        return history
+
+    def lay(self, journal, before):
+        """Runs the commands that lay roads and rivers into a journal, in order."""
+        history = ""
+        for i in range(before):
+            words = shlex.split(self.commands[i][0])
+            if words[:2] in (["fjell-bake", "rivers"], ["fjell-bake", "roads"]) and words[2] + ".journal" == journal:
+                history += self.prepare(i) + self.commands[i][0] + "\n"
+                print("   ", self.commands[i][0], flush=True)
+                self.run(self.commands[i][0])
         return history
 
     def bake(self, at):

@@ -37,7 +37,8 @@ Earthworks::Cell& Earthworks::cell_at(std::int32_t x, std::int32_t y) {
 }
 
 double Earthworks::from_m(const Bed& bed, std::int32_t x, std::int32_t y) const {
-    return std::hypot((x - bed.x) * spacing_m_[0], (y - bed.y) * spacing_m_[1]);
+    return std::max(std::hypot(x * spacing_m_[0] - bed.nearest[0], y * spacing_m_[1] - bed.nearest[1]) - bed.half_m,
+                    0.0);
 }
 
 std::vector<std::uint64_t> Earthworks::keys() const {
@@ -90,14 +91,14 @@ void Earthworks::lay(const Network& network, std::span<const double> half_m) {
     for (std::uint32_t link = 0; link < network.links.size(); ++link) mark_bed(network.links[link], half_m[link]);
     // The nearest link of a sample need not be one that has made it bed.
     const double corner_m = std::hypot(spacing_m_[0], spacing_m_[1]);
+    for (const double half : half_m) half_m_.push_back(std::max(half, corner_m));
     for (std::uint32_t link = 0; link < network.links.size(); ++link)
-        each_near(network.links[link], std::max(half_m[link], corner_m),
-                  [&](std::int32_t x, std::int32_t y, double away_m) {
-                      Cell& cell = cell_at(x, y);
-                      const std::size_t i = index(x, y);
-                      if (cell.link[i] == none || !(away_m < cell.away_m[i])) return;
-                      cell.away_m[i] = away_m, cell.link[i] = link;
-                  });
+        each_near(network.links[link], half_m_[link], [&](std::int32_t x, std::int32_t y, double away_m) {
+            Cell& cell = cell_at(x, y);
+            const std::size_t i = index(x, y);
+            if (cell.link[i] == none || !(away_m < cell.away_m[i])) return;
+            cell.away_m[i] = away_m, cell.link[i] = link;
+        });
     std::vector<GroundCells::Sample> samples; // with a cell around, for slopes
     for (const std::uint64_t key : keys())
         for (const std::int32_t dy : {-1, 0, 1})
@@ -135,12 +136,12 @@ void Earthworks::make_bed(std::span<const double> heights_m, bool fills) {
                 continue;
             }
             const Link& l = network_->links[cell.link[i]];
-            const double share =
-                on_link(network_->stations[l.from], network_->stations[l.to], x * spacing_m_[0], y * spacing_m_[1])
-                    .share;
+            const Place &from = network_->stations[l.from], &to = network_->stations[l.to];
+            const double share = on_link(from, to, x * spacing_m_[0], y * spacing_m_[1]).share;
             const double height_m = heights_m[l.from] + share * (heights_m[l.to] - heights_m[l.from]);
             cell.cut[i] = cell.fill[i] = static_cast<std::uint32_t>(beds_.size());
-            beds_.push_back({x, y, fills ? height_m : std::min(height_m, ground_m)});
+            beds_.push_back({x, y, fills ? height_m : std::min(height_m, ground_m), between(from, to, share),
+                             half_m_[cell.link[i]]});
         }
     }
 }
@@ -193,8 +194,9 @@ double Earthworks::shaped(const Cell& cell, std::int32_t x, std::int32_t y, cons
     if (!(ground_m > high) && !(ground_m < low)) return not_changed;
     if (cut == none || fill == none || low <= high) return ground_m > high ? high : low;
     // Between a line above and one below, as much steeper as it takes from one bed to the other.
-    const double steeper =
-        (beds_[fill].height_m - beds_[cut].height_m) / (slopes.fill * away_fill + slopes.cut * away_cut);
+    const double between_m = slopes.fill * away_fill + slopes.cut * away_cut;
+    if (!(between_m > 0)) return 0.5 * (beds_[fill].height_m + beds_[cut].height_m);
+    const double steeper = (beds_[fill].height_m - beds_[cut].height_m) / between_m;
     return beds_[fill].height_m - steeper * slopes.fill * away_fill;
 }
 

@@ -72,6 +72,10 @@ private:
     struct Bed {
         std::int32_t x, y;
         double height_m;
+        // Its nearest place on a line, and how far the bed reaches from there: what slopes begin at. Slopes from
+        // samples would have a rib for each of them.
+        Place nearest;
+        double half_m;
     };
     [[nodiscard]] Cell& cell_at(std::int32_t x, std::int32_t y);
     [[nodiscard]] static std::size_t index(std::int32_t x, std::int32_t y);
@@ -89,6 +93,7 @@ private:
     GroundCells ground_;
     double spacing_m_[2];
     const Network* network_ = nullptr;
+    std::vector<double> half_m_; // of each link, and no less than the corners of cells that it crosses are away
     std::unordered_map<std::uint64_t, Cell> cells_;
     std::vector<Bed> beds_;
 };

@@ -239,6 +239,29 @@ TEST_CASE("a straight road over a hillside is level across, and its slopes are s
     CHECK(wide.after->at(40, 47) > hill(40, 40) + 0.5);
 }
 
+TEST_CASE("banks of a river that runs askew are planes, without a rib for each sample") {
+    Dem dem;
+    dem.columns = 90, dem.rows = 80;
+    dem.heights_m.assign(static_cast<std::size_t>(dem.columns) * static_cast<std::size_t>(dem.rows), 50.0f);
+    dem.heights_m.back() = 51; // so that a step is a centimetre
+    const Place a{12.3, 9.1}, b{71.8, 66.4};
+    const MapLine river{{a, b}, 6, 0, 5};
+    const Laid l = laid(dem, {river}, LineKind::river, river_options());
+    const double length_m = std::hypot(b[0] - a[0], b[1] - a[1]);
+    std::size_t on_banks = 0;
+    for (int y = 0; y < dem.rows; ++y)
+        for (int x = 0; x < dem.columns; ++x) {
+            const double along = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / length_m;
+            const double away = std::abs((x - a[0]) * (b[1] - a[1]) - (y - a[1]) * (b[0] - a[0])) / length_m;
+            if (along < 14 || along > length_m - 14) continue; // round its ends
+            const double asked = std::min(50.0, 45 + 0.5 * std::max(away - 3, 0.0));
+            CAPTURE(x, y, away);
+            REQUIRE(l.after->at(x, y) == Approx(asked).margin(0.02));
+            on_banks += away > 3 && away < 13;
+        }
+    CHECK(on_banks > 800);
+}
+
 TEST_CASE("a river never climbs and only takes ground away, with the streams that run into it") {
     Random random(23);
     double deepest = 0;
