@@ -23,6 +23,10 @@ for west in 6 7; do # two degrees of the Alps, made up
     47.000416667 "$(awk "BEGIN { print $west + 1 + 1 / 2400 }")" 45.999583333 dem.tif "N46E00$west.hgt"
 done
 echo '{"type": "Polygon", "coordinates": [[[7.85, 61.12], [8.1, 61.15], [7.95, 61.24], [7.85, 61.12]]]}' >valley.geojson
+for lines in roads rivers; do # metres, as dem.tif has no CRS
+  echo '{"type": "LineString", "coordinates": [[3000, -4000], [9000, -7000], [14000, -16000]]}' >$lines.geojson
+  ogr2ogr $lines.gpkg $lines.geojson
+done
 
 ran=0
 run() { # PAGE LINE
