@@ -17,6 +17,7 @@
 #include "fjell/io/failure.h"
 #include "fjell/profile.h"
 #include "fjell/texture.h"
+#include "io/stamps.h"
 
 namespace fjell::editor {
 
@@ -287,15 +288,7 @@ Command brush(Words& w) {
                metres(b.falloff_m, "falloff", 0, most_brush_m),
                metres(b.amount_m, "amount", -most_amount_m, most_amount_m),
                metres(b.strength, "strength", 0, 1),
-               {"colour",
-                [&](const std::string& v) {
-                    std::uint32_t rgb = 0;
-                    const char* const end = v.data() + v.size();
-                    const auto read = std::from_chars(v.data(), end, rgb, 16);
-                    if (v.size() != 6 || read.ec != std::errc() || read.ptr != end)
-                        throw io::Failure(2, fmt::format("colour={}: give six hexadecimal digits, as in 5c4e3c", v));
-                    for (int i = 0; i < 3; ++i) b.rgb[i] = static_cast<std::uint8_t>(rgb >> (16 - 8 * i));
-                }},
+               {"colour", [&](const std::string& v) { std::ranges::copy(io::rgb_of(v, "colour"), b.rgb); }},
                {"material", [&](const std::string& v) {
                     const double number = Words::number_in(v, "material", 0, max_splat_names - 1);
                     if (number != std::floor(number)) throw io::Failure(2, "material: give a whole number");

@@ -639,16 +639,16 @@ FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& pl
         leaf_errors(step, plan.leaf);
         worst[u] = correct_leaves(context, plan, *ground, step);
         Patch<std::uint8_t> errors;
-        if (out.unsaturated.inside.exists()) {
+        const bool coarser = out.unsaturated.inside.exists();
+        if (coarser) {
             const std::uint8_t of_coarser = unsaturated_errors(
                 {*ground, region, plan.scales, plan.leaf, context.options.estimate, {spacing_m[0], spacing_m[1]}},
                 errors);
             worst[u] = std::max(worst[u], of_coarser);
         }
         if (!context.locks.empty())
-            raise_locked({context.locks, plan.scales, context.tree, region}, error,
-                         out.unsaturated.inside.exists() ? &errors : nullptr);
-        if (out.unsaturated.inside.exists()) store_unsaturated(context, index, errors, out.unsaturated);
+            raise_locked({context.locks, plan.scales, context.tree, region}, error, coarser ? &errors : nullptr);
+        if (coarser) store_unsaturated(context, index, errors, out.unsaturated);
         errors = {};
         const bool has_holes = ground->has_voids();
         if (has_holes) {

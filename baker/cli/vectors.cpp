@@ -1,7 +1,6 @@
 #include "baker/cli/vectors.h"
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
 #include <optional>
 
@@ -18,6 +17,7 @@
 #include "fjell/io/pack_file.h"
 #include "io/command_line.h"
 #include "io/file.h"
+#include "io/stamps.h"
 #include "io/system.h"
 
 namespace fjell::baker {
@@ -63,15 +63,6 @@ CLI::Option* slope(CLI::App& c, const char* name, double& slope, const char* wha
         ->check(io::within(flattest, steepest));
 }
 
-std::array<std::uint8_t, 3> colour_of(const std::string& text) {
-    std::uint32_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, 16);
-    if (text.size() != 6 || error != std::errc{} || end != text.data() + text.size())
-        throw Failure(2, fmt::format("--paint: {}: must be six hexadecimal digits, as in 5a5c5e", text));
-    return {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8 & 255),
-            static_cast<std::uint8_t>(value & 255)};
-}
-
 std::uint8_t material_of(const std::string& name, const io::PackFile& pack) {
     const std::vector<std::string> names = layer_names(pack);
     const auto found = std::ranges::find(names, name);
@@ -84,12 +75,7 @@ std::uint8_t material_of(const std::string& name, const io::PackFile& pack) {
 // What is flown and baked below a layer.
 std::vector<io::TimedStamp> stamps_below(const Journal& journal, std::size_t place) {
     std::vector<io::TimedStamp> all;
-    for (const JournalLayer& layer : journal.layers().first(place))
-        for (const io::JournalStamp& stamp : layer.stamps) {
-            if (!layer.on) break;
-            all.push_back({0, stamp.what});
-            all.back().what.plain.strength *= layer.strength;
-        }
+    for (io::KeptStamp& stamp : journal.stamps(place)) all.push_back({0, std::move(stamp)});
     return all;
 }
 
@@ -142,6 +128,7 @@ void print(const MadeLines& made, const std::string& journal, const std::string&
         fmt::print("{} samples lie at slopes steeper than asked: lines of two heights are too near each other, or a "
                    "slope goes on beyond --reach-m\n",
                    s.ground.steep);
+    fmt::print("fjell-fly PACK --edits {0} flies over it; fjell-bake PACK --edits {0} -o OUT makes it last\n", journal);
 }
 
 } // namespace
@@ -194,7 +181,7 @@ int run_vectors(VectorArguments a, LineKind kind) {
     const PackHeader header = pack->header();
     if (header.tiles_held != 0)
         throw Failure(1, fmt::format("{}: lacks tiles, and such ground cannot be changed", a.pack));
-    if (!a.paint.empty()) options.paint = colour_of(a.paint);
+    if (!a.paint.empty()) options.paint = io::rgb_of(a.paint, "--paint");
     if (!a.material.empty()) options.material = material_of(a.material, io::PackFile(a.pack));
     // An existing one is held from the beginning, so that no other program changes what lies below.
     std::optional<Journal> journal;

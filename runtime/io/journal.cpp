@@ -413,9 +413,9 @@ void Journal::record(std::uint32_t kind, std::vector<std::byte> payload) {
     ++sequence_;
 }
 
-std::vector<KeptStamp> Journal::stamps() const {
+std::vector<KeptStamp> Journal::stamps(std::size_t most_layers) const {
     std::vector<KeptStamp> all;
-    for (const JournalLayer& layer : layers_) {
+    for (const JournalLayer& layer : layers().first(std::min(most_layers, layers_.size()))) {
         if (!layer.on || layer.strength == 0) continue;
         for (const JournalStamp& stamp : layer.stamps) {
             all.push_back(stamp.what);

@@ -24,10 +24,13 @@ void StampBlocks::add(double x0, double z0, double x1, double z1, const Stamp& s
         least[axis] = std::max(least[axis], 0.0), most[axis] = std::min(most[axis], last[axis]);
         if (!(least[axis] <= most[axis])) return;
     }
-    const bool paints = stamp.shape == StampShape::paint || stamp.shape == StampShape::unpaint;
-    for (auto y = static_cast<std::uint64_t>(least[1] / side); y <= static_cast<std::uint64_t>(most[1] / side); ++y)
-        for (auto x = static_cast<std::uint64_t>(least[0] / side); x <= static_cast<std::uint64_t>(most[0] / side); ++x)
-            (paints ? paint_ : heights_).insert(y << 32 | x);
+    std::unordered_set<std::uint64_t>& blocks =
+        stamp.shape == StampShape::paint || stamp.shape == StampShape::unpaint ? paint_ : heights_;
+    const auto block = [](double sample) { return static_cast<std::uint64_t>(sample / side); };
+    const std::uint64_t columns = block(most[0]) - block(least[0]) + 1, rows = block(most[1]) - block(least[1]) + 1;
+    if (blocks.size() + columns * rows > most_stamp_blocks) return;
+    for (std::uint64_t y = block(least[1]); y <= block(most[1]); ++y)
+        for (std::uint64_t x = block(least[0]); x <= block(most[0]); ++x) blocks.insert(y << 32 | x);
 }
 
 void StampBlocks::add(const KeptStamp& stamp) {

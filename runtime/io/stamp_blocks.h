@@ -1,7 +1,10 @@
 // How many blocks of 32 x 32 samples stamps may change: what EditBudget::blocks and EditBudget::paint need for them, or
-// more. O(blocks); memory: some 40 bytes a block.
+// more. A stamp with which they would be more than most_stamp_blocks is left out, and refused when its turn comes: a
+// file must not ask for all memory. O(blocks); memory: some 40 bytes a block. By the public headers alone, because a
+// shared library hides what knows the samples of a stamp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <unordered_set>
 
@@ -9,6 +12,8 @@
 #include "fjell/pack.h"
 
 namespace fjell::io {
+
+inline constexpr std::size_t most_stamp_blocks = std::size_t{1} << 18; // as many samples as a bake changes, 1.1 GB
 
 class StampBlocks {
 public:

@@ -1,6 +1,7 @@
 #include "io/stamps.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -268,6 +269,16 @@ std::string write_stamps(const std::vector<TimedStamp>& stamps) {
     for (std::size_t i = 0; i < stamps.size(); ++i)
         text += (i == 0 ? "\n    " : ",\n    ") + timed_json(stamps[i]).dump();
     return text + "\n  ]\n}\n";
+}
+
+std::array<std::uint8_t, 3> rgb_of(const std::string& text, const char* option) {
+    std::uint32_t rgb = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, rgb, 16);
+    if (text.size() != 6 || read.ec != std::errc() || read.ptr != end)
+        throw Failure(2, fmt::format("{} {}: give six hexadecimal digits, as in 5c4e3c", option, text));
+    return {static_cast<std::uint8_t>(rgb >> 16), static_cast<std::uint8_t>(rgb >> 8 & 255),
+            static_cast<std::uint8_t>(rgb & 255)};
 }
 
 } // namespace fjell::io

@@ -5,6 +5,7 @@
 // takes push_stamp() takes too.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -30,6 +31,9 @@ struct TimedStamp {
 [[nodiscard]] std::vector<TimedStamp> read_stamps(const std::string& path, const PackHeader* pack = nullptr);
 // As parse_stamps() reads it.
 [[nodiscard]] std::string write_stamps(const std::vector<TimedStamp>& stamps);
+
+// A colour in six hexadecimal digits. Failure (2) with the option's name.
+[[nodiscard]] std::array<std::uint8_t, 3> rgb_of(const std::string& text, const char* option);
 
 // One stamp, without its frame. The message says what is wrong, and not where.
 [[nodiscard]] KeptStamp stamp_of(const nlohmann::json& object);

@@ -119,6 +119,17 @@ TEST_CASE("blocks of stamps are all that a sample changes in, and not many more"
         all += changed.size(), counted += count;
     }
     CHECK((all > 500 && counted < all * 3 / 2));
+
+    // A stamp that would take all memory is left out, and those beside it are not.
+    pack.columns = pack.rows = 1u << 20;
+    io::KeptStamp small, whole;
+    small.plain.radius_m = 50, whole.plain.radius_m = 1e9f;
+    io::StampBlocks blocks(pack);
+    blocks.add(small);
+    const std::uint32_t of_small = blocks.heights();
+    CHECK(of_small > 0);
+    blocks.add(whole);
+    CHECK(blocks.heights() == of_small);
 }
 
 TEST_CASE("a stamp that cannot be one is refused with its line, its number and the field") {

@@ -82,7 +82,8 @@ public:
 
     [[nodiscard]] std::span<const JournalLayer> layers() const { return layers_; } // from the bottom to the top
     // Of the layers that are on, in the order in which they apply, with the layers' strengths in their own.
-    [[nodiscard]] std::vector<KeptStamp> stamps() const;
+    // most_layers: of so many from the bottom.
+    [[nodiscard]] std::vector<KeptStamp> stamps(std::size_t most_layers = max_journal_layers) const;
 
     // On top of the others. Returns its id.
     std::uint32_t add_layer(const std::string& name);
