@@ -128,7 +128,6 @@ void print(const MadeLines& made, const std::string& journal, const std::string&
         fmt::print("{} samples lie at slopes steeper than asked: lines of two heights are too near each other, or a "
                    "slope goes on beyond --reach-m\n",
                    s.ground.steep);
-    fmt::print("fjell-fly PACK --edits {0} flies over it; fjell-bake PACK --edits {0} -o OUT makes it last\n", journal);
 }
 
 } // namespace
@@ -206,7 +205,11 @@ int run_vectors(VectorArguments a, LineKind kind) {
     if (!journal) journal.emplace(path, header);
     write(*journal, place, a.layer, made.stamps);
     summary.write(summary_json(made, path, a.layer));
-    if (!a.quiet && a.json_path != "-") print(made, path, a.layer, kind);
+    if (!a.quiet && a.json_path != "-") {
+        print(made, path, a.layer, kind);
+        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake {0} --edits {1} -o OUT\n",
+                   a.pack, path);
+    }
     return 0;
 }
 
