@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/bake/changed.h"
 #include "baker/bake/checkpoint.h"
 #include "baker/bake/context.h"
 #include "baker/bake/plan.h"
@@ -165,6 +166,7 @@ void Bake::run_stages() {
         const FinestStepResult made = make_finest_step(context_, plan, heights, {unsaturated, finer, mixed, *spool_});
         found.ground_error_m = made.ground_error_m;
         found.always_drawn = made.always_drawn;
+        found.on_scale = made.on_scale;
         note_unsaturated(unsaturated);
         note_step(0, finer, mixed);
     });
@@ -398,10 +400,18 @@ struct MemoryReleased {
 BakeSummary bake(const HeightSource& source, const BakeOptions& options, const std::string& out_path) {
     check(options);
     const MemoryReleased at_the_end;
-    try {
-        return Bake(source, options, out_path).run();
-    } catch (const DamagedWork&) { // its folder is gone by now
+    ChangedBake changed;
+    if (options.keep_unchanged) changed = bake_changed(source, options, out_path);
+    if (changed.done) return *changed.done;
+    const auto whole = [&] {
         BakeSummary summary = Bake(source, options, out_path).run();
+        summary.kept_nothing = changed.why_not;
+        return summary;
+    };
+    try {
+        return whole();
+    } catch (const DamagedWork&) { // its folder is gone by now
+        BakeSummary summary = whole();
         summary.work_damaged = true;
         return summary;
     }

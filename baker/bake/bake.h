@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "baker/heights/statistics.h"
+#include "baker/maps/smooth.h"
 #include "baker/read/source.h"
 #include "fjell/pack.h"
 #include "shared/tree.h"
@@ -36,7 +38,9 @@ struct BakeOptions {
     int horizon_spacing = 0; // samples from texel to texel of horizon maps, nearly: 2 or 4; 0: none
     std::string layers_path; // rules of splat maps (maps/splat.h); empty: none
     int splat_spacing = 2;   // samples from texel to texel of splat maps, nearly: 1, 2 or 4
-    int compression = -3;    // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
+    // Of a pack with stamps, what these do not reach is taken out of the pack, where that gives the same bytes.
+    bool keep_unchanged = true;
+    int compression = -3; // zstd level of maps, whose blocks hardly shrink: -3 is 3% larger than 1 and costs half
 
     // How.
     int threads = 0;                                       // 0: all cores
@@ -72,7 +76,14 @@ struct BakeSummary {
     bool resumed = false;            // some stages were complete from an earlier run
     std::uint64_t enough_bytes = 0;  // of memory, for a bake that worked in files; 0: it did not, or had to, or they
                                      // are more than half of this machine's
-    bool work_damaged = false;       // an earlier run's work was not as it had left it, and all was done anew
+    // Of a pack with stamps: how many of the bytes are the pack's own, because no stamp reaches them; 0 and a line that
+    // says why: all of it was baked.
+    std::uint64_t kept_bytes = 0;
+    std::string kept_nothing;
+    HeightStatistics heights; // of all samples, and whether each lies on the pack's height scale bit for bit
+    bool on_scale = false;
+    SmoothGround smooth;       // what its maps were made from
+    bool work_damaged = false; // an earlier run's work was not as it had left it, and all was done anew
     // Read, filled and measured; colour and normal maps; horizon maps; splat maps; vertices; assembled and on the
     // disk; everything.
     double seconds_read = 0, seconds_textures = 0, seconds_horizons = 0, seconds_splat = 0, seconds_errors = 0,

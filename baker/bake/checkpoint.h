@@ -59,6 +59,7 @@ struct CheckpointState {
     float max_error_m = 0;                     // mixed_pages
     float ground_error_m = 0;                  // finest_step
     std::uint64_t always_drawn = 0;            // finest_step, coarser_steps
+    std::uint32_t on_scale = 0;                // finest_step: 1: BakeSummary::on_scale
     double native_quantum_m = 0, anchor_m = 0; // read: see SourceProperties
     RepeatedHeight lowest, highest;            // read: see SourceProperties
     HeightStatistics heights;                  // measure

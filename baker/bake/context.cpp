@@ -145,6 +145,7 @@ std::uint32_t BakeContext::tile_at(std::uint64_t u) const {
 void BakeContext::leave_out(const std::function<bool(std::int64_t region)>& keeps) {
     std::vector<std::int64_t> kept;
     std::vector<std::uint32_t> tiles;
+    leaves_out_ = false; // of all, whatever was left out before
     for (std::uint64_t u = 0; u < region_window().area(); ++u)
         if (const std::int64_t region = region_at(u); keeps(region)) {
             kept.push_back(region);
@@ -164,11 +165,11 @@ std::string BakeContext::temporary() const {
     return std::filesystem::is_character_file(out_path) ? "" : folder.file("pack");
 }
 
-std::string BakeContext::identity() const {
+std::string BakeContext::options_identity() const {
     const BakeOptions& o = options;
-    return fmt::format("{}\ntile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
+    return fmt::format("tile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
                        "place {} {} {} {} {} {} {} horizons {}\n{}",
-                       source.identity(), tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
+                       tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
                        static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
                        source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],

@@ -52,15 +52,18 @@ public:
     // A work file's path; empty: the store is to lie in memory.
     [[nodiscard]] std::string store_path(const std::string& name) const;
     // A new store, or what an earlier run has left of it.
+    // held: the part of it that is used; no area: all.
     template <typename T>
-    [[nodiscard]] Store<T> open(const std::string& name, std::int64_t columns, std::int64_t rows) const {
+    [[nodiscard]] Store<T> open(const std::string& name, std::int64_t columns, std::int64_t rows,
+                                const Window& held = {}) const {
         const auto room = leaves_out_ ? WorkFile::Room::as_written : WorkFile::Room::reserved;
-        return {store_path(name), columns, rows, {}, room};
+        return {store_path(name), columns, rows, held, room};
     }
     // Where the pack grows until it is complete; empty: at its own place, which is a device.
     [[nodiscard]] std::string temporary() const;
-    // All that the pack's bytes depend on, as text.
-    [[nodiscard]] std::string identity() const;
+    // All that the pack's bytes depend on, as text; and that without the heights.
+    [[nodiscard]] std::string identity() const { return source.identity() + "\n" + options_identity(); }
+    [[nodiscard]] std::string options_identity() const;
     [[nodiscard]] double samples() const { return static_cast<double>(sample_window().area()); }
     // What is baked here: all of the terrain, or a shard's part of it.
     [[nodiscard]] Window region_window() const;
@@ -72,7 +75,8 @@ public:
     // The u-th of them: its number among all.
     [[nodiscard]] std::int64_t region_at(std::uint64_t u) const;
     [[nodiscard]] std::uint32_t tile_at(std::uint64_t u) const;
-    // From now on only regions for which keeps(number) is true are baked: shards leave voids out.
+    // From now on only regions for which keeps(number) is true are baked, of all: shards leave voids out, and a bake of
+    // stamps what they do not reach.
     void leave_out(const std::function<bool(std::int64_t region)>& keeps);
     [[nodiscard]] bool leaves_out() const { return leaves_out_; }
 

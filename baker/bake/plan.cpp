@@ -78,13 +78,14 @@ void check_header(const BakeContext& context, const PackHeader& header) {
 
 } // namespace
 
-BakePlan make_plan(const BakeContext& context, const CheckpointState& found) {
+BakePlan make_plan(const BakeContext& context, const CheckpointState& found, const std::optional<HeightScale>& given) {
     const HeightSource& source = context.source;
     BakePlan plan;
-    plan.height_scale = choose_height_scale(found.heights, {{source.spacing_m[0], source.spacing_m[1]},
-                                                            found.native_quantum_m,
-                                                            context.options.quantum_m,
-                                                            context.tree.side()});
+    plan.height_scale = given ? *given
+                              : choose_height_scale(found.heights, {{source.spacing_m[0], source.spacing_m[1]},
+                                                                    found.native_quantum_m,
+                                                                    context.options.quantum_m,
+                                                                    context.tree.side()});
     // The stored float is what readers test against.
     const double nesting = static_cast<double>(static_cast<float>(context.options.nesting));
     plan.scales = choose_scales({context.tree,
@@ -123,6 +124,10 @@ BakeSummary summary_of(const BakeContext& context, const CheckpointState& found,
     if (context.image) s.images = context.image->accounts;
     s.locks = context.locks.account();
     s.always_drawn = found.always_drawn;
+    s.heights = found.heights;
+    s.smooth = smooth_ground(context.tree.columns(), context.tree.rows(), context.source.spacing_m,
+                             found.native_quantum_m, found.heights);
+    s.on_scale = found.on_scale != 0;
     if (s.always_drawn != 0) s.locks += fmt::format("; {} vertices are always drawn", s.always_drawn);
     s.lowest = found.lowest;
     s.highest = found.highest;

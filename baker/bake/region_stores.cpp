@@ -29,10 +29,16 @@ Window places_of(const Tree& tree, int z) {
     return {0, 0, ((tree.grid_columns() - 1) >> z) + 1, ((tree.grid_rows() - 1) >> z) + 1};
 }
 
-StepStores open_step(const BakeContext& context, int z) {
+StepStores open_step(const BakeContext& context, int z, const Window& samples) {
     const Window all = places_of(context.tree, z + 1);
-    return {context.open<std::uint32_t>("places" + std::to_string(z + 1), all.columns, all.rows),
-            context.open<CentreRecord>("centres" + std::to_string(z), all.columns - 1, all.rows - 1),
+    const std::int32_t x = samples.x >> (z + 1), y = samples.y >> (z + 1);
+    const Window places = samples.area() == 0 ? Window{}
+                                              : common({x, y, ((samples.x + samples.columns) >> (z + 1)) - x + 2,
+                                                        ((samples.y + samples.rows) >> (z + 1)) - y + 2},
+                                                       all);
+    return {context.open<std::uint32_t>("places" + std::to_string(z + 1), all.columns, all.rows, places),
+            context.open<CentreRecord>("centres" + std::to_string(z), all.columns - 1, all.rows - 1,
+                                       common(places, {0, 0, all.columns - 1, all.rows - 1})),
             {}};
 }
 
@@ -126,12 +132,16 @@ Patch<T> patch_for(const Region& region, int z) {
 
 QuantisedHeights load_heights(const BakeContext& context, const HeightScale& scale, const HeightStores& stores,
                               const Region& region) {
-    QuantisedHeights heights{context.tree, patch_for<std::int32_t>(region, 0), {}};
+    QuantisedHeights heights{context.tree, patch_for<std::int32_t>(region, 0), {}, true};
     Patch<std::int32_t>& steps = heights.steps;
     const Window known = within(steps, context.tree.columns(), context.tree.rows());
     const StoreView<float> heights_m(stores.heights, known);
-    for (std::int32_t y = 0; y < known.rows; ++y)
-        quantise(heights_m.row(y), static_cast<std::size_t>(known.columns), scale, steps.at(known.x, known.y + y));
+    for (std::int32_t y = 0; y < known.rows; ++y) {
+        const auto count = static_cast<std::size_t>(known.columns);
+        std::int32_t* const to = steps.at(known.x, known.y + y);
+        quantise(heights_m.row(y), count, scale, to);
+        heights.on_scale = heights.on_scale && lie_on(scale, heights_m.row(y), to, count);
+    }
     replicate(steps, known);
     if (!stores.holes.exists()) return heights;
     Patch<std::uint8_t> voids = patch_for<std::uint8_t>(region, 0);

@@ -23,6 +23,7 @@ struct CentreRecord {
     std::int32_t steps = 0;
     std::uint8_t error = 0, radius = 0;
     std::uint16_t unused = 0;
+    friend bool operator==(const CentreRecord&, const CentreRecord&) = default;
 };
 static_assert(sizeof(CentreRecord) == 8, "CentreRecord lies in a work file");
 struct CentreCodes {
@@ -39,7 +40,8 @@ struct StepStores {
     [[nodiscard]] bool exist() const { return places.exists() || codes.exists(); }
     void remove();
 };
-[[nodiscard]] StepStores open_step(const BakeContext& context, int z);
+// samples: what is used of it; no area: all.
+[[nodiscard]] StepStores open_step(const BakeContext& context, int z, const Window& samples = {});
 [[nodiscard]] StepStores open_step_codes(const BakeContext& context); // of the finest step
 
 // Codes of errors before they are saturated, at places of step 2^z: what each region has measured inside of itself, so

@@ -12,6 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+#include <xxhash.h>
+
 #include "baker/errors/lock_errors.h"
 #include "baker/errors/unsaturated.h"
 #include "baker/heights/fill.h"
@@ -23,6 +26,7 @@
 #include "baker/pack/encode_page.h"
 #include "baker/pack/notes.h"
 #include "baker/store/parallel.h"
+#include "fjell/version.h"
 #include "io/file.h"
 #include "shared/order.h"
 
@@ -458,12 +462,17 @@ Wetness found_wetness(const BakeContext& context, std::vector<float> index) {
     return Wetness::found(grid_of(context), std::move(index));
 }
 
-void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
-                     const Wetness* wetness, const SplatOutput& out) {
+SplatGround splat_ground(const BakeContext& context, const BakePlan& plan, const Wetness* wetness) {
     SplatGround ground{
         context.tree.columns(), context.tree.rows(), {1, 1}, plan.maps.stride_log2(MapKind::splat), wetness,
         plan.maps.smooth};
     std::copy_n(context.source.spacing_m, 2, ground.spacing_m);
+    return ground;
+}
+
+void make_near_splat(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                     const Wetness* wetness, const SplatOutput& out) {
+    const SplatGround ground = splat_ground(context, plan, wetness);
     // Shares of points, of each raster too, texels of them and of their mips; heights; strips of pixels.
     const double points = std::ldexp(context.tree.side(), -ground.stride_log2) + 40,
                  samples = context.tree.side() + 120.0;
@@ -627,12 +636,14 @@ FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& pl
     const double spacing_m[2] = {context.source.spacing_m[0], context.source.spacing_m[1]};
     std::vector<std::uint8_t> worst(context.region_count());
     std::atomic<std::uint64_t> always = 0;
+    std::atomic<bool> on_scale = true;
     context.run_units(loop_over_regions(context, "errors", 0), [&](std::uint64_t u) {
         const std::int64_t index = context.region_at(u);
         const Region region = context.regions.at(index);
         const auto [square, nx, ny] = extents_of(region, 0);
         std::optional<QuantisedHeights> ground = load_heights(context, plan.height_scale, heights, region);
         VertexPlanes<std::int32_t> steps(nx, ny);
+        if (!ground->on_scale) on_scale = false;
         split_planes(ground->steps, steps);
         VertexPlanes<std::uint8_t> error(nx, ny), holes;
         const StepInput step{plan.scales, context.tree, {spacing_m[0], spacing_m[1]}, 0, square, nx, ny, steps, error};
@@ -659,7 +670,25 @@ FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& pl
         always +=
             finish_step(context, plan, region, step, has_holes ? &holes : nullptr, {out.step, out.mixed, out.spool});
     });
-    return {plan.scales.errors.metres[*std::max_element(worst.begin(), worst.end())], always};
+    return {plan.scales.errors.metres[*std::max_element(worst.begin(), worst.end())], always, on_scale};
+}
+
+void measure_unsaturated(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                         UnsaturatedStores& out) {
+    context.run_units(loop_over_regions(context, "errors", 0), [&](std::uint64_t u) {
+        const std::int64_t index = context.region_at(u);
+        const Region region = context.regions.at(index);
+        const QuantisedHeights ground = load_heights(context, plan.height_scale, heights, region);
+        Patch<std::uint8_t> errors;
+        (void)unsaturated_errors({ground,
+                                  region,
+                                  plan.scales,
+                                  plan.leaf,
+                                  context.options.estimate,
+                                  {context.source.spacing_m[0], context.source.spacing_m[1]}},
+                                 errors);
+        store_unsaturated(context, index, errors, out);
+    });
 }
 
 std::uint64_t make_coarser_step(const BakeContext& context, const BakePlan& plan, const CoarserStepInput& in,
@@ -755,8 +784,15 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
 // The last stage: the pack's chunks, in the order in which a reader wants them.
 
 std::string notes_of(const BakeContext& context, const BakeSummary& summary) {
-    return notes_text(
-        {context.options.reading, context.source.facts, summary.images, summary.locks, summary.ground_error_m});
+    return notes_text({context.options.reading, context.source.facts, summary.images, summary.locks,
+                       summary.ground_error_m,
+                       BakedWith{options_hash(context), summary.heights, summary.on_scale, summary.smooth,
+                                 context.source.paint() != nullptr}});
+}
+
+std::uint64_t options_hash(const BakeContext& context) {
+    const std::string all = fmt::format("fjell {}\n{}", FJELL_VERSION_STRING, context.options_identity());
+    return XXH3_64bits(all.data(), all.size());
 }
 
 void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary) {

@@ -112,6 +112,9 @@ struct SquareSums {
 [[nodiscard]] Wetness make_wetness(const BakeContext& context, const SquareSums& all);
 [[nodiscard]] Wetness found_wetness(const BakeContext& context, std::vector<float> index);
 
+// What a tile's splat map is made from.
+[[nodiscard]] SplatGround splat_ground(const BakeContext& context, const BakePlan& plan, const Wetness* wetness);
+
 struct SplatOutput {
     TexelStore& texels; // as of HorizonOutput
     ChunkSink& spool;
@@ -133,9 +136,14 @@ struct FinestStepOutput {
 struct FinestStepResult {
     float ground_error_m = 0;       // the largest error on the ground of all steps: UnsaturatedError::on_ground
     std::uint64_t always_drawn = 0; // vertices of this step
+    bool on_scale = true;           // all heights are whole height steps, bit for bit
 };
 [[nodiscard]] FinestStepResult make_finest_step(const BakeContext& context, const BakePlan& plan,
                                                 const HeightStores& heights, const FinestStepOutput& out);
+
+// The unsaturated errors of coarser steps alone, of terrain without holes and locks.
+void measure_unsaturated(const BakeContext& context, const BakePlan& plan, const HeightStores& heights,
+                         UnsaturatedStores& out);
 
 struct CoarserStepInput {
     int z; // log2 of the step, at least 1
@@ -163,6 +171,8 @@ std::uint64_t make_coarser_step(const BakeContext& context, const BakePlan& plan
 void write_pack(const BakeContext& context, const PackHeader& header, const ChunkSource& chunks, BakeSummary& summary);
 
 // What a pack says of its making (pack/notes.h); and the bytes of its chunks, by kind, into the summary.
+// Of this program and all of its options: two bakes of the same heights with the same number give the same pack.
+[[nodiscard]] std::uint64_t options_hash(const BakeContext& context);
 [[nodiscard]] std::string notes_of(const BakeContext& context, const BakeSummary& summary);
 void count_bytes(const PackHeader& header, const std::vector<ChunkEntry>& entries, BakeSummary& summary);
 

@@ -48,16 +48,20 @@ void add_old_name(CLI::App& app, CLI::Option& now, Recipe& r, const RecipeKey& k
         });
 }
 
-// All that a pack's bytes depend on, or only how files become heights in metres (for verify --against), or that and
-// what stamps make of them.
-enum class Options { all, reading, heights };
+// All that a pack's bytes depend on; or only how files become heights in metres (for verify --against), or that and
+// what stamps make of them; or what does not tell of heights.
+enum class Options { all, reading, heights, pack };
 void add_recipe_options(CLI::App& app, Recipe& r, Options wanted = Options::all) {
     using Of = RecipeKey::Of;
     for (const RecipeKey& key : recipe_keys()) {
         const std::string name = &key == &recipe_key("inputs") ? "IN" : std::string("--") + key.name;
         if (&key == &recipe_key("output")) continue;
-        if (wanted != Options::all && key.of != Of::reading && (wanted == Options::reading || key.of != Of::edits))
+        if (wanted == Options::pack) {
+            if (key.of == Of::reading || key.of == Of::edits || &key == &recipe_key("inputs")) continue;
+        } else if (wanted != Options::all && key.of != Of::reading &&
+                   (wanted == Options::reading || key.of != Of::edits)) {
             continue;
+        }
         CLI::Option* const option =
             std::visit([&](const auto member) { return add_key(app, name, r.*member, key); }, key.member);
         if (key.old_name) add_old_name(app, *option, r, key);
@@ -84,6 +88,16 @@ void declare_bake(CLI::App& app, Arguments& a) {
            "if an input fails within this many seconds (default 5)")
         ->check(io::within(0, 3600));
     app.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+}
+
+void declare_apply(CLI::App& app, Arguments& a, Commands& c) {
+    c.apply = app.add_subcommand("apply", "bake a pack with its journal: what no stamp reaches is the pack's own");
+    c.apply->add_option("PACK", a.pack, "the pack")->required();
+    c.apply->add_option("JOURNAL", a.given.edits, "its journal, or stamps as JSON (default: PACK.journal)");
+    c.apply->add_option("-o,--output", a.given.output, "the pack to write")->required();
+    add_recipe_options(*c.apply, a.given, Options::pack);
+    add_how_options(*c.apply, a);
+    c.apply->add_option("--json", a.json_path, "a summary for scripts; - for standard output");
 }
 
 void add_packs_option(CLI::App& command, Arguments& a, const std::string& about) {
@@ -353,6 +367,7 @@ Commands declare_arguments(CLI::App& app, Arguments& a) {
     c.info->add_option("--picture-size", a.picture.longest_px, "pixels of the terrain's longest side (default 1024)")
         ->check(io::whole_within(min_picture_px, max_picture_px))
         ->needs(picture);
+    declare_apply(app, a, c);
     c.verify = app.add_subcommand("verify", "check a pack's promises over every vertex and sample");
     c.verify->add_option("PACK", a.pack, about_pack)->required();
     c.verify->add_option(

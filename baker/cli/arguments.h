@@ -72,6 +72,7 @@ struct Arguments {
 
 struct Commands {
     CLI::App* info;
+    CLI::App* apply;
     CLI::App* verify;
     CLI::App* heights;
     CLI::App* mesh;

@@ -1,5 +1,5 @@
-// fjell-bake: IN -o OUT.fjell, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials, journal,
-// rebase, roads, rivers. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
+// fjell-bake: IN -o OUT.fjell, apply, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials,
+// journal, rebase, roads, rivers. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -35,6 +35,7 @@
 #include "baker/read/pack_source.h"
 #include "baker/synth/synth.h"
 #include "baker/synth/write_dem.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/load.h"
 #include "fjell/io/pack_file.h"
 #include "io/command_line.h"
@@ -85,6 +86,29 @@ int run_bake(const Arguments& a) {
         if (const auto notes = read_notes(PackFile(recipe.inputs[0])); notes && !notes->locks.empty())
             fmt::print("{} has locks, and the new pack none; give --locks again to keep them\n", recipe.inputs[0]);
     return 0;
+}
+
+// What a pack's header says of the options that it was baked with, where none are given.
+void take_options(const PackHeader& h, Recipe& r) {
+    const auto take = [](std::optional<std::string>& to, const std::string& word) {
+        if (!to) to = word;
+    };
+    take(r.tile, std::to_string(1u << h.tile_log2));
+    constexpr const char* orders[] = {"planar", "hz", "linear"};
+    take(r.order, orders[static_cast<std::size_t>(h.order)]);
+    take(r.estimate, h.estimate == ErrorEstimate::max ? "max" : "midpoint");
+    if (!r.nesting) r.nesting = std::stod(fmt::format("{}", h.nesting));
+    const std::uint32_t half = h.tile_log2 > 0 ? h.tile_log2 - 1 : 0;
+    take(r.horizons, h.horizon_log2 == 0 ? "none" : h.horizon_log2 >= half ? "half" : "quarter");
+}
+
+int run_apply(Arguments a) {
+    a.given.inputs = {a.pack};
+    if (!is_pack(a.given))
+        throw Failure(1, fmt::format("{}: is no pack; give the pack that the journal belongs to", a.pack));
+    if (!a.given.edits) a.given.edits = journal_path(a.pack);
+    take_options(PackFile(a.pack).pack().header, a.given);
+    return run_bake(a);
 }
 
 // As its bake said it.
@@ -347,6 +371,7 @@ int run(int argc, char** argv) {
                       "rivers bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
+    if (commands.apply->parsed()) return run_apply(a);
     if (commands.verify->parsed()) return run_verify(a);
     if (commands.heights->parsed()) return run_heights(a);
     if (commands.tiles->parsed()) return run_tiles(a);

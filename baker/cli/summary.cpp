@@ -59,6 +59,8 @@ json summary_json(const BakeSummary& s) {
            {"horizon_bytes", s.horizon_bytes},
            {"splat_bytes", s.splat_bytes},
            {"always_drawn", s.always_drawn},
+           {"kept_bytes", s.kept_bytes},
+           {"kept_nothing", s.kept_nothing},
            {"resumed", s.resumed},
            {"resident_mb_max", most_resident_mb()},
            {"seconds_read", s.seconds_read},
@@ -85,6 +87,10 @@ void print_summary(const BakeSummary& s, const std::string& output) {
     fmt::print("{:.1f} MB ({:.2f} bytes a sample of geometry) in {:.1f} s ({:.1f} M samples/s; errors {:.1f} s)\n",
                static_cast<double>(s.file_bytes) / 1e6, static_cast<double>(s.geometry_bytes) / samples,
                s.seconds_total, samples / s.seconds_total / 1e6, s.seconds_errors);
+    if (s.kept_bytes != 0)
+        fmt::print("no stamp reaches {:.1f} MB of it: those are the pack's own\n",
+                   static_cast<double>(s.kept_bytes) / 1e6);
+    if (!s.kept_nothing.empty()) fmt::print("all of it was baked: {}\n", s.kept_nothing);
     for (const std::string& line : remarks(s)) fmt::print("{}\n", line);
 }
 

@@ -207,8 +207,8 @@ int run_vectors(VectorArguments a, LineKind kind) {
     summary.write(summary_json(made, path, a.layer));
     if (!a.quiet && a.json_path != "-") {
         print(made, path, a.layer, kind);
-        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake {0} --edits {1} -o OUT\n",
-                   a.pack, path);
+        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake apply {0} -o OUT\n", a.pack,
+                   path);
     }
     return 0;
 }

@@ -100,6 +100,7 @@ struct QuantisedHeights {
     Tree tree;
     Patch<std::int32_t> steps;
     Patch<std::uint8_t> voids; // 1: a hole; no values: there is none here
+    bool on_scale = true;      // each height is a whole number of steps, bit for bit
 
     [[nodiscard]] std::int32_t h(SampleIndex c) const { return *steps.at(c.column, c.row); }
     [[nodiscard]] bool has_voids() const { return !voids.values.empty(); }

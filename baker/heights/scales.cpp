@@ -72,6 +72,13 @@ FJELL_CLONES void quantise(const float* heights_m, std::size_t count, const Heig
     }
 }
 
+FJELL_CLONES bool lie_on(const HeightScale& height_scale, const float* heights_m, const std::int32_t* steps,
+                         std::size_t count) {
+    std::int32_t off = 0;
+    for (std::size_t i = 0; i < count; ++i) off |= height_scale.height_m(steps[i]) == heights_m[i] ? 0 : 1;
+    return off == 0;
+}
+
 namespace {
 
 // Bounds that hold for every vertex of a step.

@@ -28,6 +28,9 @@ struct HeightScaleRequest {
 
 // HeightScale steps of heights, to the nearest; halves upwards.
 void quantise(const float* heights_m, std::size_t count, const HeightScale& height_scale, std::int32_t* steps);
+// Whether these steps give the heights that they were made from, bit for bit.
+[[nodiscard]] bool lie_on(const HeightScale& height_scale, const float* heights_m, const std::int32_t* steps,
+                          std::size_t count);
 
 // The scales of a pack.
 struct Scales {

@@ -17,14 +17,17 @@ struct Ramp {
     struct Stop {
         double height_m;
         double rgb[3]; // 0..255
+        friend bool operator==(const Stop&, const Stop&) = default;
     };
     struct Layer {
         double from_degrees, degrees;
         std::vector<Stop> stops; // one: the same colour at every height
+        friend bool operator==(const Layer&, const Layer&) = default;
     };
     std::vector<Stop> stops;
     bool relative = false; // heights are 0..1 of the terrain's range
     std::vector<Layer> slopes;
+    friend bool operator==(const Ramp&, const Ramp&) = default;
 };
 // content/README.md has the format. Throws Failure.
 [[nodiscard]] Ramp read_ramp(const std::string& path);

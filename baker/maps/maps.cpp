@@ -246,7 +246,7 @@ std::vector<MipTexels> near_mips_of(const MapPlan& plan, MapKind kind, std::uint
     for (std::uint32_t m = 0; m < mips.size(); ++m) {
         if (m > 0) planes = coarser(mip_axes(plan, kind, m), planes, windows[m]);
         const Window own = plan.texels(kind, m, tile);
-        mips[m].blocks = compress(kind, planes, own);
+        if (plan.stored == nullptr || plan.stored->contains(tile)) mips[m].blocks = compress(kind, planes, own);
         if (m + 1 == mips.size()) mips[m].texels = stored(kind, planes, own);
     }
     return mips;
@@ -354,7 +354,11 @@ std::vector<MipTexels> near_mips_from(const MapPlan& plan, MapKind kind, std::ui
 }
 
 Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile) {
-    return seen(mip_axes(plan, kind, mip).axes, plan.texels(kind, mip, tile));
+    return finer_texels(plan, kind, mip, plan.texels(kind, mip, tile));
+}
+
+Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, const Window& texels) {
+    return seen(mip_axes(plan, kind, mip).axes, texels);
 }
 
 MipTexels far_mip(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile, const Texels& finer) {

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "baker/maps/colour.h"
@@ -42,6 +43,8 @@ struct MapPlan {
     std::optional<Ramp> ramp;                 // in metres; also where the image has no pixels
     const ImageSource* image = nullptr;       // or none
     const edit::PaintSource* paint = nullptr; // over colours and materials, or none
+    const std::set<std::uint32_t>* stored =
+        nullptr;         // tiles whose near mips are kept; of others texels alone; null: all
     SmoothGround smooth; // what normals and steepness are taken from; levels 0: the heights themselves
 
     [[nodiscard]] std::uint32_t log2_side(MapKind kind) const;
@@ -87,6 +90,8 @@ struct NearMaps {
 
 // Mip m >= near_mips of a tile, from the grid of mip m - 1: first which texels of that, then the work.
 [[nodiscard]] Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile);
+// The same for a window of that mip's grid.
+[[nodiscard]] Window finer_texels(const MapPlan& plan, MapKind kind, std::uint32_t mip, const Window& texels);
 [[nodiscard]] MipTexels far_mip(const MapPlan& plan, MapKind kind, std::uint32_t mip, std::uint32_t tile,
                                 const Texels& finer);
 

@@ -32,6 +32,7 @@ struct SmoothGround {
     int levels = 0;                     // of squares, above the samples
 
     [[nodiscard]] bool smooths() const { return step_m > 0; }
+    friend bool operator==(const SmoothGround&, const SmoothGround&) = default;
 };
 inline constexpr int most_smooth_levels = 4;
 

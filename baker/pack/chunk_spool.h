@@ -24,6 +24,11 @@ public:
         ChunkEntry entry; // offset: in bytes()
     };
     [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+    // Leaves out those for which it is not true.
+    template <typename Keeps>
+    void keep_if(const Keeps& keeps) {
+        std::erase_if(entries_, [&](const Entry& e) { return !keeps(e.id); });
+    }
     [[nodiscard]] const Buffer<std::byte>& bytes() const { return bytes_; }
 
 private:

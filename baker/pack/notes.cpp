@@ -37,6 +37,44 @@ SourceFacts source_of(const json& j) {
     return f;
 }
 
+json baked_json(const BakedWith& b) {
+    const HeightStatistics& h = b.heights;
+    return {{"options", fmt::format("{:016x}", b.options)},
+            {"on_scale", b.on_scale},
+            {"painted", b.painted},
+            {"columns", b.smooth.columns},
+            {"rows", b.smooth.rows},
+            {"smooth", {b.smooth.step_m, b.smooth.levels}},
+            {"heights",
+             {{"least_m", h.least_m},
+              {"most_m", h.most_m},
+              {"tile_range_m", h.tile_range_m},
+              {"step_m", {h.step_m[0], h.step_m[1]}},
+              {"climbing", h.climbing},
+              {"off_metre", h.off_metre},
+              {"off_decimetre", h.off_decimetre}}}};
+}
+
+BakedWith baked_of(const json& j, std::uint64_t voids) {
+    BakedWith b;
+    b.options = std::stoull(j.at("options").get<std::string>(), nullptr, 16);
+    b.on_scale = j.at("on_scale").get<bool>();
+    b.painted = j.at("painted").get<bool>();
+    b.smooth = {j.at("columns").get<std::int32_t>(), j.at("rows").get<std::int32_t>(),
+                j.at("smooth").at(0).get<float>(), j.at("smooth").at(1).get<int>()};
+    const json& h = j.at("heights");
+    HeightStatistics& to = b.heights;
+    to.least_m = h.at("least_m").get<float>();
+    to.most_m = h.at("most_m").get<float>();
+    to.tile_range_m = h.at("tile_range_m").get<float>();
+    for (std::size_t axis = 0; axis < 2; ++axis) to.step_m[axis] = h.at("step_m").at(axis).get<float>();
+    to.voids = voids;
+    to.climbing = h.at("climbing").get<std::uint64_t>();
+    to.off_metre = h.at("off_metre").get<std::uint64_t>();
+    to.off_decimetre = h.at("off_decimetre").get<std::uint64_t>();
+    return b;
+}
+
 } // namespace
 
 std::string notes_text(const PackNotes& notes) {
@@ -58,6 +96,7 @@ std::string notes_text(const PackNotes& notes) {
     if (!notes.locks.empty()) all["locks"] = notes.locks;
     if (!notes.read.empty()) all["read"] = io::parse_json(notes.read, "notes");
     if (notes.ground_error_m) all["ground_error_m"] = *notes.ground_error_m;
+    if (notes.baked) all["baked"] = baked_json(*notes.baked);
     return all.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
@@ -77,8 +116,11 @@ std::optional<PackNotes> read_notes(const io::PackFile& file) {
         if (all.contains("locks")) notes.locks = all["locks"].get<std::string>();
         if (all.contains("read")) notes.read = all["read"].dump();
         if (all.contains("ground_error_m")) notes.ground_error_m = all["ground_error_m"].get<double>();
+        if (all.contains("baked")) notes.baked = baked_of(all["baked"], h.voids);
         return notes;
     } catch (const json::exception&) {
+        damaged(file);
+    } catch (const std::logic_error&) { // a number that is none
         damaged(file);
     }
 }

@@ -9,10 +9,21 @@
 #include <string>
 #include <vector>
 
+#include "baker/heights/statistics.h"
+#include "baker/maps/smooth.h"
 #include "baker/read/source.h"
 #include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
+
+// What a later bake of the same ground has to know, to take over what it would make again.
+struct BakedWith {
+    std::uint64_t options = 0; // options_hash() of bake/stages.h
+    HeightStatistics heights;  // of all samples
+    bool on_scale = false;     // every height that was baked lies on the pack's height scale, bit for bit
+    SmoothGround smooth;       // of its maps; of the terrain that was baked, which a part of it is not
+    bool painted = false;      // stamps have painted its maps
+};
 
 struct PackNotes {
     // A JSON object: keys of a recipe (bake/recipe.h) that say how files became heights. Empty: not known.
@@ -21,6 +32,7 @@ struct PackNotes {
     std::vector<std::string> images;      // an account of each texture: its numbers, and how it was placed
     std::string locks;                    // what they are, and cost; empty: none
     std::optional<double> ground_error_m; // BakeSummary::ground_error_m
+    std::optional<BakedWith> baked;       // not in packs of earlier versions
 };
 
 [[nodiscard]] std::string notes_text(const PackNotes& notes);

@@ -11,6 +11,7 @@
 #include <zstd.h>
 
 #include "baker/pack/assemble.h"
+#include "baker/pack/pack_chunks.h"
 #include "baker/read/pack_source.h"
 #include "baker/store/store.h"
 #include "fjell/io/failure.h"
@@ -240,29 +241,6 @@ SetSummary write_set(const SetInput& whole, const SetGrid& grid, const std::stri
 namespace {
 
 using io::Failure;
-
-class PackChunks final : public ChunkSource {
-public:
-    explicit PackChunks(const io::PackFile& file) : file_(file) {}
-    [[nodiscard]] std::vector<ChunkEntry> entries() const override {
-        std::vector<ChunkEntry> all(file_.pack().header.directory_count);
-        for (std::uint64_t chunk = 0; chunk < all.size(); ++chunk) all[chunk] = file_.pack().entry(chunk);
-        return all;
-    }
-    void read(std::uint64_t offset, std::span<std::byte> to) const override {
-        if (to.empty()) return;
-        if (const int error = file_.read(offset, to); error != 0) file_.fail(error);
-    }
-    [[nodiscard]] std::string damage(std::uint64_t offset) const override {
-        const PackHeader& h = file_.pack().header;
-        std::uint64_t chunk = 0;
-        while (chunk + 1 < h.directory_count && file_.pack().entry(chunk).offset != offset) ++chunk;
-        return file_.path() + ": " + io::chunk_name(chunk_id(h, chunk)) + ": " + message(StatusCode::corrupt);
-    }
-
-private:
-    const io::PackFile& file_;
-};
 
 // Tile by tile, because that is how a pack is read.
 std::uint64_t count_voids(const HeightSource& source, const Window& samples, std::int32_t side) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <unordered_map>
@@ -49,7 +50,27 @@ public:
                     for (std::int32_t x = piece.x0; x <= piece.x1; ++x) stamp_sample(stamp, {x, y}, after);
                 changed.emplace_back(&before, std::move(after));
             }
-        for (auto& [before, after] : changed) *before = std::move(after);
+        for (auto& [before, after] : changed) {
+            after.note_changes(*before);
+            *before = std::move(after);
+        }
+    }
+
+    // Samples, block by block.
+    [[nodiscard]] std::vector<Window> changed_heights() const {
+        std::vector<Window> all;
+        for (const auto& [place, block] : blocks_) {
+            const auto bx = static_cast<std::int32_t>(place & 0xffff'ffff), by = static_cast<std::int32_t>(place >> 32);
+            const Rect& r = block.changed;
+            if (!r.empty()) all.push_back({bx * block_side + r.x0, by * block_side + r.y0, r.columns(), r.rows()});
+        }
+        return all;
+    }
+    [[nodiscard]] std::vector<Window> painted() const {
+        std::vector<Window> all;
+        constexpr std::int32_t side = edit::paint_side;
+        for (const auto& [place, block] : painted_) all.push_back({block->x * side, block->y * side, side, side});
+        return all;
     }
 
     [[nodiscard]] const edit::PaintSource* paint() const { return painted_.empty() ? nullptr : &paint_; }
@@ -100,6 +121,16 @@ private:
     struct Block {
         std::vector<float> heights_m;
         std::vector<std::uint8_t> holes, were_holes;
+        Rect changed; // of the block, within which all lie that any stamp has changed
+
+        void note_changes(const Block& before) {
+            for (std::size_t i = 0; i < heights_m.size(); ++i) {
+                if (holes[i] == before.holes[i] && std::memcmp(&heights_m[i], &before.heights_m[i], sizeof(float)) == 0)
+                    continue;
+                const auto x = static_cast<std::int32_t>(i % block_side), y = static_cast<std::int32_t>(i / block_side);
+                changed = changed.with({x, y, x, y});
+            }
+        }
     };
 
     static std::uint64_t key(std::int32_t bx, std::int32_t by) {
@@ -118,7 +149,7 @@ private:
         reader_->read({block.x0, block.y0, block.columns(), block.rows()}, read.data(), ignored);
         constexpr std::size_t area = std::size_t{block_side} * block_side;
         Block made{
-            std::vector<float>(area, std::numeric_limits<float>::quiet_NaN()), std::vector<std::uint8_t>(area), {}};
+            std::vector<float>(area, std::numeric_limits<float>::quiet_NaN()), std::vector<std::uint8_t>(area), {}, {}};
         const auto rows = [&](const auto& put) {
             for (std::int32_t y = 0; y < block.rows(); ++y)
                 for (std::int32_t x = 0; x < block.columns(); ++x)
@@ -278,6 +309,11 @@ public:
         const auto overlay = std::make_shared<Overlay>(*source_, scale_, name);
         for (const io::TimedStamp& stamp : stamps) overlay->apply(stamp.what.stamp());
         cut_ = overlay->cut();
+        if (scale_) {
+            changes_.pack = dynamic_cast<const PackSource*>(source_.get());
+            changes_.heights = overlay->changed_heights();
+            changes_.paint = overlay->painted();
+        }
         name_ = name;
         overlay_ = overlay;
     }
@@ -298,6 +334,7 @@ public:
         return all;
     }
     [[nodiscard]] const edit::PaintSource* paint() const override { return overlay_->paint(); }
+    [[nodiscard]] const PackChanges* changes() const override { return scale_ ? &changes_ : nullptr; }
     [[nodiscard]] std::string identity() const override {
         return fmt::format("{}\nedits {:016x}", source_->identity(), hash_);
     }
@@ -305,6 +342,7 @@ public:
 private:
     std::unique_ptr<HeightSource> source_;
     std::optional<HeightScale> scale_; // a pack's
+    PackChanges changes_;              // of one
     std::shared_ptr<const Overlay> overlay_;
     std::uint64_t hash_ = 0; // of the stamps
     std::uint64_t cut_ = 0;  // samples

@@ -17,7 +17,8 @@ namespace {
 class PackReader final : public HeightReader {
 public:
     PackReader(std::shared_ptr<const io::PackFile> file, bool holes)
-        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()), holes_(holes) {}
+        : file_(std::move(file)), pages_(*file_), terrain_(pages_.terrain()), coords_(data_of(terrain_).pages),
+          holes_(holes) {}
 
     void read(const Window& window, float* to, ReadStatistics& statistics) override {
         statistics.per_unit = 1; // the height steps are the pack's own
@@ -45,15 +46,24 @@ private:
             const PageEntry entry = data_of(terrain_).page_table[std::size_t{tile} * terrain_.pages_per_tile() + page];
             const VertexRecord* const from =
                 data_of(terrain_).records + std::size_t{entry.slot} * data_of(terrain_).page_capacity;
-            for (std::uint32_t i = 0; i < data_of(terrain_).pages.page_vertices(page); ++i) {
-                const SampleIndex c =
-                    corner + data_of(terrain_).pages.coord({page, i}) - SampleIndex{window.x, window.y};
-                if (c.column < 0 || c.row < 0 || c.column >= window.columns || c.row >= window.rows) continue;
-                to[static_cast<std::size_t>(c.row) * static_cast<std::size_t>(window.columns) +
-                   static_cast<std::size_t>(c.column)] =
+            Window at = coords_.extents(page);
+            at.x += corner.column, at.y += corner.row;
+            const Window shared = common(at, window);
+            if (shared.area() == 0) continue;
+            const SampleIndex offset = corner - SampleIndex{window.x, window.y};
+            const HeightScale scale = data_of(terrain_).height_scale;
+            const auto put = [&](std::uint32_t i, SampleIndex c) {
+                to[static_cast<std::ptrdiff_t>(c.row) * window.columns + c.column] =
                     holes_ && is_void(from[i]) ? std::numeric_limits<float>::quiet_NaN()
-                                               : data_of(terrain_).height_scale.height_m(entry.base + from[i].height);
-            }
+                                               : scale.height_m(entry.base + from[i].height);
+            };
+            if (shared == at)
+                coords_.for_each(page, [&](std::uint32_t i, SampleIndex c) { put(i, offset + c); });
+            else
+                coords_.for_each(page, [&](std::uint32_t i, SampleIndex c) {
+                    c = offset + c;
+                    if (c.column >= 0 && c.row >= 0 && c.column < window.columns && c.row < window.rows) put(i, c);
+                });
         }
     }
 
@@ -72,6 +82,7 @@ private:
     std::shared_ptr<const io::PackFile> file_;
     TilePages pages_;
     const Terrain& terrain_;
+    const PageCoords coords_;
     const bool holes_; // are NaN
 };
 

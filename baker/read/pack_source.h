@@ -27,6 +27,7 @@ public:
     [[nodiscard]] std::string identity() const override; // the pack's hash
     [[nodiscard]] HeightScale height_scale() const;
     [[nodiscard]] const PackHeader& header() const { return file_->pack().header; }
+    [[nodiscard]] const io::PackFile& file() const { return *file_; }
 
 private:
     std::shared_ptr<const io::PackFile> file_;

@@ -76,6 +76,15 @@ struct SourceFacts {
     double height_unit_m = 1;        // metres that 1 in the file counts for, with its own scale and --zscale
 };
 
+class PackSource;
+
+// Where stamps have changed a pack's ground: windows of samples.
+struct PackChanges {
+    const PackSource* pack = nullptr;
+    std::vector<Window> heights; // outside of them heights are the pack's
+    std::vector<Window> paint;   // and outside of these nothing is painted
+};
+
 class HeightSource {
 public:
     HeightSource() = default;
@@ -103,6 +112,8 @@ public:
     // Everything that the heights depend on, as text: names, sizes and times of files, options. Two sources with equal
     // identities give equal heights; a bake is only resumed with the same one.
     [[nodiscard]] virtual std::string identity() const = 0;
+    // Of a pack with stamps; null: it is none.
+    [[nodiscard]] virtual const PackChanges* changes() const { return nullptr; }
     // What lies over its colour and splat maps (shared/paint.h); null: nothing.
     [[nodiscard]] virtual const edit::PaintSource* paint() const { return nullptr; }
 };

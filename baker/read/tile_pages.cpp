@@ -8,6 +8,16 @@
 
 namespace fjell::baker {
 
+PageCoords::PageCoords(const PageLayout& layout) : layout_(layout) {
+    for (std::uint32_t i = 0; i < layout.page_vertices(0); ++i) of_root_.push_back(layout.coord({0, i}));
+    if (layout.order == PageOrder::linear || layout.pages_per_tile() == 1) return;
+    const int z = layout.page_step_log2(1);
+    for (std::uint32_t i = 0; i < layout.page_vertices(1); ++i) {
+        const SampleIndex c = layout.coord({1, i}); // the north-western page of its step
+        of_step_.push_back({c.column >> z, c.row >> z});
+    }
+}
+
 TilePages::TilePages(const io::PackFile& file) : TilePages(file, pages_of(file.pack().header).pages_per_tile()) {}
 
 TilePages::TilePages(const io::PackFile& file, std::uint32_t most_pages) : file_(file) {

@@ -172,12 +172,15 @@ Merge::Made Merge::make_rest() const {
     make_steps(made.plan, made.found, mixed, *made.spool);
     made.found.max_error_m = make_mixed_pages(context_, made.plan, mixed, *made.spool);
     mixed.remove();
+    made.found.on_scale = 1;
     for_each_shard([&](int shard, const PartWindows&) {
         for (int z = 0; z < plan_.rounds; ++z) {
             const std::vector<std::byte> bytes = read_parcel(plan_, {ShardStep::Kind::errors, z}, shard, "facts");
             ParcelReader facts(bytes);
             made.found.always_drawn += facts.get<std::uint64_t>();
-            if (z == 0) made.found.ground_error_m = std::max(made.found.ground_error_m, facts.get<float>());
+            if (z != 0) continue;
+            made.found.ground_error_m = std::max(made.found.ground_error_m, facts.get<float>());
+            made.found.on_scale = facts.get<std::uint32_t>() & made.found.on_scale;
         }
     });
     header.max_error_m = made.found.max_error_m;

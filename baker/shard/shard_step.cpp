@@ -493,6 +493,7 @@ void ShardRun::finest(const BakePlan& plan, const CheckpointState& found, ChunkF
     ParcelWriter facts;
     facts.put(made.always_drawn);
     facts.put(made.ground_error_m);
+    facts.put(static_cast<std::uint32_t>(made.on_scale));
     scratch_.write_parcel("facts", facts.bytes);
     leave("unsaturated", unsaturated.inside);
     leave("south", unsaturated.south);
