@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "baker/cli/reports.h"
 #include "baker/cli/summary.h"
 #include "fjell/io/failure.h"
 #include "fjell/io/journal.h"
@@ -99,18 +100,6 @@ void change(Journal& journal, const JournalArguments& a) {
         journal.commit();
 }
 
-json layers_json(const Journal& journal) {
-    json layers = json::array();
-    for (const JournalLayer& layer : journal.layers())
-        layers.push_back(
-            {{"name", layer.name}, {"on", layer.on}, {"strength", layer.strength}, {"stamps", layer.stamps.size()}});
-    return {{"pack_hash", fmt::format("{:016x}", journal.pack_hash())},
-            {"bytes", journal.file_bytes()},
-            {"dead_bytes", journal.dead_bytes()},
-            {"dropped_bytes", journal.dropped_bytes()},
-            {"layers", layers}};
-}
-
 void print(const Journal& journal) {
     fmt::print("{}: {} layers, {} bytes, of which --compact saves {}\n", journal.path(), journal.layers().size(),
                journal.file_bytes(), journal.dead_bytes());
@@ -171,7 +160,7 @@ int run_journal(const JournalArguments& a) {
         stamps->write(std::as_bytes(std::span(text)));
         stamps->commit();
     }
-    summary.write(layers_json(journal));
+    summary.write(journal_json(journal));
     if (!a.quiet && a.json_path != "-") print(journal);
     return 0;
 }

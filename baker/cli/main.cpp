@@ -126,6 +126,21 @@ std::string description_of(const PackFile& file) {
     return describe(s, notes.has_value());
 }
 
+void print_journal(const json& j) { // of info
+    if (j.is_null()) return;
+    std::string says = j.value("problem", "");
+    if (says.empty()) {
+        std::size_t stamps = 0;
+        for (const json& layer : j["layers"]) stamps += layer["stamps"].get<std::size_t>();
+        says = fmt::format("{}: {} edit layers, {} stamps, {} bytes; {}", j["path"].get<std::string>(),
+                           j["layers"].size(), stamps, j["bytes"].get<std::uint64_t>(),
+                           j["of_this_pack"].get<bool>() ? "of this pack"
+                                                         : "of another pack, or of this one before it was baked anew: "
+                                                           "fjell-bake rebase carries it over");
+    }
+    fmt::print("{:<16} {}\n", "journal", says);
+}
+
 int run_info(Arguments a) {
     if (a.pack.empty() && a.info_json != "-") a.pack = std::exchange(a.info_json, "-"); // info --json PACK
     if (a.pack.empty()) throw Failure(2, "no pack given; see fjell-bake info --help");
@@ -141,7 +156,9 @@ int run_info(Arguments a) {
     }
     fmt::print("{}", description_of(file));
     for (const auto& [key, value] : info.items()) {
-        if (key == "crs" && value.is_string())
+        if (key == "journal")
+            print_journal(value);
+        else if (key == "crs" && value.is_string())
             fmt::print("{:<16} {:.60}...\n", key, value.get<std::string>()); // all of it: --json
         else
             fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());

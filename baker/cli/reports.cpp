@@ -17,6 +17,7 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "io/set_file.h"
+#include "io/system.h"
 #include "shared/order.h"
 
 namespace fjell::baker {
@@ -88,6 +89,37 @@ std::vector<std::string> layer_names(const PackFile& file) {
     return io::layer_names({reinterpret_cast<const char*>(text.data()), text.size()});
 }
 
+json journal_json(const io::Journal& journal) {
+    json layers = json::array();
+    for (const io::JournalLayer& layer : journal.layers())
+        layers.push_back(
+            {{"name", layer.name}, {"on", layer.on}, {"strength", layer.strength}, {"stamps", layer.stamps.size()}});
+    return {{"pack_hash", fmt::format("{:016x}", journal.pack_hash())},
+            {"bytes", journal.file_bytes()},
+            {"dead_bytes", journal.dead_bytes()},
+            {"dropped_bytes", journal.dropped_bytes()},
+            {"layers", layers}};
+}
+
+namespace {
+
+json journal_beside(const PackFile& file) {
+    const std::string path = io::journal_path(file.path());
+    io::os::FileInfo there;
+    if (!io::os::look(path, there)) return {};
+    json j{{"path", path}};
+    try {
+        const io::Journal journal(path);
+        j["of_this_pack"] = journal.pack_hash() == file.pack().header.directory_hash;
+        j.update(journal_json(journal));
+    } catch (const Failure& failure) {
+        j["problem"] = failure.what();
+    }
+    return j;
+}
+
+} // namespace
+
 json info_json(const PackFile& file) {
     const PackHeader& h = file.pack().header;
     const CrsLabel crs = crs_label(file.crs());
@@ -118,7 +150,8 @@ json info_json(const PackFile& file) {
            {"chunks", h.directory_count},
            {"file_bytes", h.file_bytes},
            {"pack_hash", fmt::format("{:016x}", h.directory_hash)},
-           {"required_bytes", terrain_bytes(h)}};
+           {"required_bytes", terrain_bytes(h)},
+           {"journal", journal_beside(file)}};
     j.update(place_json(h));
     add_notes(j, read_notes(file));
     return j;

@@ -11,11 +11,16 @@
 #include "baker/check/verify.h"
 #include "baker/check/verify_maps.h"
 #include "baker/read/source.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/pack_file.h"
 
 namespace fjell::baker {
 
+// With the journal that lies beside the pack, if one does: what journal_json() has, and `path` and `of_this_pack`. Of a
+// damaged one `problem`, a line that says why, in place of its layers.
 [[nodiscard]] nlohmann::json info_json(const io::PackFile& file);
+// Layers, stamps and bytes.
+[[nodiscard]] nlohmann::json journal_json(const io::Journal& journal);
 // Of the materials in a pack's splat maps; empty: it has none.
 [[nodiscard]] std::vector<std::string> layer_names(const io::PackFile& file);
 

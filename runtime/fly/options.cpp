@@ -13,11 +13,13 @@
 
 #include "fjell/gltf/snapshot.h"
 #include "fjell/io/failure.h"
+#include "fjell/io/journal.h"
 #include "fjell/io/pack_file.h"
 #include "fjell/pack.h"
 #include "fjell/profile/keys.h"
 #include "io/command_line.h"
 #include "io/file.h"
+#include "io/system.h"
 #include "session/methods/method.h"
 #include "session/path.h"
 #include "session/pictures.h"
@@ -70,7 +72,8 @@ void declare_flight(CLI::App& app, FlightOptions& o, Flags& f) {
 void declare_edits(CLI::App& app, FlightOptions& o) {
     auto* const edits =
         app.add_option("--edits", o.edits_path,
-                       "stamps that move the ground, each in its frame (content/edits/*.json), or the pack's journal");
+                       "stamps that move the ground, each in its frame (content/edits/*.json), or a journal; default: "
+                       "PACK.journal where it lies beside the pack; none: the ground as it was baked");
     app.add_option_function<std::uint32_t>(
            "--edit-blocks",
            [&o](std::uint32_t blocks) {
@@ -384,6 +387,28 @@ void check_together(const FlightOptions& o) {
     }
 }
 
+// Without --edits the pack's own journal, as the editor opens it. A replay has the stamps that were recorded, and the
+// packs of a shard take none.
+void find_journal(FlightOptions& o) {
+    if (o.edits_path == "none") return o.edits_path.clear();
+    if (!o.edits_path.empty() || !o.replay.empty()) return;
+    const std::string path = io::journal_path(o.pack);
+    io::os::FileInfo there;
+    if (!io::os::look(path, there)) return;
+    const PackHeader header = io::PackFile(o.pack).pack().header;
+    if (header.tiles_held != 0) return;
+    try {
+        const io::Journal journal(path, header, io::JournalAccess::read);
+        const std::size_t stamps = journal.stamps().size();
+        if (stamps == 0) return;
+        fmt::print(stderr, "fjell-fly: {}: {} stamps of it change the ground; --edits none leaves them out\n", path,
+                   stamps);
+        o.edits_path = path;
+    } catch (const Failure& failure) { // nobody has named it
+        fmt::print(stderr, "fjell-fly: flies without its journal: {}\n", failure.what());
+    }
+}
+
 // A flight in a window goes on until it is closed, unless its frames are given.
 void read_edits(FlightOptions& o) {
     o.stamps = io::is_journal(o.edits_path) ? io::read_stamps(o.edits_path, &io::PackFile(o.pack).pack().header)
@@ -417,6 +442,7 @@ bool parse_options(int argc, char** argv, FlightOptions& options) {
     apply(flags, options);
     check_method(flags, options.profile);
     if (!options.replay.empty()) check_replay(flags);
+    find_journal(options);
     check_together(options);
     if (!options.edits_path.empty()) read_edits(options);
     if (!options.materials_path.empty())

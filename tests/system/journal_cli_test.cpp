@@ -1,5 +1,9 @@
 // fjell-bake journal and rebase: layers of stamps beside a pack, flown, baked, carried over; and what a full disk, a
 // kill or another program leaves of them.
+#include <filesystem>
+#include <tuple>
+#include <utility>
+
 #include <nlohmann/json.hpp>
 
 #include "system/bake_faults.h"
@@ -106,6 +110,78 @@ TEST_CASE("a journal's layers are flown and baked as they are switched, and belo
     place.refused("journal hills.fjell --stamps hills.fjell.journal", 2, "would overwrite");
     (void)place.journal("--remove low --remove high");
     place.refused("journal hills.fjell --stamps none.json", 1, "no stamp of it applies");
+}
+
+TEST_CASE("a flight opens the journal beside its pack, or flies without it, and says which") {
+    const JournalPlace place;
+    const auto fly = [&](const std::string& arguments) {
+        return run_in(place.folder.path, "ASAN_OPTIONS=detect_leaks=0 " FJELL_BIN_DIR
+                                         "/fjell-fly hills.fjell --headless --json - " +
+                                             arguments);
+    };
+    const auto flown = [&](const std::string& arguments, bool says) {
+        const Run r = fly(arguments);
+        INFO(arguments << "\n" << r.err);
+        REQUIRE(r.code == 0);
+        CHECK((says ? one_line(r.err) && r.err.find("hills.fjell.journal: 1 stamps") != std::string::npos
+                    : r.err.empty()));
+        return json::parse(r.out)["edits"];
+    };
+    const std::string frames = "--frames 2 --size 320x200 ";
+    CHECK(flown(frames, false).is_null());
+    (void)place.journal("--add low.json --layer low");
+    const json asked = flown(frames + "--edits hills.fjell.journal", false);
+    CHECK((asked["applied"] == 1 && asked["samples"] > 0));
+    const json found = flown(frames + "--record r.json", true);
+    CHECK((found["applied"] == 1 && found["samples"] == asked["samples"]));
+    CHECK(flown(frames + "--edits high.json", false)["applied"] == 2); // in its place
+    CHECK(flown(frames + "--edits none", false).is_null());
+    (void)place.journal("--off low");
+    CHECK(flown(frames, false).is_null()); // nothing applies
+    CHECK(flown("--replay r.json", false)["applied"] == 1);
+    const std::string journal = place.folder / "hills.fjell.journal";
+    for (const bool damaged : {false, true}) {
+        std::filesystem::remove(journal);
+        if (damaged)
+            spit(journal, "FJELLJN");
+        else
+            place.made("journal other.fjell --journal hills.fjell.journal --add low.json --layer low --quiet");
+        const Run r = fly(frames);
+        INFO(r.err);
+        CHECK((r.code == 0 && one_line(r.err) && json::parse(r.out)["edits"].is_null()));
+        CHECK(r.err.find("without its journal: hills.fjell.journal: ") != std::string::npos);
+        CHECK(flown(frames + "--edits none", false).is_null());
+    }
+}
+
+TEST_CASE("info says what journal lies beside a pack, whether it is the pack's, and what is wrong with it") {
+    const JournalPlace place;
+    const auto told = [&] {
+        const Run table = place.run("info hills.fjell"), r = place.run("info hills.fjell --json -");
+        REQUIRE((table.code == 0 && table.err.empty() && r.code == 0 && r.err.empty()));
+        const std::size_t at = table.out.find("\njournal  ");
+        const std::size_t line = at == std::string::npos ? at : at + 1;
+        return std::pair(json::parse(r.out)["journal"],
+                         at == std::string::npos ? "" : table.out.substr(line, table.out.find('\n', line) - line));
+    };
+    CHECK(told() == std::pair(json(), std::string()));
+    (void)place.journal("--add low.json --layer low");
+    const json whole = place.journal("--add high.json --layer high --off low");
+    auto [j, line] = told();
+    CHECK((j["of_this_pack"] == true && j["layers"] == whole["layers"] && j["bytes"] == whole["bytes"]));
+    const std::string journal = place.folder / "hills.fjell.journal";
+    CHECK(j["bytes"] == std::filesystem::file_size(journal));
+    CHECK(line.find("hills.fjell.journal: 2 edit layers, 3 stamps, " + j["bytes"].dump() + " bytes; of this pack") !=
+          std::string::npos);
+    place.made("hills.fjell --quantum 0.5 -o hills.fjell.new --quiet");
+    std::filesystem::rename(place.folder / "hills.fjell.new", place.folder / "hills.fjell");
+    std::tie(j, line) = told();
+    CHECK((j["of_this_pack"] == false && j["layers"] == whole["layers"]));
+    CHECK(line.find("fjell-bake rebase") != std::string::npos);
+    spit(journal, "FJELLJN");
+    std::tie(j, line) = told();
+    CHECK((!j.contains("layers") && j["problem"].get<std::string>().find("hills.fjell.journal") != std::string::npos));
+    CHECK(line.find(j["problem"].get<std::string>()) != std::string::npos);
 }
 
 TEST_CASE("after a full disk, a failing one or a kill at any call a journal says what it said before or after") {
