@@ -71,7 +71,7 @@ Compared compare(const Scene& scene, const Picture& picture, const View& view, c
     const double lambda = drawing.error_lambda_px > 0 ? drawing.error_lambda_px : focal_length_px(view);
     const Vec3 eye = drawing.error_eye_m.value_or(view.eye_m), right = cross(view.forward, view.up);
     Compared result;
-    const auto every = test::rounds<std::uint32_t>(31, 7); // pixel
+    const auto every = test::rounds<std::uint32_t>(31, 1); // pixel
     for (std::uint32_t i = 0; i < width_px * height_px; i += every) {
         const std::uint32_t x = i % width_px, y = i / width_px;
         const double d = picture.distance_m[i];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "picture_scene.h"
+#include "support/rounds.h"
 
 using namespace pictures;
 

@@ -18,7 +18,6 @@
 #include "fjell/recursive.h"
 #include "shared/terrain_data.h"
 #include "support/dem.h"
-#include "support/rounds.h"
 
 namespace pictures {
 
@@ -26,7 +25,7 @@ using namespace fjell;
 
 constexpr double pi = 3.14159265358979323846;
 // What software draws takes its time a pixel; what is asserted holds at any size.
-inline const auto width_px = test::rounds<std::uint32_t>(640, 1280), height_px = test::rounds<std::uint32_t>(480, 960);
+inline constexpr std::uint32_t width_px = 640, height_px = 480;
 
 // Ridges and valleys, samples x samples, 30 m apart.
 inline baker::Dem mountains(int samples) {

@@ -10,6 +10,7 @@
 
 #include "baker/materials/encode.h"
 #include "picture_scene.h"
+#include "support/rounds.h"
 
 using namespace pictures;
 
