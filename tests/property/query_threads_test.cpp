@@ -16,9 +16,13 @@ using namespace fjell::test;
 namespace {
 
 #if defined(FJELL_SANITIZED)
-constexpr std::uint64_t changes_wanted = 3'000;
+std::uint64_t changes_wanted() {
+    return 3'000;
+}
 #else
-const auto changes_wanted = rounds<std::uint64_t>(20'000, 100'000);
+std::uint64_t changes_wanted() {
+    return rounds<std::uint64_t>(20'000, 100'000);
+}
 #endif
 
 struct Count {
@@ -80,7 +84,8 @@ std::uint64_t stir(Random& random, const Pack& pack, Terrain& terrain, const std
     const std::uint32_t pages = terrain.page_count();
     const auto tile_of = [&](std::uint32_t n) { return n / terrain.pages_per_tile(); };
     const auto page_of = [&](std::uint32_t n) { return n % terrain.pages_per_tile(); };
-    while (data_of(terrain).changes < changes_wanted || (!seen && data_of(terrain).changes < 1000 * changes_wanted)) {
+    const std::uint64_t least = changes_wanted();
+    while (data_of(terrain).changes < least || (!seen && data_of(terrain).changes < 1000 * least)) {
         const auto n = static_cast<std::uint32_t>(pick(random, 0, static_cast<int>(pages) - 1));
         const Status s = load_page(pack, terrain, tile_of(n), page_of(n));
         refused += !s.ok();

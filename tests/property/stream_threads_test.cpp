@@ -27,9 +27,15 @@ using namespace fjell::test;
 namespace {
 
 #if defined(FJELL_SANITIZED)
-constexpr int grounds = 4, checked_every = 40;
+constexpr int checked_every = 40;
+int least_grounds() {
+    return 4;
+}
 #else
-const int grounds = rounds(4, 10), checked_every = 25;
+constexpr int checked_every = 25;
+int least_grounds() {
+    return rounds(4, 10);
+}
 #endif
 
 struct Ground {
@@ -245,6 +251,7 @@ TEST_CASE(
     Random random(811);
     Seen seen;
     // How much happens in a round is the scheduler's to say: at least so many, and on until everything was seen.
+    const int grounds = least_grounds();
     for (int round = 0; round < grounds || (!seen.enough() && round < 10 * grounds); ++round) {
         const Ground ground(random, round % 3 == 0 ? PageOrder::hierarchical_z : PageOrder::planar);
         for (int life = 0; life < 3; ++life) {

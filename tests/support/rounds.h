@@ -1,7 +1,13 @@
 // How much random tests do. By default enough to notice what breaks often, so that everyone runs them; with
-// FJELL_TEST_ROUNDS=full, as ./dev test --long sets it, all of it.
+// FJELL_TEST_ROUNDS=full all of it. ./dev test --long also sets FJELL_TEST_TIMES=4: at most four times the brief
+// rounds. Brief rounds notice each fault of tests/faults, and seeds are fixed: more rounds find nothing new the next
+// time.
+//
+// Full rounds run those cases again that have asked here in brief ones, and no others (support/run_cases.sh).
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <initializer_list>
@@ -11,15 +17,23 @@
 
 namespace fjell::test {
 
+inline std::atomic<bool> asked_for_rounds = false; // since the running case began, or before the first one
+
 [[nodiscard]] inline bool full_rounds() {
+    asked_for_rounds = true;
     const char* const wanted = std::getenv("FJELL_TEST_ROUNDS");
     return wanted != nullptr && std::string_view(wanted) == "full";
 }
 
-// A number of rounds, frames or bytes, or of what a test must have met in them: by default the first one.
+// A number of rounds, frames or bytes, or of what a test must have met in them: by default the first one. A second one
+// that is not larger is a step, and never limited: "at every byte" stays every byte.
 template <typename Number = int>
 [[nodiscard]] Number rounds(std::type_identity_t<Number> brief, std::type_identity_t<Number> full) {
-    return full_rounds() ? full : brief;
+    if (!full_rounds()) return brief;
+    const char* const times = std::getenv("FJELL_TEST_TIMES");
+    if (times == nullptr || full <= brief) return full;
+    const double most = std::max(1.0, std::strtod(times, nullptr)) * static_cast<double>(brief);
+    return most < static_cast<double>(full) ? static_cast<Number>(most) : full;
 }
 
 // A list of what a test tries: by default the first ones of it.

@@ -19,8 +19,7 @@ using namespace fjell::test;
 
 namespace {
 
-const std::size_t shown = rounds<std::size_t>(24, 60); // frames of each sight
-constexpr std::size_t settling = 16;                   // of those, until it is steady
+constexpr std::size_t settling = 16; // of the frames of a sight, until it is steady
 
 std::vector<long> by_frame; // allocations
 const editor::App* watched = nullptr;
@@ -38,6 +37,7 @@ void watch(bool begins) {
 // Flies through a list of sights; the worst frame of each once it is steady.
 std::vector<long> worst_of(const TemporaryFolder& folder, const std::vector<Sight>& sights,
                            const std::vector<std::string>& first) {
+    const std::size_t shown = rounds<std::size_t>(24, 60); // frames of each sight
     for (const char* name : {"XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_CACHE_HOME"})
         setenv(name, folder.path.c_str(), 1);
     setenv("LP_NO_RAST", "1", 1); // as no_pixels (support/program.h)

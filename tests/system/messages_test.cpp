@@ -187,7 +187,7 @@ std::vector<Bad> bad_inputs() {
         {"{editor} --what", 2, "--what: no such option"},
         {"{editor} --scale nan", 2, "--scale"},
     };
-    if (rounds(0, 1) != 0) all.insert(all.end(), alike.begin(), alike.end());
+    if (full_rounds()) all.insert(all.end(), alike.begin(), alike.end());
     return all;
 }
 

@@ -206,7 +206,7 @@ TEST_CASE("every frame's file keeps what it says: converged, behind, capped, mor
         add_streamed_frames(frames);
         frames.check();
     }
-    CHECK(checked >= rounds(2, 8));
+    CHECK(checked * 3 >= rounds(2, 12) * 2);
 }
 
 TEST_CASE("a snapshot outlives what it was taken of, and another pack does not take it") {
