@@ -35,7 +35,7 @@ run() { # PAGE LINE
     './dev '*) return ;; # tests of their own
     *fjell-bake* | *--headless* | *--screenshot*) timeout 600 bash -c "$2" >said.txt 2>&1 || code=$? ;;
     *) # a window
-      timeout -s INT 5 bash -c "exec $2" >said.txt 2>&1 || code=$?
+      timeout -s INT 3 bash -c "exec $2" >said.txt 2>&1 || code=$?
       allowed=124
       ;;
   esac

@@ -38,8 +38,8 @@ else()
   if(LINK STREQUAL "FetchContent")
     list(APPEND options -DFETCHCONTENT_SOURCE_DIR_FJELL=${FJELL})
   endif()
-  # One game that adds the folder compiles the library as it stands; to the others it does not matter how.
-  if(LINK AND FJELL AND (LINK STREQUAL "FetchContent" OR TOOLCHAIN))
+  # by_hand.cmake compiles the library as it stands; to others it does not matter how.
+  if(LINK AND FJELL)
     list(APPEND options -DCMAKE_PROJECT_fjell_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/larger_pieces.cmake)
   endif()
   if(PREFIX)
