@@ -181,18 +181,29 @@ class Tile:
     def errors(self, samples, flat_every):
         """The largest error of samples (lon, lat, h): linear in degrees, and flat in space."""
         west, south, east, north = self.box
+        spots = [(min(max((lon - west) / (east - west) * 32767, 0), 32767),
+                  min(max((lat - south) / (north - south) * 32767, 0), 32767)) for lon, lat, h in samples]
+        if not spots:
+            return 0, 0
+        # Triangles by cells of the samples' own rectangle: of a coarse tile that is a small part. Each is in the cells
+        # around as well, as in space it lies a little beside its place in degrees.
         cells = max(1, int(math.sqrt(len(self.triangles))))
+        low = [min(spot[axis] for spot in spots) for axis in (0, 1)]
+        size = [max(1, max(spot[axis] for spot in spots) - low[axis]) / cells for axis in (0, 1)]
+
+        def around(values, axis):
+            first, last = ((at - low[axis]) / size[axis] for at in (min(values), max(values)))
+            return range(max(0, math.floor(first) - 1), min(cells, math.floor(last) + 1) + 1)
+
         buckets = {}
         for t in self.triangles:
-            us, vs = [self.u[i] for i in t], [self.v[i] for i in t]
-            for i in range(min(us) * cells // 32768, max(us) * cells // 32768 + 1):
-                for j in range(min(vs) * cells // 32768, max(vs) * cells // 32768 + 1):
+            rows = around([self.v[i] for i in t], 1)
+            for i in around([self.u[i] for i in t], 0):
+                for j in rows:
                     buckets.setdefault((i, j), []).append(t)
         worst = flat_worst = 0
-        for number, (lon, lat, h) in enumerate(samples):
-            u, v = (lon - west) / (east - west) * 32767, (lat - south) / (north - south) * 32767
-            u, v = min(max(u, 0), 32767), min(max(v, 0), 32767)
-            near = buckets[int(u * cells / 32768), int(v * cells / 32768)]
+        for number, ((lon, lat, h), (u, v)) in enumerate(zip(samples, spots)):
+            near = buckets[int((u - low[0]) / size[0]), int((v - low[1]) / size[1])]
             best = None
             for t in near:
                 (ax, ay), (bx, by), (cx, cy) = ((self.u[i], self.v[i]) for i in t)
@@ -202,6 +213,8 @@ class Tile:
                 inside = min(p, q, 1 - p - q)
                 if best is None or inside > best[0]:
                     best = inside, p, q, t
+                if inside > 1e-6:  # they cover the tile once
+                    break
             inside, p, q, (a, b, c) = best
             if inside < -1e-9:
                 fail(f"{self.name}: no triangle over {lon} {lat}")
