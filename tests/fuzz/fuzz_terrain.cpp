@@ -17,14 +17,14 @@ extern "C" int fuzz_terrain(const std::uint8_t* data, std::size_t size) {
         must(source->columns >= 2 && source->columns <= 65537 && source->rows >= 2 && source->rows <= 65537, "a size");
         // The far corner: the largest numbers.
         const std::int32_t columns = std::min(source->columns, 6), rows = std::min(source->rows, 4);
-        const Window w{source->columns - columns, source->rows - rows, columns, rows};
-        std::vector<float> heights(w.area());
+        const Window window{source->columns - columns, source->rows - rows, columns, rows};
+        std::vector<float> heights(window.area());
         ReadStatistics statistics;
-        source->reader()->read(w, heights.data(), statistics);
+        source->reader()->read(window, heights.data(), statistics);
         for (std::size_t i = 0; i < heights.size(); ++i) {
             const auto x = static_cast<std::int32_t>(i) % columns, y = static_cast<std::int32_t>(i) / columns;
             float alone = 0;
-            source->reader()->read({w.x + x, w.y + y, 1, 1}, &alone, statistics);
+            source->reader()->read({window.x + x, window.y + y, 1, 1}, &alone, statistics);
             must(std::isfinite(alone) && std::abs(alone) < 1e5f, "a height is one");
             must(alone == heights[i], "a height depends on its place alone");
         }

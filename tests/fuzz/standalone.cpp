@@ -1,8 +1,8 @@
-// Runs a fuzz target without libFuzzer: every seed as it is, then ROUNDS mutations of the seeds in turn, always the
-// same ones. This is what `./dev test` runs; `./dev test --long` explores with libFuzzer.
+// Runs a fuzz target. With libFuzzer, as `./dev test --long` has it, it explores: fuzz TARGET OPTION... FOLDER...
 //
-// fuzz TARGET ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input; it
-// can be given to `fuzz TARGET 0 broken-input`.
+// Without, as `./dev test` has it: every seed as it is, then ROUNDS mutations of the seeds in turn, always the same
+// ones. fuzz TARGET ROUNDS SEED... where SEED is a file, or a folder of them. What breaks is written to ./broken-input;
+// it can be given to `fuzz TARGET 0 broken-input`.
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-// Each target's function; where libFuzzer explores, CMake calls it LLVMFuzzerTestOneInput.
+// Each target's function.
 #define FUZZ_TARGETS(X)                                                                                                \
     X(fuzz_checkpoint)                                                                                                 \
     X(fuzz_journal)                                                                                                    \
@@ -29,11 +29,9 @@
 extern "C" {
 FUZZ_TARGETS(DECLARE)
 }
-extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
 
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
 using Target = int (*)(const std::uint8_t* data, std::size_t size);
 
 Target target_of(std::string_view name) { // null: there is none
@@ -43,6 +41,34 @@ Target target_of(std::string_view name) { // null: there is none
     return nullptr;
 }
 
+} // namespace
+
+#if defined(FJELL_LIBFUZZER)
+
+namespace {
+Target explored = nullptr;
+}
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv);
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) { // takes the first word away
+    explored = *argc < 2 ? nullptr : target_of((*argv)[1]);
+    if (explored == nullptr) std::exit((std::fprintf(stderr, "usage: %s TARGET OPTION... FOLDER...\n", (*argv)[0]), 2));
+    for (int i = 2; i <= *argc; ++i) (*argv)[i - 1] = (*argv)[i]; // with the null behind them
+    --*argc;
+    return 0;
+}
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    return explored(data, size);
+}
+
+#else
+
+extern "C" void __sanitizer_set_death_callback(void (*callback)()) __attribute__((weak));
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
 const Bytes* current = nullptr;
 
 void keep_current() {
@@ -128,3 +154,5 @@ int main(int argc, char** argv) {
     std::printf("%zu seeds, %ld mutations: nothing broke\n", seeds.size(), rounds);
     return 0;
 }
+
+#endif
