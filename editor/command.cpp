@@ -288,6 +288,7 @@ Command brush(Words& w) {
                metres(b.falloff_m, "falloff", 0, most_brush_m),
                metres(b.amount_m, "amount", -most_amount_m, most_amount_m),
                metres(b.strength, "strength", 0, 1),
+               metres(b.error_m, "error", 0, most_lock_m),
                {"colour", [&](const std::string& v) { std::ranges::copy(io::rgb_of(v, "colour"), b.rgb); }},
                {"material", [&](const std::string& v) {
                     const double number = Words::number_in(v, "material", 0, max_splat_names - 1);
@@ -458,9 +459,9 @@ std::vector<Verb> picture_verbs() {
              const double x = w.number("x in metres");
              return MarkPlace{x, w.number("z in metres")};
          }},
-        {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE] [colour=RRGGBB] [material=N]",
+        {"brush", "TOOL [radius=M] [falloff=M] [amount=M] [strength=SHARE] [error=M] [colour=RRGGBB] [material=N]",
          "what the left button does to the ground: off, raise, lower, level, smooth, noise, crater, restore, hole, "
-         "fill, road, paint or unpaint",
+         "fill, road, paint, unpaint, lock or unlock; error: of lock, how far off the drawn ground may be",
          brush},
         {"stroke", "X Z [X Z ...]",
          "a stroke of the brush along these places, in metres; of a road: its corners, straight in between", stroke},

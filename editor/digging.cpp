@@ -22,10 +22,6 @@ namespace {
 
 using edit::Rect;
 
-bool is_paint(const io::KeptStamp& stamp) {
-    return stamp.plain.shape == StampShape::paint || stamp.plain.shape == StampShape::unpaint;
-}
-
 constexpr std::int64_t most_renewed = std::int64_t{1} << 20; // samples of one stamp
 
 edit::StampGrid grid_of(const PackHeader& h) {
@@ -39,7 +35,7 @@ std::vector<Rect> areas_of(const edit::StampGrid& grid, std::span<const io::Kept
     Rect whole;
     for (const io::KeptStamp& stamp : changed) {
         Rect area = edit::samples_of(grid, stamp.stamp());
-        if (area.empty() || is_paint(stamp)) continue;
+        if (area.empty() || !edit::moves_ground(stamp.plain.shape)) continue;
         for (const io::KeptStamp& smooths : stamps) // what is smoothed depends on its neighbours
             if (smooths.plain.shape == StampShape::smooth &&
                 edit::samples_of(grid, smooths.stamp()).meets(area.grown(1)))
@@ -110,13 +106,15 @@ Stamp dab_of(const Brush& brush, double x_m, double z_m, double level_m, std::ui
     constexpr StampShape shapes[] = {StampShape::restore, StampShape::raise, StampShape::raise,  StampShape::level,
                                      StampShape::smooth,  StampShape::noise, StampShape::crater, StampShape::restore,
                                      StampShape::hole,    StampShape::fill,  StampShape::path,   StampShape::paint,
-                                     StampShape::unpaint};
+                                     StampShape::unpaint, StampShape::lock,  StampShape::unlock};
     static_assert(std::size(shapes) == std::size(brush_tool_names), "a brush was added: say what it does");
     Stamp s;
     s.shape = shapes[static_cast<std::size_t>(brush.tool)];
     s.x_m = x_m, s.z_m = z_m;
-    s.radius_m = static_cast<float>(brush.radius_m), s.falloff_m = static_cast<float>(brush.falloff_m);
-    s.amount_m = static_cast<float>(brush.tool == BrushTool::lower ? -brush.amount_m : brush.amount_m);
+    s.radius_m = static_cast<float>(brush.radius_m), s.falloff_m = static_cast<float>(falloff_of(brush));
+    s.amount_m = static_cast<float>(brush.tool == BrushTool::lower  ? -brush.amount_m
+                                    : brush.tool == BrushTool::lock ? brush.error_m
+                                                                    : brush.amount_m);
     s.height_m = static_cast<float>(level_m);
     s.wavelength_m = static_cast<float>(std::max(brush.radius_m, least_brush_m));
     s.seed = seed;
@@ -152,7 +150,7 @@ io::KeptStamp road_of(const Brush& brush, std::span<const StampPoint> places) {
 
 void open_with_journal(session::FlightOptions& options) {
     options.editable = true;
-    options.edit_budget = {.blocks = 4096, .stamps = 1024, .paint = 1024};
+    options.edit_budget = {.blocks = 4096, .stamps = 1024, .paint = 1024, .locks = 4096};
     const std::string path = io::journal_path(options.pack);
     if (!io::is_journal(path)) return;
     try {
@@ -162,7 +160,7 @@ void open_with_journal(session::FlightOptions& options) {
         for (io::KeptStamp& ground : ground_of(options.pack, header, stamps, stamps))
             options.stamps.push_back({0, std::move(ground)});
         for (const io::KeptStamp& stamp : stamps)
-            if (is_paint(stamp)) options.stamps.push_back({0, stamp});
+            if (!edit::moves_ground(stamp.plain.shape)) options.stamps.push_back({0, stamp});
     } catch (const io::Failure&) { // Digging finds the same
     }
 }
@@ -214,6 +212,8 @@ void Digging::dab(const Stamp& stamp) {
         throw io::Failure(2, fmt::format("{}: {}", status.field, message(status.code)));
     if (edit::makes_or_fills_holes(stamp.shape) && !edits_->budget().holes)
         throw io::Failure(2, "this pack has no room for holes; bake it with --room-for-holes yes");
+    if (stamp.shape == StampShape::lock && !has_room_for_locks(header_))
+        throw io::Failure(2, "this pack has no room for locks; bake it with --room-for-locks yes");
     io::Journal& to = journal();
     if (layers().empty()) add_layer("ground"), made_layer_ = true;
     const io::JournalLayer& layer = to.layers()[*chosen()];
@@ -396,15 +396,16 @@ void Digging::renew_layer(const io::JournalLayer& layer) {
     renew(stamps);
 }
 
-// Paint mixes with what is below it, so what lies on an area is taken off and painted again, with all that meets it.
-void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
+// Paint mixes with what is below it, and locks that are taken away may lie over others. So what lies on an area is taken
+// off and laid again, with all that meets it.
+void Digging::renew_over(std::span<const io::KeptStamp> changed, bool (&is)(StampShape), StampShape bare_shape) {
     const edit::StampGrid grid = grid_of(header_);
     Rect all;
     for (const io::KeptStamp& stamp : changed)
-        if (is_paint(stamp)) all = all.with(edit::samples_of(grid, stamp.stamp()));
+        if (is(stamp.plain.shape)) all = all.with(edit::samples_of(grid, stamp.stamp()));
     if (all.empty()) return;
     std::vector<io::KeptStamp> stamps = journal().stamps();
-    std::erase_if(stamps, [](const io::KeptStamp& stamp) { return !is_paint(stamp); });
+    std::erase_if(stamps, [&](const io::KeptStamp& stamp) { return !is(stamp.plain.shape); });
     std::vector<bool> again(stamps.size());
     for (bool grown = true; grown;) {
         grown = false;
@@ -416,7 +417,7 @@ void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
         }
     }
     io::KeptStamp bare;
-    bare.plain.shape = StampShape::unpaint;
+    bare.plain.shape = bare_shape;
     bare.plain.first = {all.x0, all.y0};
     bare.plain.columns = all.columns(), bare.plain.rows = all.rows();
     edits_->push(std::move(bare));
@@ -427,7 +428,8 @@ void Digging::renew_paint(std::span<const io::KeptStamp> changed) {
 // The samples that these stamps may change get what the journal makes of them now.
 void Digging::renew(std::span<const io::KeptStamp> changed) {
     if (edits_ == nullptr || changed.empty()) return;
-    renew_paint(changed);
+    renew_over(changed, edit::paints, StampShape::unpaint);
+    renew_over(changed, edit::locks, StampShape::unlock);
     for (io::KeptStamp& stamp : ground_of(pack_, header_, journal().stamps(), changed)) edits_->push(std::move(stamp));
 }
 

@@ -37,10 +37,13 @@ enum class BrushTool : std::uint8_t {
     fill,
     road,
     paint,
-    unpaint
+    unpaint,
+    lock,
+    unlock
 };
 inline constexpr const char* brush_tool_names[] = {"off",     "raise", "lower", "level", "smooth", "noise",  "crater",
-                                                   "restore", "hole",  "fill",  "road",  "paint",  "unpaint"};
+                                                   "restore", "hole",  "fill",  "road",  "paint",  "unpaint", "lock",
+                                                   "unlock"};
 
 struct Brush {
     BrushTool tool = BrushTool::off;
@@ -48,11 +51,18 @@ struct Brush {
     double falloff_m = 20; // beyond, where it fades out
     double amount_m = 2;   // of a dab: metres up, down or deep; of noise: as high as its hills
     double strength = 1;   // 0 to 1
+    double error_m = 0.05; // of a lock: how far off the drawn ground may be
     // Of paint: a colour, sRGB, and a material of the pack's splat map by number; no_material: the colour alone.
     std::uint8_t rgb[3] = {92, 78, 60};
     std::uint8_t material = no_material;
 };
-inline constexpr double least_brush_m = 0.01, most_brush_m = 100'000, most_amount_m = 10'000;
+inline constexpr double least_brush_m = 0.01, most_brush_m = 100'000, most_amount_m = 10'000,
+                        most_lock_m = 1000;
+
+// Beyond its radius; locks do not fade out.
+[[nodiscard]] constexpr double falloff_of(const Brush& brush) {
+    return brush.tool == BrushTool::lock || brush.tool == BrushTool::unlock ? 0 : brush.falloff_m;
+}
 
 // For sessions of the editor: the ground may change, and is the journal's from the beginning. A journal that cannot be
 // read is left out; Digging says why.
@@ -128,7 +138,8 @@ private:
     void repeat(Step& step);
     void put_layer(std::optional<LayerState>& from, std::optional<LayerState>& to);
     void renew(std::span<const io::KeptStamp> changed);
-    void renew_paint(std::span<const io::KeptStamp> changed);
+    // What lies over the ground: paint, or locks.
+    void renew_over(std::span<const io::KeptStamp> changed, bool (&is)(StampShape), StampShape bare);
     void renew_layer(const io::JournalLayer& layer);
 
     std::string pack_, path_, problem_, notice_;

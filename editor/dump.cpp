@@ -201,6 +201,7 @@ json ground_json(const Ground& ground) {
               {"falloff_m", b.falloff_m},
               {"amount_m", b.amount_m},
               {"strength", b.strength},
+              {"error_m", b.error_m},
               {"colour", fmt::format("{:02x}{:02x}{:02x}", b.rgb[0], b.rgb[1], b.rgb[2])},
               {"material", b.material == no_material ? json() : json(b.material)}}},
             {"problem", ground.problem},
@@ -211,6 +212,8 @@ json ground_json(const Ground& ground) {
             {"redo_steps", ground.redo_steps},
             {"waiting", ground.waiting},
             {"blocks", ground.report.blocks},
+            {"locked_blocks", ground.report.locks},
+            {"always_drawn", ground.always_drawn},
             {"at", ground.at ? vector_json(*ground.at) : json()}};
 }
 

@@ -177,6 +177,7 @@ struct Ground {
     EditReport report;                              // of the last frame
     double update_us = 0;                           // the same
     std::uint32_t blocks = 0;                       // that there is room for
+    std::uint32_t always_drawn = 0;                 // vertices, where there are locks
     std::size_t waiting = 0;                        // stamps
     std::optional<std::array<double, 2>> pointer;   // in the picture
     std::optional<Vec3> at;                         // under it

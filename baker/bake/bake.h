@@ -28,6 +28,7 @@ struct BakeOptions {
     std::string locks_path;             // where errors are smaller (locks/locks.h); empty: nowhere
     std::optional<double> lock_error_m; // of locks that say none
     bool room_for_holes = false;        // errors have codes for a hole's rim, whether there are holes or not
+    bool room_for_locks = false;        // and for what locks keep in every mesh, whether there are some or not
     PageOrder order = PageOrder::planar;
     double quantum_m = 0; // the vertical height scale's step; 0: the source's own, or the smallest that is of use
     std::vector<std::string> texture_paths; // ortho-images (image.h), the last one uppermost

@@ -91,7 +91,11 @@ std::unique_ptr<ImageSource> images_of(const HeightSource& source, const BakeOpt
 }
 
 Locks locks_of(const HeightSource& source, const BakeOptions& options) {
-    return options.locks_path.empty() ? Locks{} : Locks(options.locks_path, options.lock_error_m, source);
+    Locks locks = options.locks_path.empty() ? Locks{} : Locks(options.locks_path, options.lock_error_m, source);
+    locks.add_stamps(source);
+    if (!locks.empty() && options.estimate == ErrorEstimate::midpoint)
+        throw Failure(2, "locks need errors that are bounds; leave out --estimate midpoint");
+    return locks;
 }
 
 SplatPlan splat_of(const BakeOptions& options) {
@@ -174,7 +178,8 @@ std::string BakeContext::options_identity() const {
                        o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
                        source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],
                        source.crs_wkt, o.horizon_spacing, image ? image->identity() : "") +
-           splat_identity() + (o.room_for_holes ? "\nroom for holes" : "") + locks.identity();
+           splat_identity() + (o.room_for_holes ? "\nroom for holes" : "") +
+           (o.room_for_locks ? "\nroom for locks" : "") + locks.identity();
 }
 
 std::string BakeContext::splat_identity() const {

@@ -94,7 +94,7 @@ BakePlan make_plan(const BakeContext& context, const CheckpointState& found, con
                                  found.heights,
                                  nesting,
                                  context.options.room_for_holes,
-                                 context.locks.in_metres(),
+                                 context.options.room_for_locks || context.locks.in_metres(),
                                  context.locks.sharpest()});
     plan.leaf = LeafErrors(plan.scales.errors, plan.height_scale.quantum_m);
     plan.maps = plan_maps(context, found);

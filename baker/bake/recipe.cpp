@@ -165,6 +165,13 @@ const std::vector<RecipeKey>& recipe_keys() {
          "have "
          "the room anyway)",
          {"no", "yes"}},
+        {"room-for-locks",
+         Of::pack,
+         &Recipe::room_for_locks,
+         "yes: stamps may lock places while the terrain runs, whatever its height steps are (default: no; most packs "
+         "have "
+         "the room anyway)",
+         {"no", "yes"}},
         {"order",
          Of::pack,
          &Recipe::order,
@@ -404,12 +411,11 @@ BakeOptions bake_options(const Recipe& recipe) {
     o.splat_spacing = splat_spacings[word_at(recipe.splat, "splat", 1)];
     o.nesting = recipe.nesting.value_or(o.nesting);
     o.room_for_holes = word_at(recipe.room_for_holes, "room-for-holes", 0) != 0;
+    o.room_for_locks = word_at(recipe.room_for_locks, "room-for-locks", 0) != 0;
     o.locks_path = recipe.locks.value_or("");
     o.lock_error_m = recipe.lock_error;
     if (recipe.lock_error && !recipe.locks)
         throw Failure(2, "--lock-error-m is of locks without an error; give their file with --locks");
-    if (recipe.locks && o.estimate == ErrorEstimate::midpoint)
-        throw Failure(2, "--locks need errors that are bounds; leave out --estimate midpoint");
     o.quantum_m = recipe.quantum.value_or(0);
     o.texture_paths = recipe.texture;
     o.texture_bands = recipe.texture_bands.value_or("");

@@ -19,7 +19,7 @@ struct Recipe {
     std::vector<std::string> inputs, texture;
     std::optional<std::string> output, ramp, edits, locks;
     std::optional<std::string> nodata, crs, encoding, tile, estimate, order, horizons, layers, splat, size, band,
-        vertical_unit, texture_bands, room_for_holes;
+        vertical_unit, texture_bands, room_for_holes, room_for_locks;
     std::optional<double> spacing, zscale, zoffset, nesting, quantum, lock_error;
     std::optional<std::array<double, 4>> bbox; // west, south, east, north
     std::optional<DeclaredVoids> voids;        // key "void"

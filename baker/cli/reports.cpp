@@ -138,6 +138,7 @@ json info_json(const PackFile& file) {
            {"quantum_m", h.quantum_m},
            {"holes", h.voids},
            {"room_for_holes", has_room_for_holes(h)},
+           {"room_for_locks", has_room_for_locks(h)},
            {"pages_per_tile", pages_of(h).pages_per_tile()},
            {"max_error_m", h.max_error_m},
            {"colour_texels", h.colour_log2 ? 1u << h.colour_log2 : 0},

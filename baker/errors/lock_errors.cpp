@@ -38,11 +38,6 @@ LockedSquares merged(const LockedSquares& from, SampleIndex first, std::int32_t 
     return to;
 }
 
-std::uint8_t code_of_locks(const Scales& scales, const Tree& tree, int level) {
-    return static_cast<std::uint8_t>(scales.lock_code +
-                                     scales.nesting_steps * static_cast<std::uint32_t>(2 * tree.tile_log2 - 1 - level));
-}
-
 std::uint8_t with_locks(std::uint8_t code, LockCodes codes, std::uint8_t always) {
     const int counted = code == 0 ? 0 : std::min(code + codes.raise, 255); // which choose_scales() has left room for
     return code > codes.allowed ? std::max(static_cast<std::uint8_t>(counted), always)
@@ -63,7 +58,7 @@ void raise_locked(const LockedRegion& in, VertexPlanes<std::uint8_t>& finest, Pa
     const int leaves = 2 * in.tree.tile_log2 - 1; // the level of the finest sides
     const auto raise = [&](std::uint8_t& code, SampleIndex v, int z, bool centre) {
         const LockCodes codes = squares.of_four((v.column >> z) - 1, (v.row >> z) - 1);
-        code = with_locks(code, codes, code_of_locks(in.scales, in.tree, leaves - 2 * z - centre));
+        code = with_locks(code, codes, static_cast<std::uint8_t>(in.scales.errors.always(leaves - 2 * z - centre)));
     };
     for (std::int32_t j = 0; j <= rows / 2; ++j) {
         const std::int32_t y = r.first.row + 2 * j;
@@ -94,7 +89,7 @@ void raise_locked(const LockedRegion& in, VertexPlanes<std::uint8_t>& finest, Pa
 std::uint64_t always_drawn(const StepInput& step) {
     const int side_level = 2 * (step.tree.tile_log2 - 1 - step.z) + 1;
     const auto count = [&](const VertexPlane<std::uint8_t>& plane, int level) {
-        const std::uint8_t least = code_of_locks(step.scales, step.tree, level);
+        const std::uint32_t least = step.scales.errors.always(level);
         std::uint64_t all = 0;
         for (std::int32_t j = 0; j < step.ny; ++j)
             for (std::int32_t i = 0; i < step.nx; ++i) all += plane.row(j)[i] >= least;

@@ -2,7 +2,7 @@
 // the square around its diamond, which is more than the diamond and costs few vertices.
 //
 // error_px: its code counts so many codes more. error_m: if its triangles may be off by more, it gets the code of its
-// level's locks, which keeps it in the mesh of any view that sees the terrain (Scales::lock_code).
+// level's locks, which keeps it in the mesh of any view that sees the terrain (ErrorScale::always()).
 #pragma once
 
 #include <cstdint>

@@ -121,15 +121,10 @@ void choose_error_scale(const ScaleInput& in, const Bounds& bounds, Scales& s) {
     s.nesting_steps = static_cast<std::uint32_t>(std::clamp(wish, 1.0, 64.0 / in.tree.tile_log2));
     s.ratio = static_cast<float>(std::max(std::pow(least, 1.0 / s.nesting_steps), 1.05) * (1 + 0x1p-20));
     s.floor_m = std::max(0.5f * in.height_scale.quantum_m, 1e-8f);
-    constexpr std::uint32_t for_stamps = 8; // codes
-    s.lock_code =
-        static_cast<std::uint8_t>(255 - for_stamps - s.nesting_steps * static_cast<std::uint32_t>(levels - 1));
-    // An error of a fiftieth of what there is to see is a pixel from eighteen times as far away, at 935 pixels a radian
-    // (1,080 lines over 60 degrees).
-    const double always_m = in.locks_in_metres ? bounds.diagonal_m() / 50 : 0;
+    const double always_m = in.room_for_locks ? bounds.diagonal_m() * always_drawn_share : 0;
     for (bool fits = false; !fits; s.floor_m *= fits ? 1 : 1.5f) {
         s.errors = ErrorScale::make(s.floor_m, s.ratio, s.nesting_steps);
-        fits = static_cast<double>(s.errors.metres[s.lock_code]) >= always_m;
+        fits = static_cast<double>(s.errors.metres[s.errors.always(levels - 1)]) >= always_m;
         for (int level = 0; level < levels; ++level) {
             const double worst =
                 bounds.error_m(in.tree.tile_log2 - 1 - level / 2, 2 * s.ground_pad_m + s.height_pad_m) *

@@ -38,9 +38,6 @@ struct Scales {
     float floor_m = 1, ratio = 1.05f; // of errors
     std::uint32_t nesting_steps = 1;
     ErrorScale errors;
-    // Of vertices of the finest sides that locks keep in every mesh; those of the levels above are nesting steps more,
-    // as nesting asks for anyway. Stamps have a few codes left above.
-    std::uint8_t lock_code = 255;
     RadiusScale radii = RadiusScale::make();
     float level_radius_m[2 * max_tile_log2] = {};
     // What a distance between two vertices may be larger by where the runtime places them, in float: along the ground
@@ -54,8 +51,8 @@ struct ScaleInput {
     HeightStatistics heights;
     double nesting = 0.05;
     bool room_for_holes = false;  // even if there are none
-    bool locks_in_metres = false; // errors have codes for vertices that are always drawn
-    double sharpest_lock = 1;     // how much more than they are errors may count
+    bool room_for_locks = false;  // errors have codes for vertices that are always drawn
+    double sharpest_lock = 1;    // how much more than they are errors may count
 };
 [[nodiscard]] Scales choose_scales(const ScaleInput& input);
 

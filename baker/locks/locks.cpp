@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include "shared/stamp.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -16,12 +18,6 @@ constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr std::size_t run_places = 64;
 constexpr double longest_cells = 32; // of a side: longer ones are cut, so that the box of a run is small
 
-// The largest code whose error is not above error_m.
-std::uint8_t code_down(const ErrorScale& scale, double error_m) {
-    std::uint8_t code = 0;
-    while (code < 254 && static_cast<double>(scale.metres[code + 1]) <= error_m) ++code;
-    return code;
-}
 // How many codes make an error at least so many times as large.
 std::uint8_t codes_for(const ErrorScale& scale, double times) {
     std::uint8_t codes = 0;
@@ -123,7 +119,7 @@ void Locks::add_part(const std::vector<Place>& part) {
 }
 
 bool Locks::in_metres() const {
-    return std::ranges::any_of(shapes_, [](const Shape& s) { return s.error_m != no_limit; });
+    return !stamps_.empty() || std::ranges::any_of(shapes_, [](const Shape& s) { return s.error_m != no_limit; });
 }
 
 double Locks::sharpest() const {
@@ -143,12 +139,13 @@ std::string Locks::account() const {
     say(of(VectorKind::point), "point", "points");
     say(of(VectorKind::line), "line", "lines");
     say(of(VectorKind::polygon), "area", "areas");
+    say(static_cast<std::size_t>(std::ranges::count(stamps_, StampShape::lock, &Stamp::shape)), "stamp", "stamps");
     if (outside_) text += fmt::format("; {} beside the terrain left out", outside_);
     return text;
 }
 
 std::string Locks::identity() const {
-    if (empty()) return {};
+    if (shapes_.empty()) return {}; // stamps are the source's
     std::string text = "\nlocks";
     for (const Shape& s : shapes_)
         text += fmt::format(" {} {} {} {}", static_cast<int>(s.kind), s.reach_m, s.error_m, s.error_px);
@@ -174,14 +171,61 @@ std::vector<LockCodes> Locks::over(const Window& window, const ErrorScale& scale
         if (!meets(box)) continue;
         if (codes.empty()) codes.resize(window.area());
         const Shape& s = shapes_[runs_[i].shape];
-        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : code_down(scale, s.error_m);
+        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : scale.code_down(s.error_m);
         Raster raster{window, field, codes, {allowed, codes_for(scale, 1 / s.error_px)}};
         const std::span<const Run> runs(runs_.data() + i, end - i);
         if (s.kind == VectorKind::polygon) hold_inside(runs, raster);
         for (const Run& run : runs)
             if (meets(run.box)) hold_along(run, raster);
     }
+    if (!stamps_.empty()) hold_stamped(field, scale, window, codes);
     return codes;
+}
+
+void Locks::add_stamps(const HeightSource& field) {
+    std::copy_n(field.spacing_m, 2, spacing_m_);
+    columns_ = field.columns, rows_ = field.rows;
+    const auto all = field.locks();
+    const edit::StampGrid grid(columns_, rows_, spacing_m_);
+    for (const Stamp& stamp : all)
+        if ((stamp.shape == StampShape::lock || !stamps_.empty()) && !edit::samples_of(grid, stamp).empty())
+            stamps_.push_back(stamp);
+}
+
+// What stamps hold in the end, one after the other, as the runtime does (edit/locks.h). They take nothing away from
+// shapes.
+void Locks::hold_stamped(const Window& field, const ErrorScale& scale, const Window& window,
+                         std::vector<LockCodes>& codes) const {
+    using edit::Rect;
+    const edit::StampGrid grid(columns_, rows_, spacing_m_);
+    const Rect near{field.x, field.y, field.x + field.columns - 1, field.y + field.rows - 1};
+    std::vector<std::uint8_t> allowed;
+    const auto index = [&](std::int32_t x, std::int32_t y) {
+        return static_cast<std::size_t>(y - window.y) * static_cast<std::size_t>(window.columns) +
+               static_cast<std::size_t>(x - window.x);
+    };
+    for (const Stamp& stamp : stamps_) {
+        const Rect all = edit::samples_of(grid, stamp).within(near);
+        const bool locks = stamp.shape == StampShape::lock;
+        if (all.empty() || (allowed.empty() && !locks)) continue;
+        if (allowed.empty()) allowed.assign(window.area(), LockCodes::any);
+        const std::uint8_t code = scale.code_down(static_cast<double>(stamp.amount_m));
+        constexpr std::int32_t side = 32;
+        for (std::int32_t by = all.y0; by <= all.y1; by += side)
+            for (std::int32_t bx = all.x0; bx <= all.x1; bx += side) {
+                const Rect part = Rect{bx, by, bx + side - 1, by + side - 1}.within(all);
+                if (!edit::may_change(grid, stamp, part)) continue;
+                for (std::int32_t y = part.y0; y <= part.y1; ++y)
+                    for (std::int32_t x = part.x0; x <= part.x1; ++x) {
+                        if (!edit::locks_sample(grid, stamp, {x, y})) continue;
+                        std::uint8_t& at = allowed[index(x, y)];
+                        at = locks ? std::min(at, code) : LockCodes::any;
+                    }
+            }
+    }
+    if (std::ranges::all_of(allowed, [](std::uint8_t code) { return code == LockCodes::any; })) return;
+    if (codes.empty()) codes.resize(window.area());
+    for (std::size_t i = 0; i < codes.size(); ++i) codes[i].allowed = std::min(codes[i].allowed, allowed[i]);
 }
 
 // Samples within reach of a side, or of a point.

@@ -34,8 +34,10 @@ public:
     // where it says none. Those beside the field are left out. O(points). Throws Failure 1: read_vectors()', a feature
     // without an error, a number that is none, or nothing on the field.
     Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field);
+    // Those of stamps as well, which the field keeps (HeightSource::locks()).
+    void add_stamps(const HeightSource& field);
 
-    [[nodiscard]] bool empty() const { return shapes_.empty(); }
+    [[nodiscard]] bool empty() const { return shapes_.empty() && stamps_.empty(); }
     [[nodiscard]] bool in_metres() const;       // some of them
     [[nodiscard]] double sharpest() const;      // 1 / the smallest error_px; 1: none
     [[nodiscard]] std::string account() const;  // "3 lines, 1 area; 2 shapes beside the terrain left out"
@@ -62,10 +64,13 @@ private:
     struct Raster;
     void hold_along(const Run& run, Raster& raster) const;
     void hold_inside(std::span<const Run> rings, Raster& raster) const;
+    void hold_stamped(const Window& field, const ErrorScale& scale, const Window& window,
+                      std::vector<LockCodes>& codes) const;
 
     double spacing_m_[2] = {1, 1};
     std::int32_t columns_ = 0, rows_ = 0;
     std::vector<Shape> shapes_;
+    std::vector<Stamp> stamps_; // from the first that locks on
     std::vector<Run> runs_; // those of a shape lie together
     std::vector<Place> places_;
     std::size_t outside_ = 0;

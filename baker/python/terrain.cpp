@@ -112,7 +112,7 @@ struct Ground {
     void allow_edits(std::uint32_t blocks) {
         auto made = std::make_unique<Edited>();
         const PackHeader header = whole ? whole->terrain.header() : io::PackFile(path).pack().header; // not open yet
-        made->budget = {.blocks = blocks, .stamps = 4096, .holes = has_room_for_holes(header)};
+        made->budget = {.blocks = blocks, .stamps = 4096, .holes = has_room_for_holes(header), .locks = blocks};
         if (!whole) {
             edited = std::move(made);
             begin_updates();

@@ -37,6 +37,7 @@ public:
 
     void apply(const Stamp& stamp) {
         if (paints(stamp.shape)) return paint(stamp);
+        if (!edit::moves_ground(stamp.shape)) return;
         const Rect all = edit::samples_of(grid_, stamp);
         // All blocks are evaluated on the ground as it was before any of them changes.
         std::vector<std::pair<Block*, Block>> changed;
@@ -307,7 +308,11 @@ public:
         const std::string text = io::write_stamps(stamps);
         hash_ = XXH3_64bits(text.data(), text.size());
         const auto overlay = std::make_shared<Overlay>(*source_, scale_, name);
-        for (const io::TimedStamp& stamp : stamps) overlay->apply(stamp.what.stamp());
+        for (const io::TimedStamp& stamp : stamps) {
+            overlay->apply(stamp.what.stamp());
+            if (edit::locks(stamp.what.plain.shape)) kept_.push_back(stamp.what);
+        }
+        for (const io::KeptStamp& stamp : kept_) locks_.push_back(stamp.stamp());
         cut_ = overlay->cut();
         if (scale_) {
             changes_.pack = dynamic_cast<const PackSource*>(source_.get());
@@ -335,6 +340,7 @@ public:
     }
     [[nodiscard]] const edit::PaintSource* paint() const override { return overlay_->paint(); }
     [[nodiscard]] const PackChanges* changes() const override { return scale_ ? &changes_ : nullptr; }
+    [[nodiscard]] std::span<const Stamp> locks() const override { return locks_; }
     [[nodiscard]] std::string identity() const override {
         return fmt::format("{}\nedits {:016x}", source_->identity(), hash_);
     }
@@ -344,6 +350,8 @@ private:
     std::optional<HeightScale> scale_; // a pack's
     PackChanges changes_;              // of one
     std::shared_ptr<const Overlay> overlay_;
+    std::vector<io::KeptStamp> kept_; // that locks_ points into
+    std::vector<Stamp> locks_;
     std::uint64_t hash_ = 0; // of the stamps
     std::uint64_t cut_ = 0;  // samples
     std::string name_;

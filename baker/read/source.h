@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "baker/read/range_ends.h"
 #include "baker/store/window.h"
+#include "fjell/edit.h"
 #include "fjell/io/failure.h"
 
 namespace fjell::edit {
@@ -116,6 +118,8 @@ public:
     [[nodiscard]] virtual const PackChanges* changes() const { return nullptr; }
     // What lies over its colour and splat maps (shared/paint.h); null: nothing.
     [[nodiscard]] virtual const edit::PaintSource* paint() const { return nullptr; }
+    // Stamps that lock places, or unlock them, in order (StampShape::lock). They stay as long as the source.
+    [[nodiscard]] virtual std::span<const Stamp> locks() const { return {}; }
 };
 
 } // namespace fjell::baker

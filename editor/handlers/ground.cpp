@@ -47,7 +47,7 @@ void dab_at(Ground& ground, Engine& engine, double x_m, double z_m) {
 void draw_to(Ground& ground, Engine& engine, double x_m, double z_m) {
     if (!ground.last_dab) return dab_at(ground, engine, x_m, z_m);
     const Brush& b = ground.brush;
-    const double step_m = std::max(apart * (b.radius_m + 0.5 * b.falloff_m), least_brush_m);
+    const double step_m = std::max(apart * (b.radius_m + 0.5 * falloff_of(b)), least_brush_m);
     constexpr int most_dabs = 1000; // a stroke across a large terrain by a small brush
     for (int i = 0; i < most_dabs; ++i) {
         const auto [from_x, from_z] = *ground.last_dab;
@@ -130,6 +130,11 @@ void follow_ground(Ground& ground, const Digging& digging, const session::Sessio
         ground.report = session.edits->totals().last;
         ground.waiting = session.edits->waiting();
         ground.blocks = session.edits->budget().blocks;
+        // As many as vertices that it counts, so not while a stroke goes on.
+        if (ground.report.locks == 0)
+            ground.always_drawn = 0;
+        else if (ground.report.loose == 0 && (ground.report.work != 0 || ground.always_drawn == 0))
+            ground.always_drawn = count_always_drawn(session.edits->edits());
         ground.update_us = ground.report.apply_us + ground.report.measure_us;
     } else if (ground.problem.empty()) {
         ground.problem = "This terrain lacks tiles: its ground cannot be changed.";
@@ -139,7 +144,7 @@ void follow_ground(Ground& ground, const Digging& digging, const session::Sessio
     ground.at = ground_under(session, view, (*ground.pointer)[0], (*ground.pointer)[1]);
     if (!ground.at) return;
     lay_ring(session.terrain(), *ground.at, ground.brush.radius_m, ground.inner);
-    lay_ring(session.terrain(), *ground.at, ground.brush.radius_m + ground.brush.falloff_m, ground.outer);
+    lay_ring(session.terrain(), *ground.at, ground.brush.radius_m + falloff_of(ground.brush), ground.outer);
 }
 
 } // namespace fjell::editor

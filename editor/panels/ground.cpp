@@ -16,7 +16,8 @@ namespace fjell::editor {
 namespace {
 
 constexpr const char* tool_labels[] = {"Off",     "Raise", "Lower", "Level", "Smooth", "Noise",  "Crater",
-                                       "Restore", "Hole",  "Fill",  "Road",  "Paint",  "Unpaint"};
+                                       "Restore", "Hole",  "Fill",  "Road",  "Paint",  "Unpaint", "Lock",
+                                       "Unlock"};
 constexpr const char* tool_abouts[] = {
     "The left button looks around.",
     "Adds metres to the ground.",
@@ -31,6 +32,8 @@ constexpr const char* tool_abouts[] = {
     "Levels a road along the stroke, when the button is let go. The radius is half its width.",
     "Lays a colour, or a material, over the maps.",
     "Brings back the pack's colours and materials.",
+    "Keeps what any view draws within an error of the ground.",
+    "Takes locks away.",
 };
 static_assert(std::size(tool_labels) == std::size(brush_tool_names) &&
                   std::size(tool_abouts) == std::size(brush_tool_names),
@@ -106,16 +109,26 @@ void draw_brush(const State& state, PanelState&, Commands& commands) {
                  most_m = std::clamp(wide_m / 8, 2 * least_m, most_brush_m);
     given |= slider("Radius", "radius", brush.radius_m, least_m, most_m, "%.3g m", true,
                     "Within it the brush applies wholly. The wheel over the picture changes it, too.");
-    given |= slider("Falloff", "falloff", brush.falloff_m, 0, most_m, "%.3g m", false,
+    const bool locks = brush.tool == BrushTool::lock || brush.tool == BrushTool::unlock; // do not fade out
+    if (!locks)
+        given |= slider("Falloff", "falloff", brush.falloff_m, 0, most_m, "%.3g m", false,
                     "How far beyond the radius the brush fades out.");
     if (has_amount(brush.tool))
         given |= slider("Height", "amount", brush.amount_m, 0.01, std::max(1.0, most_m / 2), "%.3g m", true,
                         "Of a dab. A stroke has four dabs along the brush's width.");
-    given |= slider("Strength", "strength", brush.strength, 0, 1, "%.2f", false, "How much of all this happens.");
+    if (brush.tool == BrushTool::lock)
+        given |= slider("Error", "error", brush.error_m, 0, 10, "%.3g m", true,
+                        "No view draws the ground farther off here. 0 is exact.");
+    if (!locks)
+        given |= slider("Strength", "strength", brush.strength, 0, 1, "%.2f", false, "How much of all this happens.");
     if (brush.tool == BrushTool::paint) given |= paint_controls(brush);
     if (given) commands.push(SetBrush{brush});
     ui::row("Changed blocks", "%u of %u", ground.report.blocks, ground.blocks);
     ui::tip("Blocks of 32 x 32 samples that differ from the pack. A stroke that needs more is refused.");
+    if (ground.report.locks != 0) {
+        ui::row("Always drawn", "%u vertices", ground.always_drawn);
+        ui::tip("Vertices that locks keep in every mesh. The budget of vertices should be larger.");
+    }
     ui::row("Last change", "%.2f ms", ground.update_us / 1000);
     ui::tip("What applying strokes and measuring their errors took of the last frame: 4 ms at most.");
     ui::note(brush.tool == BrushTool::off ? "B takes a brush, and puts it away."

@@ -117,6 +117,8 @@ void add_edits(json& j, const Session& session) {
                   {"samples", t.samples},
                   {"blocks", t.last.blocks},
                   {"blocks_capacity", session.edits->budget().blocks},
+                  {"locked_blocks", t.last.locks},
+                  {"always_drawn", count_always_drawn(session.edits->edits())},
                   {"bytes", session.edits->bytes()},
                   {"loose", t.last.loose},
                   {"unmeasured", t.last.unmeasured},

@@ -78,9 +78,14 @@ void LiveTerrain::begin(const std::string& name) {
         if (holes && !(options_.edits->holes && has_room_for_holes(h)))
             throw Failure(1, options_.journal + ": cuts holes: set EditBudget::holes, and give a pack that is baked "
                                                 "with --room-for-holes yes");
+        const bool locks = std::ranges::any_of(
+            kept_->stamps, [](const KeptStamp& kept) { return kept.plain.shape == StampShape::lock; });
+        if (locks && !has_room_for_locks(h))
+            throw Failure(1, options_.journal + ": locks places: give a pack that is baked with --room-for-locks yes");
         StampBlocks blocks(h);
         for (const KeptStamp& kept : kept_->stamps) blocks.add(kept);
         options_.edits->blocks += blocks.heights(), options_.edits->paint += blocks.paint();
+        options_.edits->locks += blocks.locks();
     }
     if (options_.edits) {
         edits_block_ = std::make_unique<Block>(edits_bytes(h, *options_.edits));
@@ -135,7 +140,8 @@ void LiveTerrain::name_what_is_short() {
     constexpr std::pair<std::uint32_t, const char*> of_edits[] = {{edit_budget_work, "EditSettings::max_work"},
                                                                   {edit_budget_time, "EditSettings::max_time_us"},
                                                                   {edit_budget_blocks, "EditBudget::blocks"},
-                                                                  {edit_budget_paint, "EditBudget::paint"}};
+                                                                  {edit_budget_paint, "EditBudget::paint"},
+                                                                  {edit_budget_locks, "EditBudget::locks"}};
     for (const auto& [bit, field] : of_edits)
         if ((frame_.edits.exhausted & bit) != 0) short_of_[count++] = field;
     for (std::uint32_t left = frame_.cut.exhausted; left != 0; left &= left - 1)

@@ -24,8 +24,10 @@ void StampBlocks::add(double x0, double z0, double x1, double z1, const Stamp& s
         least[axis] = std::max(least[axis], 0.0), most[axis] = std::min(most[axis], last[axis]);
         if (!(least[axis] <= most[axis])) return;
     }
-    std::unordered_set<std::uint64_t>& blocks =
-        stamp.shape == StampShape::paint || stamp.shape == StampShape::unpaint ? paint_ : heights_;
+    const auto is = [&](StampShape one, StampShape other) { return stamp.shape == one || stamp.shape == other; };
+    std::unordered_set<std::uint64_t>& blocks = is(StampShape::paint, StampShape::unpaint) ? paint_
+                                                : is(StampShape::lock, StampShape::unlock) ? locks_
+                                                                                           : heights_;
     const auto block = [](double sample) { return static_cast<std::uint64_t>(sample / side); };
     const std::uint64_t columns = block(most[0]) - block(least[0]) + 1, rows = block(most[1]) - block(least[1]) + 1;
     if (blocks.size() + columns * rows > most_stamp_blocks) return;
@@ -35,7 +37,8 @@ void StampBlocks::add(double x0, double z0, double x1, double z1, const Stamp& s
 
 void StampBlocks::add(const KeptStamp& stamp) {
     const Stamp& s = stamp.plain;
-    const double out_m = static_cast<double>(s.radius_m) + static_cast<double>(s.falloff_m);
+    double out_m = static_cast<double>(s.radius_m) + static_cast<double>(s.falloff_m);
+    if (s.shape == StampShape::lock) out_m += std::hypot(spacing_m_[0], spacing_m_[1]); // a cell more
     if (s.shape == StampShape::heights || (s.columns > 0 && s.radius_m == 0)) return add(0, 0, 1e9, 1e9, s);
     if (stamp.points.empty()) return add(s.x_m - out_m, s.z_m - out_m, s.x_m + out_m, s.z_m + out_m, s);
     for (std::size_t i = 1; i < stamp.points.size(); ++i) {

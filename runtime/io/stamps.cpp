@@ -24,8 +24,9 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* shape_names[] = {"raise",   "level",   "crater", "path",    "noise", "smooth",
-                                       "heights", "restore", "paint",  "unpaint", "hole",  "fill"};
-static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::fill) + 1,
+                                       "heights", "restore", "paint",  "unpaint", "hole",  "fill",
+                                       "lock",    "unlock"};
+static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::unlock) + 1,
               "a shape has a name: add it, and what it reads to the tables below");
 
 constexpr std::uint32_t bit(StampShape shape) {
@@ -37,10 +38,11 @@ constexpr std::uint32_t bits(Shapes... shapes) {
 }
 constexpr std::uint32_t by_rectangle = bit(StampShape::heights);
 constexpr std::uint32_t by_line = bit(StampShape::path);
-constexpr std::uint32_t painting = bits(StampShape::paint, StampShape::unpaint); // by a centre or by a line
+constexpr std::uint32_t locking = bits(StampShape::lock, StampShape::unlock);
+constexpr std::uint32_t by_either = bits(StampShape::paint, StampShape::unpaint) | locking; // by a centre or by a line
 constexpr std::uint32_t all_shapes = (1u << std::size(shape_names)) - 1;
 constexpr std::uint32_t by_centre = all_shapes & ~(by_rectangle | by_line);
-constexpr std::uint32_t moving = all_shapes & ~(painting | bits(StampShape::hole, StampShape::fill));
+constexpr std::uint32_t moving = all_shapes & ~(by_either | bits(StampShape::hole, StampShape::fill));
 
 constexpr double largest = 1e8, smallest = 1e-6;
 
@@ -52,9 +54,10 @@ struct NumberOf {
 };
 constexpr NumberOf numbers[] = {
     {"radius_m", &Stamp::radius_m, 0, largest, by_centre | by_line, by_line},
-    {"falloff_m", &Stamp::falloff_m, 0, largest, by_centre | by_line, 0},
+    {"falloff_m", &Stamp::falloff_m, 0, largest, (by_centre | by_line) & ~locking, 0},
     {"amount_m", &Stamp::amount_m, -largest, largest, bits(StampShape::raise, StampShape::crater, StampShape::noise),
      bits(StampShape::raise, StampShape::crater, StampShape::noise)},
+    {"amount_m", &Stamp::amount_m, 0, largest, bits(StampShape::lock), bits(StampShape::lock)},
     {"height_m", &Stamp::height_m, -largest, largest, bits(StampShape::level), bits(StampShape::level)},
     {"slope_x", &Stamp::slope_x, -largest, largest, bits(StampShape::level), 0},
     {"slope_z", &Stamp::slope_z, -largest, largest, bits(StampShape::level), 0},
@@ -95,7 +98,7 @@ StampShape shape_of(const json& object) {
     unfit(fmt::format("\"shape\" must be one of {}", fmt::join(shape_names, ", ")));
 }
 
-// Paint lies at any height.
+// Paint and locks lie at any height.
 void read_points(const json& value, KeptStamp& kept) {
     const bool flat = kept.plain.shape != StampShape::path;
     for (const json& point : list_of(value, "points", 2, max_path_points)) {
@@ -136,12 +139,12 @@ bool is_read(std::string_view key, StampShape shape) {
     if (key == "shape" || key == "comment") return true;
     if (key == "first" || key == "columns" || key == "rows" || key == "mask") return true;
     if (key == "at") return (bit(shape) & by_centre) != 0;
-    if (key == "points") return (bit(shape) & (by_line | painting)) != 0;
+    if (key == "points") return (bit(shape) & (by_line | by_either)) != 0;
     if (key == "rgb" || key == "material") return shape == StampShape::paint;
     if (key == "seed") return shape == StampShape::noise;
     if (key == "heights_m") return shape == StampShape::heights;
-    const auto number = std::ranges::find_if(numbers, [&](const NumberOf& n) { return key == n.name; });
-    return number != std::end(numbers) && (number->read_by & bit(shape)) != 0;
+    return std::ranges::any_of(
+        numbers, [&](const NumberOf& n) { return key == n.name && (n.read_by & bit(shape)) != 0; });
 }
 
 json timed_json(const TimedStamp& timed) {
@@ -170,7 +173,8 @@ KeptStamp stamp_of(const json& object) {
     };
     for (const NumberOf& n : numbers) {
         if ((n.needed_by & bit(s.shape)) != 0) needs(n.name);
-        if (object.contains(n.name)) s.*n.field = static_cast<float>(within(object[n.name], n.name, n.least, n.most));
+        if (object.contains(n.name) && (n.read_by & bit(s.shape)) != 0)
+            s.*n.field = static_cast<float>(within(object[n.name], n.name, n.least, n.most));
     }
     if (object.contains("at")) {
         const json& at = list_of(object["at"], "at", 2, 2);

@@ -196,6 +196,7 @@ void read_head(const json& j, Recording& r) {
         const json& e = value(j, "edits");
         r.edits = {whole_number_of(e, "blocks"), whole_number_of(e, "stamps"), whole_number_of(e, "areas")};
         if (e.contains("paint")) r.edits->paint = whole_number_of(e, "paint");
+        if (e.contains("locks")) r.edits->locks = whole_number_of(e, "locks");
     }
 }
 
@@ -252,7 +253,8 @@ std::string write_recording(const Recording& r) {
         head["edits"] = {{"blocks", r.edits->blocks},
                          {"stamps", r.edits->stamps},
                          {"areas", r.edits->areas},
-                         {"paint", r.edits->paint}};
+                         {"paint", r.edits->paint},
+                         {"locks", r.edits->locks}};
     std::string text = head.dump() + '\n';
     for (const RecordedFrame& f : r.frames) {
         text += frame_json(f).dump();

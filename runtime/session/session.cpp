@@ -100,6 +100,7 @@ void make_edits(const FlightOptions& options, Session& session) {
         const bool more = options.editable;
         budget.blocks = more ? budget.blocks + blocks.heights() : std::max(budget.blocks, blocks.heights());
         budget.paint = more ? budget.paint + blocks.paint() : std::max(budget.paint, blocks.paint());
+        budget.locks = more ? budget.locks + blocks.locks() : std::max(budget.locks, blocks.locks());
     }
     if (options.editable) budget.holes = has_room_for_holes(session.terrain().header());
     session.edits = std::make_unique<FlightEdits>(session.terrain(), budget, std::move(stamps));

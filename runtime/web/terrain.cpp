@@ -230,7 +230,7 @@ FJELL_CALL void ground_open(Ground* g, const std::byte* corners, std::size_t byt
     g->terrain_block.allocate(terrain_bytes(h, slots));
     require(create_terrain(g->pack, {corners, bytes}, slots, g->terrain_block.all(), g->terrain), "open");
     if (count(7) != 0) {
-        const EditBudget budget{.blocks = count(7), .holes = has_room_for_holes(h)};
+        const EditBudget budget{.blocks = count(7), .holes = has_room_for_holes(h), .locks = count(7)};
         g->edits_block.allocate(edits_bytes(h, budget));
         require(create_edits(g->terrain, budget, g->edits_block.all(), g->edits), "open");
     }
@@ -449,7 +449,7 @@ const char* why(const Status& status) {
 // number. Returns why it is refused, or an empty text.
 FJELL_CALL const char* ground_edit(Ground* g) {
     Stamp s;
-    static_assert(StampShape::fill == static_cast<StampShape>(11)); // package/terrain.js numbers them too
+    static_assert(StampShape::unlock == static_cast<StampShape>(13)); // package/terrain.js numbers them too
     s.shape = static_cast<StampShape>(numbers[0]);
     s.x_m = numbers[1], s.z_m = numbers[2];
     s.radius_m = static_cast<float>(numbers[3]), s.falloff_m = static_cast<float>(numbers[4]);

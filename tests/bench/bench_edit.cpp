@@ -241,6 +241,51 @@ void road(benchmark::State& state, std::int32_t samples) {
     state.counters["measure_us"] = measure_us / n;
 }
 
+// The same road, locked to 5 cm and unlocked; a crater on it in between, which is measured with the lock.
+void lock(benchmark::State& state, std::int32_t samples) {
+    Scene& s = scene(samples);
+    const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
+    std::vector<double> lock_apply, lock_measure, crater_apply, crater_measure, unlock;
+    std::uint32_t before = count_always_drawn(s.edits), drawn = 0;
+    for (auto _ : state) {
+        const double from = middle - 500 * cell + static_cast<double>(lock_apply.size() % 7) * cell;
+        const StampPoint points[2] = {{from, from + 40 * cell, 0}, {from + 1000 * cell, from + 300 * cell, 0}};
+        const auto push = [&](const Stamp& stamp, std::vector<double>& applied, std::vector<double>* measured) {
+            StampId id = 0;
+            must(push_stamp(s.edits, stamp, id));
+            EditReport report;
+            must(update_edits(s.edits, {&s.view, 1}, {}, report));
+            must(stamp_state(s.edits, id).status);
+            applied.push_back(report.apply_us);
+            if (measured != nullptr) measured->push_back(report.measure_us);
+        };
+        Stamp stamp;
+        stamp.shape = StampShape::lock;
+        stamp.points = points, stamp.point_count = 2;
+        stamp.radius_m = static_cast<float>(3 * cell), stamp.amount_m = 0.05f;
+        push(stamp, lock_apply, &lock_measure);
+        drawn = std::max(drawn, count_always_drawn(s.edits) - before);
+        Stamp crater;
+        crater.shape = StampShape::crater;
+        crater.x_m = from + 500 * cell, crater.z_m = from + 170 * cell;
+        crater.radius_m = static_cast<float>(24 * cell), crater.falloff_m = static_cast<float>(8 * cell);
+        crater.amount_m = static_cast<float>(6 * cell);
+        push(crater, crater_apply, &crater_measure);
+        stamp.shape = StampShape::unlock;
+        push(stamp, unlock, nullptr);
+    }
+    const auto median = [](std::vector<double>& v) {
+        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+        return v[v.size() / 2];
+    };
+    state.counters["apply_us"] = median(lock_apply);
+    state.counters["measure_us"] = median(lock_measure);
+    state.counters["unlock_us"] = median(unlock);
+    state.counters["crater_us"] = median(crater_apply);
+    state.counters["crater_measure_us"] = median(crater_measure);
+    state.counters["always_drawn"] = drawn;
+}
+
 // A shaft of 32 samples across that is cut, shown, and filled again; and a crater as above beside it, on ground that
 // may have holes and whose errors count in the steps that this takes.
 void shaft(benchmark::State& state) {
@@ -293,6 +338,7 @@ int main(int argc, char** argv) {
         const std::string of = "edit/" + std::to_string(samples) + "/";
         benchmark::RegisterBenchmark((of + "crater").c_str(), crater, samples)->Iterations(60);
         benchmark::RegisterBenchmark((of + "road").c_str(), road, samples)->Iterations(6);
+        benchmark::RegisterBenchmark((of + "lock").c_str(), lock, samples)->Iterations(15);
     }
     benchmark::RegisterBenchmark("edit/1025/shaft", shaft)->Iterations(60);
     benchmark::Initialize(&argc, argv);

@@ -24,7 +24,7 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
     static const std::vector<std::byte> file = [] {
         Random random(77);
         baker::BakeOptions options = small_bake(5);
-        options.room_for_holes = true;
+        options.room_for_holes = true, options.room_for_locks = true;
         return bake_and_load(random_dem(random, 90, 70, Shape::fractal), options).file;
     }();
     Pack pack;
@@ -32,7 +32,7 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
     const io::AlignedMemory memory = io::allocate(terrain_bytes(pack.header));
     Terrain terrain;
     must(load_terrain(pack, {memory.get(), terrain_bytes(pack.header)}, terrain).ok(), "it is loaded");
-    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8, .paint = 6, .holes = true};
+    const EditBudget budget{.blocks = 24, .stamps = 16, .areas = 8, .paint = 6, .holes = true, .locks = 8};
     const std::size_t bytes = edits_bytes(pack.header, budget);
     const io::AlignedMemory block = io::allocate(bytes);
     Edits edits;
@@ -75,6 +75,12 @@ void stamp(const std::vector<io::TimedStamp>& stamps) {
         must(push_stamp(edits, all, id).ok() && update_edits(edits, {}, {.now_s = 1e9}, report).ok(), "paint ends");
         must(report.paint == 0, "and gives its blocks back");
     }
+    Stamp all;
+    all.shape = StampShape::unlock, all.radius_m = 1e8f;
+    StampId id = 0;
+    EditReport report;
+    must(push_stamp(edits, all, id).ok() && update_edits(edits, {}, {.now_s = 1e9}, report).ok(), "locks end");
+    must(report.locks == 0 && report.loose == 0, "and give their blocks back");
 }
 
 } // namespace

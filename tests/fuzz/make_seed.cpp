@@ -355,6 +355,9 @@ void make_journal(const std::filesystem::path& folder) {
         const std::string stamps = (std::filesystem::path(FJELL_SOURCE_DIR) / "content/edits/craters.json").string();
         std::vector<std::uint64_t> ids;
         for (const io::TimedStamp& stamp : io::read_stamps(stamps)) ids.push_back(journal.add_stamp(low, stamp.what));
+        io::KeptStamp lock;
+        lock.plain.shape = StampShape::lock, lock.plain.amount_m = 0.05f, lock.points = {{1, 2, 0}, {30, 40, 0}};
+        ids.push_back(journal.add_stamp(low, lock));
         journal.set_layer({high, "higher", false, 0.5f, {}}, 0);
         journal.remove_stamps(std::span(ids).first(2));
         journal.remove_layer(high);
@@ -395,7 +398,8 @@ void make_seeds(const std::filesystem::path& folder) {
 {"shape": "paint", "at": [300, 200], "radius_m": 60, "falloff_m": 20, "rgb": [200, 10, 10], "material": 3, "strength": 0.7},
 {"shape": "unpaint", "points": [[0, 0], [400, 300]], "radius_m": 9},
 {"frame": 2, "shape": "hole", "at": [420, 380], "radius_m": 40}, {"frame": 4, "shape": "fill", "at": [430, 380],
-"radius_m": 30}]})");
+"radius_m": 30}, {"shape": "lock", "points": [[0, 0], [400, 300]], "radius_m": 9, "amount_m": 0.05}, {"frame": 1,
+"shape": "unlock", "at": [300, 200], "radius_m": 60}]})");
     make_journal(folder / "journal");
     make_netcdf(folder / "netcdf");
     make_checkpoint(folder / "checkpoint");

@@ -89,23 +89,6 @@ Place place_on(Random& random, const Lock& lock, const baker::Dem& dem) {
             a[1] + t * (b[1] - a[1]) + std::sin(around) * off_m / dem.spacing_m[1]};
 }
 
-// The mesh' surface there, in metres; no triangle: NaN.
-double drawn_m(const MeshView& mesh, Place p) {
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const MeshVertex& a = mesh.vertices[mesh.indices[i]];
-        const MeshVertex& b = mesh.vertices[mesh.indices[i + 1]];
-        const MeshVertex& c = mesh.vertices[mesh.indices[i + 2]];
-        const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
-        const double px = p[0] - a.column, py = p[1] - a.row, area = bx * cy - by * cx;
-        if (area == 0) continue;
-        const double u = (px * cy - py * cx) / area, v = (bx * py - by * px) / area;
-        if (u < 0 || v < 0 || u + v > 1) continue;
-        const auto h = [](const MeshVertex& m) { return static_cast<double>(m.height_m); };
-        return h(a) + u * (h(b) - h(a)) + v * (h(c) - h(a));
-    }
-    return std::nan("");
-}
-
 struct Locked {
     TemporaryFolder folder;
     baker::Dem dem;
@@ -165,7 +148,7 @@ TEST_CASE("along locks no view draws ground farther off than they allow, and pac
                 const Place p = place_on(random, lock, scene.dem);
                 if (p[0] < 0 || p[1] < 0 || p[0] > scene.dem.columns - 1 || p[1] > scene.dem.rows - 1) continue;
                 const TruePlane ground = true_plane(terrain, p[0], p[1]);
-                const double shown_m = drawn_m(method.mesh(), p);
+                const double shown_m = drawn_m(method.mesh(), p[0], p[1]);
                 if (ground.hole || std::isnan(shown_m)) continue; // beside a hole nothing is drawn
                 const double off_m = std::abs(shown_m - at(ground, p[0], p[1])),
                              rounding = 2 * rounding_m(terrain) + float_m;

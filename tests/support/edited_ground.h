@@ -43,8 +43,8 @@ struct Editor {
     Edits edits;
 };
 
-// holes: half of them cut some, or fill some.
-inline Stamp random_stamp(Random& random, const Terrain& terrain, bool holes = false) {
+// holes: half of them cut some, or fill some. locks: a third of them lock places, or unlock them.
+inline Stamp random_stamp(Random& random, const Terrain& terrain, bool holes = false, bool locks = false) {
     const double wx = terrain.extent_x_m(), wz = terrain.extent_z_m(), cell = terrain.spacing_x_m();
     const double relief =
         std::max<double>(terrain.header().max_m - terrain.header().min_m, terrain.header().quantum_m * 20);
@@ -59,6 +59,10 @@ inline Stamp random_stamp(Random& random, const Terrain& terrain, bool holes = f
     s.wavelength_m = static_cast<float>(cell * uniform(random, 1, 20));
     s.seed = static_cast<std::uint32_t>(pick(random, 0, 1000));
     if (holes && pick(random, 0, 1) != 0) s.shape = pick(random, 0, 2) != 0 ? StampShape::hole : StampShape::fill;
+    if (locks && pick(random, 0, 2) == 0) {
+        s.shape = pick(random, 0, 2) != 0 ? StampShape::lock : StampShape::unlock;
+        s.amount_m = pick(random, 0, 3) == 0 ? 0 : static_cast<float>(relief * std::exp2(uniform(random, -12, -3)));
+    }
     return s;
 }
 
@@ -150,7 +154,7 @@ inline std::string difference_of(const TerrainData& a, const TerrainData& b) {
 
 // A terrain whose scales no stamp inside changes: the lowest and the highest sample lie side by side in a corner.
 inline io::LoadedPack framed_terrain(Random& random, int tile_log2, std::int32_t columns, std::int32_t rows,
-                                     PageOrder order, bool room_for_holes = false) {
+                                     PageOrder order, bool room_for_holes = false, bool room_for_locks = false) {
     baker::Dem dem = random_dem(random, columns, rows, pick(random, 0, 1) ? Shape::fractal : Shape::noise);
     const auto [low, high] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
     const double range = std::max(static_cast<double>(*high) - static_cast<double>(*low), 1.0), quantum = range / 2000;
@@ -163,6 +167,7 @@ inline io::LoadedPack framed_terrain(Random& random, int tile_log2, std::int32_t
     baker::BakeOptions options = small_bake(tile_log2);
     options.order = order;
     options.room_for_holes = room_for_holes;
+    options.room_for_locks = room_for_locks;
     return bake_and_load(std::move(dem), options);
 }
 
@@ -176,12 +181,13 @@ struct Happened {
     int frames = 0, changed = 0, left = 0; // frames, stamps that changed something, frames with pages missing
     int steps = 0;                         // of edits, each in a frame with others
     std::size_t holes = 0;                 // in the end
+    int locks = 0;
 };
 
 // Frames in which stamps, cameras, budgets and pages come and go, beside the same stamps where all pages stay. The mesh
 // is whole after each; every some frames the terrain is nested, and bounds the ground.
 inline void dig_while_pages_leave(Random& random, const io::LoadedPack& pack, int frames, int check_every,
-                                  Happened& sum, bool holes = false) {
+                                  Happened& sum, bool holes = false, bool locks = false) {
     PagedTerrain paged(pack.pack, {}), still(pack.pack, {});
     const TerrainData& t = data_of(paged.terrain);
     const EditBudget edits{.holes = holes};
@@ -206,7 +212,8 @@ inline void dig_while_pages_leave(Random& random, const io::LoadedPack& pack, in
     for (int frame = 0; frame < frames; ++frame, ++sum.frames) {
         CAPTURE(frame);
         if (pick(random, 0, 3) == 0) {
-            Stamp stamp = random_stamp(random, pack.terrain, holes);
+            Stamp stamp = random_stamp(random, pack.terrain, holes, locks);
+            sum.locks += stamp.shape == StampShape::lock;
             if (pick(random, 0, 9) == 0) stamp.shape = StampShape::restore, stamp.radius_m = 1e6f;
             const StampId id = editor.push(stamp);
             sum.changed += editor.update().samples != 0;

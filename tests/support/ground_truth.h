@@ -53,6 +53,23 @@ inline double at(const TruePlane& plane, double column, double row) {
     return plane.height + plane.x * column + plane.y * row;
 }
 
+// The mesh' surface there, in metres; no triangle: NaN.
+inline double drawn_m(const MeshView& mesh, double column, double row) {
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const MeshVertex& a = mesh.vertices[mesh.indices[i]];
+        const MeshVertex& b = mesh.vertices[mesh.indices[i + 1]];
+        const MeshVertex& c = mesh.vertices[mesh.indices[i + 2]];
+        const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
+        const double px = column - a.column, py = row - a.row, area = bx * cy - by * cx;
+        if (area == 0) continue;
+        const double u = (px * cy - py * cx) / area, v = (bx * py - by * px) / area;
+        if (u < 0 || v < 0 || u + v > 1) continue;
+        const auto h = [](const MeshVertex& m) { return static_cast<double>(m.height_m); };
+        return h(a) + u * (h(b) - h(a)) + v * (h(c) - h(a));
+    }
+    return std::nan("");
+}
+
 // What doubles may lose: some hundred roundings of numbers as large as heights, and of places times the steepest slope.
 inline double rounding_m(const Terrain& t, double largest_place_cells = 0) {
     const double range = t.header().height_steps * static_cast<double>(data_of(t).height_scale.quantum_m);

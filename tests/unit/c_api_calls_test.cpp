@@ -298,6 +298,8 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
            c_budget.areas == EditBudget{}.areas && c_budget.moving == EditBudget{}.moving && !c_budget.holes));
     CHECK(fjell_has_room_for_holes(fjell_terrain_header(as_c(theirs.terrain))) == has_room_for_holes(ours.pack.header));
     CHECK(!fjell_has_room_for_holes(nullptr));
+    CHECK(fjell_has_room_for_locks(fjell_terrain_header(as_c(theirs.terrain))) == has_room_for_locks(ours.pack.header));
+    CHECK(!fjell_has_room_for_locks(nullptr));
     c_budget.blocks = budget.blocks, c_budget.stamps = budget.stamps, c_budget.areas = budget.areas,
     c_budget.moving = budget.moving;
     const FjellTerrain terrain = as_c(theirs.terrain);
@@ -356,6 +358,16 @@ TEST_CASE("a host in C moves ground as one in C++ does, and is told the same of 
     } while (report.waiting + report.loose != 0);
     CHECK(calls > 2);
     CHECK(fjell_stamp_state(c_edits, c_id).state == FJELL_STAMP_STATE_APPLIED);
+    // A lock along the road.
+    const std::uint32_t before = count_always_drawn(edits);
+    road.shape = StampShape::lock, road.amount_m = 0.5f;
+    c_road.shape = FJELL_STAMP_SHAPE_LOCK, c_road.amount_m = 0.5f;
+    REQUIRE((push_stamp(edits, road, id).ok() && fjell_push_stamp(c_edits, &c_road, &c_id).code == FJELL_OK));
+    settings.max_work = FJELL_UNLIMITED_EDIT_WORK;
+    REQUIRE(update_edits(edits, {}, {}, report).ok());
+    REQUIRE(fjell_update_edits(c_edits, nullptr, 0, &settings, &c_report).code == FJELL_OK);
+    CHECK((report.applied == 1 && report.locks != 0 && c_report.locks == report.locks));
+    CHECK((count_always_drawn(edits) > before && fjell_count_always_drawn(c_edits) == count_always_drawn(edits)));
     for (const auto& [x_m, z_m] : {std::pair{400.0, 250.0}, {800.0, 400.0}, {100.0, 700.0}})
         CHECK(fjell_ground_height(terrain, x_m, z_m, 0).height_m == ground_height(ours.terrain, x_m, z_m).height_m);
     CHECK(ground_height(ours.terrain, 400, 250).height_m == Approx(105).margin(1));

@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "baker/locks/locks.h"
 #include "baker/read/edited_source.h"
 #include "baker/read/pack_source.h"
+#include "edit/locks.h"
 #include "editor/digging.h"
 #include "fjell/io/failure.h"
 #include "fjell/pages.h"
@@ -72,6 +74,23 @@ struct DugTerrain {
                                                static_cast<std::size_t>(x)];
                 count += v.hole != std::isnan(height_m) || (!v.hole && v.height_m != height_m);
             }
+        return count + wrong_locks(*source);
+    }
+    // What is allowed at a sample is another error than a bake has.
+    [[nodiscard]] int wrong_locks(const baker::HeightSource& source) const {
+        const EditsData& edits = *find(session.edits->edits());
+        const baker::Window all{0, 0, source.columns, source.rows};
+        baker::Locks locks;
+        locks.add_stamps(source);
+        std::vector<baker::LockCodes> codes = locks.over(all, edits.terrain->errors);
+        codes.resize(all.area());
+        int count = 0;
+        for (std::int32_t y = 0; y < source.rows; ++y)
+            for (std::int32_t x = 0; x < source.columns; ++x)
+                count += edit::least_allowed(edits, {x, y, x, y}) !=
+                         codes[static_cast<std::size_t>(y) * static_cast<std::size_t>(source.columns) +
+                               static_cast<std::size_t>(x)]
+                             .allowed;
         return count;
     }
     session::Session session;
@@ -94,6 +113,10 @@ Brush any_brush(Random& random, const Terrain& terrain) {
     b.tool = static_cast<BrushTool>(pick(random, 1, has_room_for_holes(terrain.header()) ? 9 : 7));
     b.radius_m = spacing_m * uniform(random, 1, 9), b.falloff_m = spacing_m * uniform(random, 0, 9);
     b.amount_m = relief_m * uniform(random, 0.005, 0.03), b.strength = uniform(random, 0.1, 1);
+    if (has_room_for_locks(terrain.header()) && pick(random, 0, 3) == 0) {
+        b.tool = pick(random, 0, 2) != 0 ? BrushTool::lock : BrushTool::unlock;
+        b.error_m = relief_m * uniform(random, 0, 0.01), b.strength = 1;
+    }
     return b;
 }
 

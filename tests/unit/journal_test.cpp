@@ -41,7 +41,8 @@ io::KeptStamp some_stamp(Random& random) {
     const StampPoint points[] = {{1, 2, 3}, {40, 50, 60}, {70, 8, 9}};
     const float heights_m[] = {1, std::numeric_limits<float>::quiet_NaN(), 3, 4, 5, 6};
     const std::uint8_t mask[] = {0, 1, 2, 253, 254, 255};
-    switch (pick(random, 0, 3)) {
+    switch (pick(random, 0, 4)) {
+    case 4: s.shape = StampShape::lock, s.amount_m = 0.25f, s.points = points, s.point_count = 2; break;
     case 0: s.shape = StampShape::crater, s.amount_m = 3, s.morph_s = 0.5f; break;
     case 1: s.shape = StampShape::path, s.points = points, s.point_count = 3; break;
     case 2: s.shape = StampShape::noise, s.wavelength_m = 25, s.seed = 0xffff'ffff, s.amount_m = -2; break;

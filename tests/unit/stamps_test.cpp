@@ -56,14 +56,19 @@ TEST_CASE("stamps keep every field of their shape, and are sorted by frame") {
        "mask": [0, 255, 1, 2, 3, 4]},
       {"frame": 2, "shape": "restore", "first": [0, 0], "columns": 9, "rows": 9},
       {"frame": 8, "shape": "paint", "at": [1, 2], "radius_m": 3, "rgb": [255, 0, 7], "material": 15, "strength": 0.5},
-      {"frame": 9, "shape": "unpaint", "points": [[1, 2], [3, 4.5]], "radius_m": 3}]})";
+      {"frame": 9, "shape": "unpaint", "points": [[1, 2], [3, 4.5]], "radius_m": 3},
+      {"frame": 10, "shape": "lock", "points": [[1, 2], [3, 4.5]], "radius_m": 3, "amount_m": 0.25},
+      {"frame": 11, "shape": "unlock", "at": [1, 2], "radius_m": 0}]})";
     const std::vector<io::TimedStamp> stamps = io::parse_stamps(text, "s.json");
-    REQUIRE(stamps.size() == 6);
+    REQUIRE(stamps.size() == 8);
     const Stamp paint = stamps[4].what.stamp(), unpaint = stamps[5].what.stamp();
     CHECK((paint.rgb[0] == 255 && paint.rgb[1] == 0 && paint.rgb[2] == 7 && paint.material == 15 &&
            paint.strength == 0.5f));
     CHECK((unpaint.shape == StampShape::unpaint && unpaint.point_count == 2 && unpaint.points[1].z_m == 4.5));
     CHECK((unpaint.strength == 1 && unpaint.material == no_material));
+    const Stamp lock = stamps[6].what.stamp(), unlock = stamps[7].what.stamp();
+    CHECK((lock.shape == StampShape::lock && lock.amount_m == 0.25f && lock.point_count == 2 && lock.radius_m == 3));
+    CHECK((unlock.shape == StampShape::unlock && unlock.x_m == 1 && unlock.z_m == 2 && unlock.amount_m == 0));
     const Stamp level = stamps[0].what.stamp(), heights = stamps[1].what.stamp(), restore = stamps[2].what.stamp(),
                 noise = stamps[3].what.stamp();
     CHECK((stamps[0].frame == 0 && stamps[1].frame == 2 && stamps[2].frame == 2 && stamps[3].frame == 7));
@@ -89,14 +94,17 @@ TEST_CASE("blocks of stamps are all that a sample changes in, and not many more"
     pack.spacing_m[0] = 2, pack.spacing_m[1] = 3;
     const edit::StampGrid grid(500, 400, pack.spacing_m);
     std::size_t all = 0, counted = 0;
-    for (int round = 0; round < 60; ++round) {
+    for (int round = 0; round < 75; ++round) {
         io::KeptStamp kept;
         Stamp& s = kept.plain;
-        const int kind = round % 4;
-        s.shape = kind == 0 ? StampShape::path : kind == 1 ? StampShape::paint : StampShape::raise;
+        const int kind = round % 5;
+        s.shape = kind == 0   ? StampShape::path
+                  : kind == 1 ? StampShape::paint
+                  : kind == 4 ? StampShape::lock
+                              : StampShape::raise;
         s.radius_m = static_cast<float>(number(0, 60)), s.falloff_m = static_cast<float>(number(0, 30));
         s.x_m = number(-100, 1100), s.z_m = number(-100, 1300), s.amount_m = 1;
-        if (kind < 2)
+        if (kind < 2 || (kind == 4 && round % 2 == 0))
             for (int i = 0; i < 4; ++i) kept.points.push_back({number(-200, 1200), number(-200, 1400), 5});
         if (kind == 3) {
             s.first = {static_cast<std::int32_t>(number(-20, 480)), static_cast<std::int32_t>(number(-20, 380))};
@@ -106,15 +114,19 @@ TEST_CASE("blocks of stamps are all that a sample changes in, and not many more"
         }
         io::StampBlocks blocks(pack);
         blocks.add(kept);
+        const bool locks = s.shape == StampShape::lock;
         std::set<std::pair<int, int>> changed;
         for (std::int32_t y = 0; y < 400; ++y)
             for (std::int32_t x = 0; x < 500; ++x)
                 if (edit::samples_of(grid, kept.stamp()).contains(SampleIndex{x, y}) &&
-                    edit::stamp_weight(grid, kept.stamp(), {x, y}) > 0)
+                    (locks ? edit::locks_sample(grid, kept.stamp(), {x, y})
+                           : edit::stamp_weight(grid, kept.stamp(), {x, y}) > 0))
                     changed.insert({x / 32, y / 32});
-        const std::uint32_t count = s.shape == StampShape::paint ? blocks.paint() : blocks.heights();
+        const std::uint32_t count = locks                            ? blocks.locks()
+                                    : s.shape == StampShape::paint ? blocks.paint()
+                                                                   : blocks.heights();
         CAPTURE(round);
-        CHECK(blocks.paint() + blocks.heights() == count);
+        CHECK(blocks.paint() + blocks.heights() + blocks.locks() == count);
         CHECK(count >= changed.size());
         all += changed.size(), counted += count;
     }
@@ -173,6 +185,10 @@ TEST_CASE("a stamp that cannot be one is refused with its line, its number and t
     refused(paint + "[1, 2, 3], \"morph_s\": 1}", "\"morph_s\" is no field");
     refused(R"({"shape": "unpaint", "points": [[1, 2], [3, 4]]})", "\"radius_m\" is missing");
     refused(R"({"shape": "unpaint", "points": [[1, 2, 3], [3, 4, 5]], "radius_m": 1})", "points: [x, z]");
+    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3})", "\"amount_m\" is missing");
+    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": -1})", "\"amount_m\" must hold numbers in 0..");
+    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": 1, "falloff_m": 1})", "\"falloff_m\" is no field");
+    refused(R"({"shape": "unlock", "at": [1, 2], "radius_m": 3, "amount_m": 1})", "\"amount_m\" is no field");
     refused(R"({"shape": "restore", "first": [0, 0], "columns": 1, "rows": 1, "mask": [256]})", "\"mask\" must hold");
     for (const char* file :
          {"[]", "{}", R"({"stamps": []})", R"({"stamps": 1})", R"({"stamps": [], "more": 1})", "{"}) {

@@ -335,6 +335,9 @@ class Terrain:
             pack's, and of its splat map the `material` of that number, within a radius, along `points` [n, 2] or by a
             mask, "unpaint" gives back the pack's. Neither changes a height.
             "hole" cuts one, and "fill" makes it ground again; a few packs need `room_for_holes="yes"` for it.
+            "lock" keeps what any view draws within `amount` metres of the ground, within a radius, along `points` [n, 2]
+            or by a mask; a few packs need `room_for_locks="yes"` for it. "unlock" takes locks away. Neither changes a
+            height.
         at: the centre, x and z. radius: within it the shape applies wholly, and fades out over `falloff`; of a path,
             half its width.
         strength: the share of all this that happens, 0 to 1.

@@ -14,6 +14,10 @@
 // The triangles with a corner in one are not drawn, from the next update of a cut on. Under a hole that was cut the
 // ground keeps its height, for fill.
 //
+// Locks. Where a stamp has locked samples, vertices whose errors are above what is allowed there get codes that keep
+// them in every mesh, as those that are baked do (docs/guides/baking.md). They follow the ground that moves. A lock
+// holds until the whole terrain is smaller on the screen than 50 thresholds, and where pages are loaded.
+//
 // Memory: one block of the host's, whose size EditBudget says; nothing is allocated afterwards. A stamp that does not
 // fit the budget, the height scale or the pack's codes is refused as a whole, and changes nothing.
 // Threads: push_stamp and stamp_state on any; everything else on the frame's. Never waits, never calls into the kernel.
@@ -51,7 +55,11 @@ enum class StampShape : std::uint32_t {
     // A hole is cut: a tunnel's mouth, a shaft; or filled: the ground is as high as it was when it was cut, and under a
     // pack's hole as around it.
     hole,
-    fill
+    fill,
+    // No height either. No view draws the ground farther than amount_m from where it is, between samples too: a road
+    // within 5 cm, a runway within 0. A pixel's threshold is not asked. Of several locks the strictest counts.
+    lock,
+    unlock // takes locks of stamps away
 };
 
 struct StampPoint {
@@ -62,19 +70,19 @@ struct StampPoint {
 inline constexpr std::uint8_t no_material = 255; // of Stamp::material
 
 // What happens to which samples. The shape applies wholly within radius_m of the centre (of the line, for a path), and
-// fades out over falloff_m beyond; `heights` and `mask` apply to their rectangle. Only `hole`, `fill` and `restore`
-// make holes of ground, or ground of holes: where they apply by a half or more. All others leave samples that are
-// holes.
+// fades out over falloff_m beyond; a lock does not fade out. `heights` and `mask` apply to their rectangle. `hole`,
+// `fill`, `lock` and `unlock` apply to samples wholly, where the share is a half or more, or not at all. Only `hole`, `fill` and `restore`
+// make holes of ground, or ground of holes. All others leave samples that are holes.
 struct Stamp {
     StampShape shape = StampShape::raise;
     double x_m = 0, z_m = 0; // the centre, scene axes
     float radius_m = 0, falloff_m = 0;
-    float amount_m = 0;
+    float amount_m = 0; // of a lock: 0 or more
     float height_m = 0, slope_x = 0, slope_z = 0; // of `level`: metres up a metre east, and a metre south
     float wavelength_m = 0;
     std::uint32_t seed = 0;
     // Pointed to, not copied: they must stay until stamp_state() says that the stamp is done or refused.
-    const StampPoint* points = nullptr; // of a path, in order, 2 to max_path_points; paint may follow one, too
+    const StampPoint* points = nullptr; // of a path, in order, 2 to max_path_points; paint and locks may follow one, too
     std::uint32_t point_count = 0;
     SampleIndex first;                  // of the rectangle
     std::int32_t columns = 0, rows = 0; // of the rectangle; 0: none
@@ -87,7 +95,7 @@ struct Stamp {
     // once.
     float morph_s = 0;
     float strength = 1; // 0 to 1: the share of all this that happens
-    // Of `paint`, which waits for no pages and comes at once.
+    // Of `paint`, which waits for no pages and comes at once. So does a lock.
     std::uint8_t rgb[3] = {0, 0, 0};     // sRGB
     std::uint8_t material = no_material; // the number of a name in the pack's layers; none: the colour map shows
 };
@@ -105,12 +113,18 @@ struct EditBudget {
     // May stamps cut holes and fill them? 0.3 KB a block more; and small diamonds beside a hole take longer. Needs a
     // pack with room for it (has_room_for_holes()); create_edits() takes any.
     bool holes = false;
+    std::uint32_t locks = 256; // blocks of 32 x 32 samples some of which are locked, 1 KB each; 0 to 16,777,216
 };
 
 // Do a pack's codes span what the rim of a hole asks for, the size of the largest triangle over it? They do if it has
 // holes, if it was baked with room for them (fjell-bake --room-for-holes yes), and if the diagonal of its tiles is
 // shorter than some 120,000 of its height steps. False for a header that check_ranges() refuses.
 [[nodiscard]] bool has_room_for_holes(const PackHeader& header);
+
+// Has a pack codes for vertices that every mesh draws? Most have: those baked with locks, with room for them
+// (fjell-bake --room-for-locks yes), or whose height steps are not too fine for their extent. None whose errors are
+// estimates. Others refuse locks. False for a header that check_ranges() refuses.
+[[nodiscard]] bool has_room_for_locks(const PackHeader& header);
 
 using StampId = std::uint64_t; // 0: none
 
@@ -138,7 +152,7 @@ Status destroy_edits(const Edits& edits);
 // Any thread. What push_stamp() says of a stamp's numbers: out_of_range with the field's name.
 [[nodiscard]] Status check_stamp(const Stamp& stamp);
 // Any thread, O(1). Refuses what check_stamp() refuses, and changes nothing; EditBudget::holes and Stamp::shape are at
-// fault where no stamp may cut a hole, or fill one. out_of_slots: the queue is full (EditBudget::stamps).
+// fault where no stamp may cut a hole, or fill one, or lock. out_of_slots: the queue is full (EditBudget::stamps).
 // Example:
 //     fjell::Stamp crater;
 //     crater.shape = fjell::StampShape::crater;
@@ -164,7 +178,8 @@ enum EditBudgetBit : std::uint32_t {
     edit_budget_work = 1,
     edit_budget_time = 2,
     edit_budget_blocks = 4,
-    edit_budget_paint = 8
+    edit_budget_paint = 8,
+    edit_budget_locks = 16
 };
 
 struct EditReport {
@@ -182,10 +197,16 @@ struct EditReport {
     double apply_us = 0, measure_us = 0;
     std::uint32_t moving = 0; // stamps whose ground is on its way; they are not among the waiting
     std::uint32_t paint = 0;  // of EditBudget::paint in use
+    std::uint32_t locks = 0;  // of EditBudget::locks in use
 };
 // The frame's thread, before update_stream and update_cut: applies stamps, the one nearest to a view first but never
 // before an earlier one that overlaps it; then measures errors again, as far as the settings allow.
 Status update_edits(const Edits& edits, std::span<const View> views, const EditSettings& settings, EditReport& report);
+
+// What locks cost: vertices whose errors keep them in the mesh of any view that sees the terrain, the pack's own among
+// them, in pages that are loaded. Give a cut more room than that (CutBudget::vertices): it gives up all other detail
+// first. The frame's thread, O(what it returns); 0 for invalid handles.
+[[nodiscard]] std::uint32_t count_always_drawn(const Edits& edits);
 
 // A rectangle of samples whose heights have changed, or that have become holes or ground; both ends belong to it.
 struct GroundRect {

@@ -224,6 +224,7 @@ FjellStatus fjell_stream_fail(FjellStream stream, uint32_t ticket, bool unwanted
 // --- fjell/edit.h ---
 
 bool fjell_has_room_for_holes(const FjellPackHeader* header);
+bool fjell_has_room_for_locks(const FjellPackHeader* header);
 size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget);
 FjellStatus fjell_create_edits(FjellTerrain terrain, const FjellEditBudget* budget, void* memory, size_t memory_bytes,
                                FjellEdits* edits);
@@ -233,6 +234,7 @@ FjellStatus fjell_push_stamp(FjellEdits edits, const FjellStamp* stamp, uint64_t
 FjellStampResult fjell_stamp_state(FjellEdits edits, uint64_t id);
 FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t view_count,
                                const FjellEditSettings* settings, FjellEditReport* report);
+uint32_t fjell_count_always_drawn(FjellEdits edits);
 uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
                                    bool* lost);
 

@@ -630,7 +630,9 @@ enum {
     FJELL_STAMP_SHAPE_PAINT,
     FJELL_STAMP_SHAPE_UNPAINT,
     FJELL_STAMP_SHAPE_HOLE,
-    FJELL_STAMP_SHAPE_FILL
+    FJELL_STAMP_SHAPE_FILL,
+    FJELL_STAMP_SHAPE_LOCK,
+    FJELL_STAMP_SHAPE_UNLOCK
 };
 
 typedef struct FjellStampPoint {
@@ -671,6 +673,7 @@ typedef struct FjellEditBudget {
     uint32_t moving;
     uint32_t paint;
     bool holes;
+    uint32_t locks;
 } FjellEditBudget;
 
 typedef uint32_t FjellStampState;
@@ -701,7 +704,8 @@ enum {
     FJELL_EDIT_BUDGET_WORK = 1,
     FJELL_EDIT_BUDGET_TIME = 2,
     FJELL_EDIT_BUDGET_BLOCKS = 4,
-    FJELL_EDIT_BUDGET_PAINT = 8
+    FJELL_EDIT_BUDGET_PAINT = 8,
+    FJELL_EDIT_BUDGET_LOCKS = 16
 };
 
 typedef struct FjellEditReport {
@@ -718,6 +722,7 @@ typedef struct FjellEditReport {
     double apply_us, measure_us;
     uint32_t moving;
     uint32_t paint;
+    uint32_t locks;
 } FjellEditReport;
 
 typedef struct FjellGroundRect {

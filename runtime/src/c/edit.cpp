@@ -16,6 +16,9 @@ void fjell_set_default_edit_settings(FjellEditSettings* settings) {
 bool fjell_has_room_for_holes(const FjellPackHeader* header) {
     return has_room_for_holes(at(header));
 }
+bool fjell_has_room_for_locks(const FjellPackHeader* header) {
+    return has_room_for_locks(at(header));
+}
 size_t fjell_edits_bytes(const FjellPackHeader* header, const FjellEditBudget* budget) {
     const In in(budget);
     return in.ok ? edits_bytes(at(header), in.value) : 0;
@@ -56,6 +59,9 @@ FjellStatus fjell_update_edits(FjellEdits edits, const FjellView* views, size_t 
     const Status status = update_edits(to_cpp(edits), seen.all(), in.value, done);
     if (status.ok()) write(done, report);
     return to_c(status);
+}
+uint32_t fjell_count_always_drawn(FjellEdits edits) {
+    return count_always_drawn(to_cpp(edits));
 }
 uint32_t fjell_take_ground_changes(FjellEdits edits, uint64_t* cursor, FjellGroundRect* rects, size_t rect_count,
                                    bool* lost) {

@@ -96,7 +96,7 @@ struct Followed {
 // f(Followed) for the planes that a change concerns.
 template <typename F>
 void for_each_followed(const Tree& tree, const Rect& places, int step_log2, const F& f) {
-    const bool all = step_log2 == heights_changed;
+    const bool all = step_log2 < 0;
     edit::for_each_plane(all ? 0 : step_log2, all ? tree.tile_log2 - 1 : step_log2, [&](const Plane& plane) {
         const Rect squares = all ? edit::around(tree, plane, places) : plane.squares(places).within(plane.all(tree));
         if (!squares.empty()) f(Followed{plane, squares});

@@ -7,6 +7,7 @@
 #include "edit/areas.h"
 #include "edit/blocks.h"
 #include "edit/errors.h"
+#include "edit/locks.h"
 #include "edit/radii.h"
 #include "edit/refuse.h"
 #include "shared/stamp.h"
@@ -232,7 +233,7 @@ void apply(EditsData& e, const Change& change) {
 
 bool is_held(const EditsData& e, Waiting& w) {
     const TerrainData& t = *e.terrain;
-    if (paints(w.stamp.shape)) return w.lacks_pages = false;
+    if (!moves_ground(w.stamp.shape)) return w.lacks_pages = false;
     if (w.page_changes != t.changes) { // not at every item: under a large stamp lie many pages
         w.page_changes = t.changes;
         w.lacks_pages = false;
@@ -366,6 +367,25 @@ bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::
     w.fits = true;
     w.piece = 0;
     return refusal != Refusal::none || w.change.samples == 0;
+}
+
+bool lock_piece(EditsData& e, Waiting& w, Refusal& refusal) {
+    TerrainData& t = *e.terrain;
+    refusal = !w.fits && !has_room_for(e, w.stamp) ? Refusal::locks : Refusal::none;
+    if (refusal != Refusal::none) return true;
+    w.fits = true;
+    const Rect piece = next_piece(t, w, w.piece);
+    if (piece.empty()) return true;
+    const Rect samples = piece.within({0, 0, t.tree.columns() - 1, t.tree.rows() - 1});
+    Change change;
+    change.places = samples.empty() ? samples : lock_samples(e, w.stamp, samples);
+    if (change.places.empty()) return false;
+    read(t, change.places.grown(window_margin), e.window);
+    const int loose_z = raise_errors(e, Ground(t, &e.window), change);
+    write_back(t, e.window, {});
+    push_change(e, change.places, errors_changed);
+    if (loose_z < t.tree.tile_log2) push_area(e, change.places, loose_z, no_radii);
+    return false;
 }
 
 } // namespace fjell::edit

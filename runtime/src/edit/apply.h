@@ -6,7 +6,7 @@
 namespace fjell::edit {
 
 // As `refusals` in edits.cpp names them.
-enum class Refusal : std::uint32_t { none, blocks, span, bound, number, paint, no_maps };
+enum class Refusal : std::uint32_t { none, blocks, span, bound, number, paint, no_maps, locks };
 
 // Has a stamp to wait: for pages, or until all is measured around it?
 [[nodiscard]] bool is_held(const EditsData& e, Waiting& w);
@@ -19,6 +19,9 @@ enum class Refusal : std::uint32_t { none, blocks, span, bound, number, paint, n
 // Returns true when the stamp is done: applied, refused, or on its way (Waiting::moves). samples: grows by those whose
 // heights have changed.
 [[nodiscard]] bool apply_piece(EditsData& e, Waiting& w, double now_s, Refusal& refusal, std::uint32_t& samples);
+
+// The same of a stamp that locks, or unlocks: it changes errors alone, and waits for no pages.
+[[nodiscard]] bool lock_piece(EditsData& e, Waiting& w, Refusal& refusal);
 
 // A step of a stamp that is on its way. True: it has come. One that cannot take a step, for its pages or for errors
 // around it, takes it later. If its last step has no codes even then, because others have come beside it, it stays

@@ -2,6 +2,7 @@
 
 #include "edit/areas.h"
 #include "edit/errors.h"
+#include "edit/locks.h"
 #include "edit/radii.h"
 #include "shared/compiler.h"
 
@@ -9,22 +10,8 @@ namespace fjell::edit {
 
 namespace {
 
-// The table is one of open addresses: where the search for a block at x, y, in blocks, begins.
-std::uint32_t home_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
-    return (static_cast<std::uint32_t>(x) * 0x9e37'79b9u ^ static_cast<std::uint32_t>(y) * 0x85eb'ca6bu) &
-           (e.block_table_size - 1);
-}
-// Where it stands, or would.
-std::uint32_t cell_of_block(const EditsData& e, std::int32_t x, std::int32_t y) {
-    const std::uint32_t mask = e.block_table_size - 1;
-    std::uint32_t at = home_of_block(e, x, y);
-    while (e.block_table[at] != no_index && (e.blocks[e.block_table[at]].x != x || e.blocks[e.block_table[at]].y != y))
-        at = (at + 1) & mask;
-    return at;
-}
 const Block* find_block(const EditsData& e, std::int32_t x, std::int32_t y) {
-    const std::uint32_t number = e.block_table[cell_of_block(e, x, y)];
-    return number == no_index ? nullptr : &e.blocks[number];
+    return e.block_table.find(e.blocks, x, y);
 }
 std::size_t in_block(SampleIndex sample) {
     return static_cast<std::size_t>(sample.row & (block_side - 1)) * block_side +
@@ -51,22 +38,10 @@ void make_room(std::int32_t& base, std::uint16_t* values, const std::uint16_t* e
     if (value < base || value - base >= as_in_pack) rebase(base, values, edited, value);
 }
 
-// Gives a block back: the last one takes its number, and what was found past its cell moves up.
+// Gives a block back.
 void remove_block(EditsData& e, std::uint32_t cell) {
-    const std::uint32_t mask = e.block_table_size - 1, number = e.block_table[cell];
-    e.block_table[cell] = no_index;
-    for (std::uint32_t at = (cell + 1) & mask; e.block_table[at] != no_index; at = (at + 1) & mask) {
-        const Block& b = e.blocks[e.block_table[at]];
-        const std::uint32_t home = home_of_block(e, b.x, b.y);
-        if (((at - home) & mask) < ((at - cell) & mask)) continue; // its search begins after the cell
-        std::swap(e.block_table[cell], e.block_table[at]);
-        cell = at;
-    }
-    const std::uint32_t last = --e.block_count;
-    if (number == last) return;
-    e.block_table[cell_of_block(e, e.blocks[last].x, e.blocks[last].y)] = number;
-    e.blocks[number] = e.blocks[last];
-    if (e.block_holes != nullptr) e.block_holes[number] = e.block_holes[last];
+    const std::uint32_t number = e.block_table.remove(e.blocks, e.block_count, cell);
+    if (e.block_holes != nullptr) e.block_holes[number] = e.block_holes[e.block_count];
 }
 
 // visit(x, y), in blocks, for the samples that vertices at these places stand at.
@@ -85,8 +60,8 @@ Rect places_of_block(const TerrainData& t, const Block& b) {
 // The cell of the table with a block's number: that of a new one, whose numbers count from around these heights, where
 // there was none.
 std::uint32_t block_cell_for(EditsData& e, std::int32_t x, std::int32_t y, std::int32_t before, std::int32_t after) {
-    const std::uint32_t cell = cell_of_block(e, x, y);
-    std::uint32_t& number = e.block_table[cell];
+    const std::uint32_t cell = e.block_table.cell(e.blocks, x, y);
+    std::uint32_t& number = e.block_table.cells[cell];
     if (number != no_index) return cell;
     number = e.block_count++;
     Block& b = e.blocks[number];
@@ -152,7 +127,7 @@ void remember(EditsData& e, SampleIndex first, std::int32_t count, const Cell* b
         while (k < end && is_same(k)) ++k;
         if (k == end) continue;
         const std::uint32_t cell = block_cell_for(e, x, first.row >> block_log2, before[k].steps, after.steps[k]);
-        const std::uint32_t number = e.block_table[cell];
+        const std::uint32_t number = e.block_table.cells[cell];
         Block& b = e.blocks[number];
         BlockHoles* const holes = e.block_holes != nullptr ? e.block_holes + number : nullptr;
         for (; k < end; ++k)
@@ -307,6 +282,8 @@ public:
         return places.grown(radius_reach << coarsest()).meets(rect_);
     }
     [[nodiscard]] Rect reach() const { return rect_.grown(radius_reach << coarsest()); }
+    // Samples whose locks matter to its vertices.
+    [[nodiscard]] Rect locks() const { return rect_.grown(1 << coarsest()); }
     [[nodiscard]] SampleIndex decoded(std::uint32_t k) const {
         return origin_ +
                (t_.pages.order == PageOrder::linear ? t_.pages.coord({page_, k}) : planar_.coord({in_planar_, k}));
@@ -348,6 +325,24 @@ void grow(const EditsData& e, const DecodedPage& at, std::uint32_t count, const 
     }
 }
 
+// Its own error is not known, but that it is not above its code.
+void raise_locked(const EditsData& e, const DecodedPage& at, std::uint32_t count, PageArrays& arrays) {
+    if (least_allowed(e, at.locks()) == no_lock) return;
+    for (std::uint32_t k = 0; k < count; ++k)
+        if (const SampleIndex v = at.decoded(k); arrays.errors[k] != 0 && !e.terrain->tree.is_corner(v))
+            arrays.errors[k] = static_cast<std::uint8_t>(lock_at(e, v).raised(arrays.errors[k]));
+}
+
+// Places of a page with edits or locks that matter to it.
+Rect changed_around(const EditsData& e, const DecodedPage& at, Rect edited) {
+    for (std::uint32_t n = 0; n < e.lock_count; ++n) {
+        const std::int32_t x = e.locks[n].x << block_log2, y = e.locks[n].y << block_log2;
+        if (const Rect block{x, y, x + block_side - 1, y + block_side - 1}; at.locks().meets(block))
+            edited = edited.with(block);
+    }
+    return edited;
+}
+
 } // namespace
 
 double growth_m(const EditsData& e, const Rect& places) {
@@ -358,8 +353,11 @@ bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, Pa
     const TerrainData& t = *e.terrain;
     const DecodedPage at(t, tile, page);
     const Near edited = blocks_near(e, [&](const Rect& block) { return at.is_near(block); });
-    if (edited.places.empty()) return false;
     const std::uint32_t count = t.pages.page_vertices(page);
+    if (edited.places.empty()) {
+        if (!arrays.errors_derived) raise_locked(e, at, count, arrays);
+        return least_allowed(e, at.locks()) != no_lock;
+    }
     std::int32_t steps[max_page_vertices];
     StepRange all;
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -378,20 +376,23 @@ bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, Pa
     if (all.low < arrays.base || all.high - arrays.base > 65535) arrays.base = all.low;
     for (std::uint32_t k = 0; k < count; ++k) arrays.heights[k] = static_cast<std::uint16_t>(steps[k] - arrays.base);
     grow(e, at, count, edited, arrays);
+    if (!arrays.errors_derived) raise_locked(e, at, count, arrays);
     return true;
 }
 
 void bound_derived(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays) {
     const TerrainData& t = *e.terrain;
     const DecodedPage at(t, tile, page);
-    if (!has_changed_holes(e, at.reach())) return;
-    for (std::uint32_t k = 0; k < t.pages.page_vertices(page); ++k) {
+    const std::uint32_t count = t.pages.page_vertices(page);
+    const bool holes = has_changed_holes(e, at.reach());
+    for (std::uint32_t k = 0; holes && k < count; ++k) {
         const SampleIndex v = at.decoded(k);
         if (t.tree.is_corner(v)) continue;
         const std::int32_t out = error_reach(Tree::kind(v)) << Tree::step_log2(v);
         if (has_changed_holes(e, {v.column - out, v.row - out, v.column + out, v.row + out}))
             arrays.errors[k] = std::max(arrays.errors[k], rim_code(e, v));
     }
+    raise_locked(e, at, count, arrays);
 }
 
 void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page) {
@@ -401,7 +402,7 @@ void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page) {
     const VertexRecord* const records =
         t.records + std::size_t{t.page_table[std::size_t{tile} * t.pages_per_tile + page].slot} * t.page_capacity;
     for (std::uint32_t k = 0; k < t.pages.page_vertices(page); ++k) note_error(t, records[k].error);
-    const Rect places = edited.places.within(at.reach());
+    const Rect places = changed_around(e, at, edited.places).within(at.reach());
     const Ground ground(t, nullptr);
     for_each_plane(at.finest(), t.tree.tile_log2 - 1, [&](const Plane& plane) {
         const Rect squares = plane.squares(places.grown(radius_reach << plane.z)).within(plane.all(t.tree));
@@ -417,7 +418,7 @@ void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page) {
                 contain_children(e, ground, plane, i, j);
             }
     });
-    push_area(e, places, at.finest(), at.finest());
+    push_area(e, places, at.finest(), edited.places.empty() ? no_radii : at.finest());
 }
 
 } // namespace fjell::edit

@@ -23,12 +23,12 @@ namespace {
 std::uint64_t queue_cells(const EditBudget& budget) {
     return std::bit_ceil(std::max<std::uint64_t>(budget.stamps, 2));
 }
-std::uint32_t table_size(const EditBudget& budget) {
-    return std::bit_ceil(2 * std::max(budget.blocks, 1u));
+std::uint32_t table_size(std::uint32_t blocks) {
+    return std::bit_ceil(2 * std::max(blocks, 1u));
 }
 
 struct Layout {
-    std::size_t queue, results, waiting, moving, blocks, holes, table, areas, paint, end;
+    std::size_t queue, results, waiting, moving, blocks, holes, table, areas, paint, locks, lock_table, end;
 };
 bool has_maps(const PackHeader& header) {
     return header.colour_log2 != 0 || header.splat_log2 != 0;
@@ -42,9 +42,11 @@ Layout layout_of(const PackHeader& header, const EditBudget& budget) {
     l.moving = block.place(budget.moving, sizeof(Moving));
     l.blocks = block.place(budget.blocks, sizeof(Block));
     l.holes = block.place(budget.holes ? budget.blocks : 0, sizeof(BlockHoles));
-    l.table = block.place(table_size(budget), sizeof(std::uint32_t));
+    l.table = block.place(table_size(budget.blocks), sizeof(std::uint32_t));
     l.areas = block.place(budget.areas, sizeof(Area));
     l.paint = block.place(has_maps(header) ? paint_bytes_of(budget.paint) : 0, 1);
+    l.locks = block.place(budget.locks, sizeof(LockBlock));
+    l.lock_table = block.place(table_size(budget.locks), sizeof(std::uint32_t));
     l.end = block.end();
     return l;
 }
@@ -55,6 +57,7 @@ Status check_budget(const EditBudget& budget) {
     if (budget.stamps == 0 || budget.stamps > most) return {StatusCode::out_of_range, "EditBudget::stamps"};
     if (budget.areas < 2 || budget.areas > most) return {StatusCode::out_of_range, "EditBudget::areas"};
     if (budget.paint > most) return {StatusCode::out_of_range, "EditBudget::paint"};
+    if (budget.locks > most) return {StatusCode::out_of_range, "EditBudget::locks"};
     if (budget.moving > 1024) return {StatusCode::out_of_range, "EditBudget::moving"};
     return {};
 }
@@ -73,7 +76,8 @@ constexpr const char* refusals[] = {"",
                                     "Stamp (steeper, or higher, than the pack's codes can bound)",
                                     "Stamp (a height that is no number)",
                                     "EditBudget::paint",
-                                    "Stamp::shape (the pack has no colour or splat maps)"};
+                                    "Stamp::shape (the pack has no colour or splat maps)",
+                                    "EditBudget::locks"};
 
 // Unless a later stamp has the place: one may wait for its pages while thousands come and go.
 void set_result(EditsData& e, StampId id, StampState state, StatusCode code = StatusCode::ok, std::uint32_t field = 0) {
@@ -90,6 +94,14 @@ void set_result(EditsData& e, StampId id, StampState state, StatusCode code = St
 
 bool has_room_for_holes(const PackHeader& h) {
     return check_ranges(h).ok() && rims_have_codes(h);
+}
+
+bool has_room_for_locks(const PackHeader& h) {
+    if (!check_ranges(h).ok() || h.estimate == ErrorEstimate::midpoint) return false;
+    const ErrorScale errors = ErrorScale::make(h.error_floor_m, h.error_ratio, h.error_nesting_steps);
+    const double across_m = std::hypot((h.columns - 1.0) * h.spacing_m[0], (h.rows - 1.0) * h.spacing_m[1]);
+    return static_cast<double>(errors.metres[errors.always(2 * static_cast<int>(h.tile_log2) - 1)]) >=
+           across_m * always_drawn_share;
 }
 
 std::size_t edits_bytes(const PackHeader& header, const EditBudget& budget) {
@@ -123,13 +135,15 @@ Status create_edits(const Terrain& terrain, const EditBudget& budget, std::span<
     e.moving = reinterpret_cast<Moving*>(at + l.moving);
     e.blocks = reinterpret_cast<Block*>(at + l.blocks);
     e.block_holes = budget.holes ? reinterpret_cast<BlockHoles*>(at + l.holes) : nullptr;
-    e.block_table = reinterpret_cast<std::uint32_t*>(at + l.table);
-    e.block_table_size = table_size(budget);
-    std::fill_n(e.block_table, e.block_table_size, no_index);
+    e.block_table = {reinterpret_cast<std::uint32_t*>(at + l.table), table_size(budget.blocks)};
+    e.locks = reinterpret_cast<LockBlock*>(at + l.locks);
+    e.lock_table = {reinterpret_cast<std::uint32_t*>(at + l.lock_table), table_size(budget.locks)};
+    for (const BlockTable& table : {e.block_table, e.lock_table}) std::fill_n(table.cells, table.size, no_index);
     e.areas = reinterpret_cast<Area*>(at + l.areas);
     if (has_maps(t->header)) e.paint = make_paint(t->header, budget.paint, at + l.paint);
     if (budget.holes) t->holes_made = true;
     e.room_for_holes = t->has_voids() && rims_have_codes(t->header);
+    e.room_for_locks = has_room_for_locks(t->header);
     e.steepest_m = steepest_of_codes(e);
     HandleAccess::begin(e, edits);
     t->edits = &e;
@@ -162,6 +176,9 @@ Status push_stamp(const Edits& edits, const Stamp& stamp, StampId& id) {
             return {StatusCode::out_of_range,
                     "Stamp::shape (holes need a pack that is baked with --room-for-holes yes)"};
     }
+    if (stamp.shape == StampShape::lock && !e->room_for_locks)
+        return {StatusCode::out_of_range,
+                "Stamp::shape (locks need a pack that is baked with --room-for-locks yes and --estimate max)"};
     for (std::uint64_t at = e->tail.load(std::memory_order_relaxed);;) {
         QueueCell& cell = e->queue[at & (e->queue_size - 1)];
         const auto ahead = static_cast<std::int64_t>(cell.turn.load(std::memory_order_acquire) - at);
@@ -272,15 +289,18 @@ std::uint32_t next_stamp(EditsData& e, std::span<const View> views) {
 // It is applied, or refused.
 void finish(EditsData& e, StampId id, Refusal refusal, EditReport& report) {
     const bool refused = refusal != Refusal::none;
+    const std::uint32_t spent = refusal == Refusal::blocks  ? +edit_budget_blocks
+                                : refusal == Refusal::paint ? +edit_budget_paint
+                                : refusal == Refusal::locks ? +edit_budget_locks
+                                                            : 0;
     set_result(e, id, refused ? StampState::refused : StampState::applied,
-               !refused                                                  ? StatusCode::ok
-               : refusal == Refusal::blocks || refusal == Refusal::paint ? StatusCode::out_of_slots
-               : refusal == Refusal::no_maps                             ? StatusCode::not_supported
-                                                                         : StatusCode::out_of_range,
+               !refused                      ? StatusCode::ok
+               : spent != 0                  ? StatusCode::out_of_slots
+               : refusal == Refusal::no_maps ? StatusCode::not_supported
+                                             : StatusCode::out_of_range,
                static_cast<std::uint32_t>(refusal));
     ++(refused ? report.refused : report.applied);
-    if (refusal == Refusal::blocks) report.exhausted |= edit_budget_blocks;
-    if (refusal == Refusal::paint) report.exhausted |= edit_budget_paint;
+    report.exhausted |= spent;
 }
 
 // Each that is on its way takes a step.
@@ -306,8 +326,10 @@ void apply_stamps(EditsData& e, std::span<const View> views, double now_s, Budge
         const StampId id = e.waiting[i].id;
         Refusal refusal = Refusal::none;
         Waiting& w = e.waiting[i];
-        if (!(paints(w.stamp.shape) ? paint_piece(e, w, refusal) : apply_piece(e, w, now_s, refusal, report.samples)))
-            continue;
+        const bool done = paints(w.stamp.shape)  ? paint_piece(e, w, refusal)
+                          : locks(w.stamp.shape) ? lock_piece(e, w, refusal)
+                                                 : apply_piece(e, w, now_s, refusal, report.samples);
+        if (!done) continue;
         const bool moves = e.waiting[i].moves;
         if (moves)
             set_result(e, id, StampState::moving);
@@ -349,7 +371,40 @@ Status update_edits(const Edits& edits, std::span<const View> views, const EditS
     for (std::uint32_t i = 0; i < e.area_count; ++i) ++(e.areas[i].unmeasured ? report.unmeasured : report.loose);
     report.blocks = e.block_count;
     report.paint = e.paint != nullptr ? e.paint->count : 0;
+    report.locks = e.lock_count;
     return {};
+}
+
+namespace {
+
+// Of those under a triangle: a vertex with such an error has ancestors with such errors. It is counted in the first
+// triangle of its diamond.
+std::uint32_t count_below(const TerrainData& t, SampleIndex right, SampleIndex one, SampleIndex other) {
+    const SampleIndex sum = one + other;
+    if (((sum.column | sum.row) & 1) != 0) return 0;
+    const SampleIndex m{sum.column / 2, sum.row / 2};
+    const Cell cell = cell_at(t, m);
+    if (!cell.loaded || cell.error < t.errors.always(t.tree.level(m))) return 0;
+    const SampleIndex first = diamond(t.tree, m).apexes[0];
+    return (first == right || !t.tree.contains(first) ? 1 : 0) + count_below(t, m, right, one) +
+           count_below(t, m, other, right);
+}
+
+} // namespace
+
+std::uint32_t count_always_drawn(const Edits& edits) {
+    const EditsData* const e = find_edits(edits);
+    if (e == nullptr) return 0;
+    const TerrainData& t = *e->terrain;
+    std::uint32_t count = 0;
+    for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) {
+        const SampleIndex place = t.tile_xy(tile);
+        const std::int32_t side = t.tree.side();
+        const Diamond root =
+            diamond(t.tree, {place.column * side + side / 2, place.row * side + side / 2});
+        for (const SampleIndex apex : root.apexes) count += count_below(t, apex, root.ends[0], root.ends[1]);
+    }
+    return count;
 }
 
 std::uint32_t take_ground_changes(const Edits& edits, std::uint64_t& cursor, std::span<GroundRect> rects, bool& lost) {

@@ -1,5 +1,7 @@
 #include "edit/errors.h"
 
+#include "edit/locks.h"
+
 #include "edit/small_diamonds.h"
 #include "shared/diamond_error.h"
 
@@ -23,8 +25,8 @@ DiamondTerms terms_of(const EditsData& e) {
 class Search {
 public:
     // jumps: the error is the surface's jump at the vertex, and what is here counts at a hole's rim alone.
-    Search(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least, bool jumps)
-        : t_(ground.terrain), ground_(ground), terms_(terms_of(e)), s_(1 << Tree::step_log2(v)),
+    Search(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least, const LockAt& lock, bool jumps)
+        : t_(ground.terrain), ground_(ground), terms_(terms_of(e)), lock_(lock), s_(1 << Tree::step_log2(v)),
           unit_m_(0.5 * static_cast<double>(t_.header.quantum_m) / s_), holes_(t_.has_voids()), jumps_(jumps),
           side_m_(e.radius.side_edge_m), centre_m_(e.radius.centre_edge_m) {
         raise(least);
@@ -102,7 +104,7 @@ private:
         std::int64_t off; // |2s (h - plane)|
     };
     void raise(std::uint32_t code) {
-        code_ = std::min(code, 255u);
+        code_ = std::min(lock_.raised(code), 255u); // so that it need not be known how much more than allowed it is
         enough_m_ = static_cast<double>(t_.errors.metres[code_]);
     }
     void see(double off_m) {
@@ -145,6 +147,7 @@ private:
     const TerrainData& t_;
     const Ground& ground_;
     const DiamondTerms terms_;
+    const LockAt lock_;
     std::int32_t s_;
     double unit_m_, enough_m_ = 0;
     std::uint32_t code_ = 0;
@@ -173,8 +176,10 @@ Measured scan(const EditsData& e, const Ground& ground, SampleIndex v) {
     return {diamond_error(ground, terms_of(e), v, [&](SampleIndex apex) { return t.tree.contains(apex); }).code, true};
 }
 
-// Of the ground under its triangles alone. least: a smaller code is not told from this one.
-Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least) {
+// Of the ground under its triangles alone. least: a smaller code is not told from this one. One above what locks allow
+// may be raised already.
+Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v, std::uint32_t least,
+                        const LockAt& lock) {
     const TerrainData& t = ground.terrain;
     if (straddles_rim(t.tree, v)) return scan(e, ground, v);
     const Diamond d = diamond(t.tree, v);
@@ -188,14 +193,14 @@ Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v,
         const std::int64_t jump = std::abs(2 * std::int64_t{own.steps} - a.steps - b.steps);
         const Measured at_vertex{t.memory->leaf.code(static_cast<std::uint32_t>(jump)), true};
         if (!t.has_voids()) return at_vertex;
-        Search search(e, ground, v, at_vertex.code, true);
+        Search search(e, ground, v, at_vertex.code, lock, true);
         search_all(search);
         if (!search.has_ground() && search.exact()) return {0, true};
         // Midpoint errors below say nothing of the samples that a rim's triangles are off by.
         if (search.has_rim() && Tree::step_log2(v) != 0) return scan(e, ground, v);
         return {search.code(), search.exact()};
     }
-    Search search(e, ground, v, least, false);
+    Search search(e, ground, v, least, lock, false);
     search_all(search);
     return {search.code(), search.exact()};
 }
@@ -203,8 +208,8 @@ Measured measure_ground(const EditsData& e, const Ground& ground, SampleIndex v,
 // Errors of the vertices of one plane whose diamonds lie in a window that is complete.
 class MeasuredPlane {
 public:
-    MeasuredPlane(const Ground& ground, const Plane& plane)
-        : t_(ground.terrain), window_(*ground.window()), plane_(plane) {}
+    MeasuredPlane(const Ground& ground, const Plane& plane, const WindowLocks& locks)
+        : t_(ground.terrain), window_(*ground.window()), plane_(plane), locks_(locks) {}
     // Squares of those of a rectangle that can be measured so.
     [[nodiscard]] static Rect measurable(const Ground& ground, const Plane& plane, const Rect& squares) {
         const TerrainData& t = ground.terrain;
@@ -226,6 +231,7 @@ public:
                 const std::int32_t count = std::min(diamond_lanes, squares.x1 - i + 1);
                 ground_codes(i, j, count, codes);
                 Cell* const first = &window_.at(plane_.at(i, j));
+                if (locks_.any()) raise_locked(i, j, count, codes);
                 for (std::int32_t k = 0; k < count; ++k) {
                     Cell& own = first[static_cast<std::ptrdiff_t>(k) << (plane_.z + 1)];
                     const std::uint32_t code = std::max<std::uint32_t>(codes[k], asked_of(own));
@@ -262,6 +268,11 @@ private:
         const double unit_m = 0.5 * static_cast<double>(t_.header.quantum_m) / (1 << plane_.z);
         for (std::int32_t k = 0; k < count; ++k) codes[k] = t_.errors.code_up(unit_m * worst[k]);
     }
+    void raise_locked(std::int32_t i, std::int32_t j, std::int32_t count, std::uint8_t* codes) const {
+        const std::uint32_t always = t_.errors.always(t_.tree.level(plane_.at(i, j)));
+        for (std::int32_t k = 0; k < count; ++k)
+            codes[k] = static_cast<std::uint8_t>(locks_.at(plane_.at(i + k, j), always).raised(codes[k]));
+    }
     [[nodiscard]] std::uint32_t asked_of(const Cell& vertex) const {
         const bool centre = plane_.kind == VertexKind::centre;
         if (!centre && plane_.z == 0) return 0;
@@ -274,6 +285,7 @@ private:
     const TerrainData& t_;
     Window& window_;
     Plane plane_;
+    const WindowLocks& locks_;
 };
 
 } // namespace
@@ -295,8 +307,11 @@ Asked asked_by_children(const Ground& ground, SampleIndex v) {
 
 Measured measure(const EditsData& e, const Ground& ground, SampleIndex v, const Asked& asked) {
     if (!asked.all) return {std::max<std::uint32_t>(ground.at(v).error, asked.code), false};
-    Measured own = measure_ground(e, ground, v, asked.code);
-    own.code = std::max(own.code, asked.code);
+    const LockAt lock = lock_at(e, v);
+    // Where children ask for what locks do, or more, it does not matter which they are.
+    Measured own = measure_ground(
+        e, ground, v, lock.always > asked.code ? std::min(asked.code, lock.allowed) : asked.code, lock);
+    own.code = std::max(lock.raised(own.code), asked.code);
     return own;
 }
 
@@ -350,6 +365,9 @@ std::uint32_t grown(const TerrainData& t, std::uint32_t code, double by_m) {
 // longest edge of its triangles, if a rim runs under it; by e, at what was ground; and by the heights between all its
 // corners and what has become ground, there.
 //
+// A vertex under whose square something is locked gets the locks' code where this bound is above what is allowed, until
+// it is measured: so locks keep their errors after every step.
+//
 // Only vertices with changed ground under them, and those above a vertex whose code has changed, need another one: all
 // others nest and bound as they did. One that is not loaded counts as changed.
 int raise_errors(EditsData& e, const Ground& ground, const Change& change) {
@@ -358,7 +376,15 @@ int raise_errors(EditsData& e, const Ground& ground, const Change& change) {
     const double by_m = change.off.span() * static_cast<double>(t.header.quantum_m);
     int loose_z = std::min(t.header.estimate == ErrorEstimate::midpoint ? t.tree.tile_log2 : measured_at_once + 1,
                            t.tree.tile_log2);
+    // No ground is farther from its triangles than all heights are apart, or over a hole's rim than its own size: what
+    // locks have raised so far does not grow further.
+    std::uint32_t most_codes[max_tile_log2];
+    const double all_m = (t.range.high_steps - t.range.low_steps) * static_cast<double>(t.header.quantum_m);
+    for (int z = 0; z < t.tree.tile_log2; ++z)
+        most_codes[z] = t.errors.code_up(
+            t.has_voids() ? rim_m(t.header, {e.radius.ground_pad_m, e.radius.height_pad_m}, z, all_m) : all_m);
     std::uint32_t most = 0;
+    WindowLocks locks(e, *ground.window());
     const auto raise = [&](const Plane& plane, std::int32_t i, std::int32_t j, const Rect& touched) { // true: changed
         const SampleIndex v = plane.at(i, j);
         const Cell own = ground.at(v);
@@ -370,9 +396,12 @@ int raise_errors(EditsData& e, const Ground& ground, const Change& change) {
         const auto may_be = [&] {
             // The ground under its triangles has changed, or that under a vertex below it may have.
             const bool affected = touched.contains(v) || !asked.all;
-            const std::uint32_t code = std::max(affected ? grown(t, own.error, by_m) : own.error, asked.code);
-            if (!change.holes || !touched.contains(v)) return code;
-            return std::max<std::uint32_t>(code, t.errors.code_up(rim_around_m(e, ground, v, change.filled)));
+            const bool grows = affected && own.error < most_codes[plane.z];
+            std::uint32_t code = std::max(grows ? grown(t, own.error, by_m) : own.error, asked.code);
+            if (!touched.contains(v)) return code;
+            if (change.holes)
+                code = std::max<std::uint32_t>(code, t.errors.code_up(rim_around_m(e, ground, v, change.filled)));
+            return lock_at(e, v).raised(code);
         };
         std::uint32_t code = 256;
         // Measured too where it has grown again and again, until no code is left.
@@ -397,7 +426,8 @@ int raise_errors(EditsData& e, const Ground& ground, const Change& change) {
                        at_once = MeasuredPlane::measurable(ground, plane, squares);
             Rect changed;
             if (!at_once.empty()) {
-                changed = MeasuredPlane(ground, plane).measure(at_once, most);
+                locks.begin_step(plane.z);
+                changed = MeasuredPlane(ground, plane, locks).measure(at_once, most);
                 ground.window()->note(plane.z, plane.places(changed));
             }
             for (std::int32_t j = squares.y0; j <= squares.y1; ++j)

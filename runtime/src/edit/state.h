@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "edit/block_table.h"
 #include "edit/ground.h"
 #include "edit/window.h"
 #include "fjell/edit.h"
@@ -31,6 +32,14 @@ struct Block {
 struct BlockHoles {
     std::uint32_t pack[block_side], edited[block_side];
     std::int32_t differing; // samples
+};
+
+// A block some of whose samples are locked, by its place in blocks.
+inline constexpr std::uint8_t no_lock = 255; // any error is allowed
+struct LockBlock {
+    std::int32_t x, y;
+    std::uint8_t least;                            // of `allowed`
+    std::uint8_t allowed[block_side * block_side]; // codes
 };
 
 // What a stamp makes of a piece.
@@ -155,14 +164,16 @@ struct EditsData {
     edit::Block* blocks;
     edit::BlockHoles* block_holes; // by their numbers; null: EditBudget::holes is false
     std::uint32_t block_count;
-    std::uint32_t* block_table; // by hash of their places: number, or no_index
-    std::uint32_t block_table_size;
+    edit::BlockTable block_table;
+    edit::LockBlock* locks;
+    std::uint32_t lock_count;
+    edit::BlockTable lock_table;
     edit::Area* areas; // the first that is not `unmeasured` is in work
     std::uint32_t area_count;
     edit::Rect measured; // vertices of step 2^measured_z whose errors are others, and nobody knows
     int measured_z;
     double steepest_m; // ground with such steps between neighbours has codes wherever the pack's heights end
-    bool room_for_holes;
+    bool room_for_holes, room_for_locks;
     GroundChange changes[ground_change_log];
     PaintData* paint; // null: the pack has no maps for it
     edit::Window window;

@@ -20,6 +20,7 @@ struct Window {
     bool loaded = false;         // all are
     bool complete = false;       // and none is a hole
     Rect written[max_tile_log2]; // by step: where vertices have changed since it was read
+    std::uint8_t allowed[window_side * window_side]; // by locks (edit/locks.h), where there are some
     Cell cells[window_side * window_side];
     void note(int z, const Rect& places) { written[z] = written[z].with(places); }
     [[nodiscard]] Cell& at(SampleIndex v) {

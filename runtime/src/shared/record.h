@@ -58,11 +58,27 @@ struct ErrorScale {
             below += step * static_cast<std::uint32_t>(static_cast<double>(metres[below + step - 1]) < error_m);
         return static_cast<std::uint8_t>(below);
     }
+    // The largest code below 255 whose error is not above `error_m`, which is at least 0.
+    [[nodiscard]] constexpr std::uint8_t code_down(double error_m) const {
+        std::uint8_t code = 0;
+        while (code < 254 && static_cast<double>(metres[code + 1]) <= error_m) ++code;
+        return code;
+    }
+    // The code of vertices of a level that locks keep in the mesh of any view that sees the terrain: nested, with some
+    // codes left at the root for what stamps add.
+    [[nodiscard]] constexpr std::uint32_t always(int level) const {
+        constexpr std::uint32_t for_stamps = 8;
+        return 255 - for_stamps - nesting_steps * static_cast<std::uint32_t>(level);
+    }
     // What a parent's code must be at least.
     [[nodiscard]] constexpr std::uint32_t above(std::uint32_t child) const {
         return child == 0 ? 0 : child + nesting_steps;
     }
 };
+
+// Of a terrain's diagonal, the share that the error of ErrorScale::always() has on the finest level at least: a pixel
+// from eighteen times as far away, at 935 pixels a radian (1,080 lines over 60 degrees).
+inline constexpr double always_drawn_share = 1.0 / 50;
 
 // A parent's sphere is larger by this factor than containment asks for: more than the roundings of a distance in float,
 // so that spheres that touch nest in float arithmetic too. radius_rounding: of one such distance, and its sum.

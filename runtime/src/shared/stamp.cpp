@@ -73,10 +73,33 @@ double crater_m(const Stamp& stamp, double away_m) {
 }
 
 bool along_path(const Stamp& stamp) {
-    return stamp.shape == StampShape::path || (paints(stamp.shape) && stamp.point_count != 0);
+    return stamp.shape == StampShape::path || (!moves_ground(stamp.shape) && stamp.point_count != 0);
+}
+// How far beyond its centre, or its line, a stamp applies.
+double reach_m(const StampGrid& grid, const Stamp& stamp) {
+    const double radius_m = stamp.radius_m;
+    return locks(stamp.shape) ? radius_m + std::hypot(grid.spacing_m[0], grid.spacing_m[1])
+                              : radius_m + static_cast<double>(stamp.falloff_m);
 }
 bool by_distance(const Stamp& stamp) { // otherwise by its rectangle alone
     return stamp.shape != StampShape::heights && !(stamp.columns > 0 && stamp.radius_m == 0);
+}
+double away_from(const Stamp& stamp, double x_m, double z_m) {
+    if (along_path(stamp)) return nearest_on_path(stamp, x_m, z_m).away_m;
+    const double dx = x_m - stamp.x_m, dz = z_m - stamp.z_m;
+    return std::sqrt(dx * dx + dz * dz);
+}
+double away_from(const StampGrid& grid, const Stamp& stamp, SampleIndex sample) {
+    return away_from(stamp, sample.column * grid.spacing_m[0], sample.row * grid.spacing_m[1]);
+}
+// How much of it happens, by strength and mask.
+double share_of(const Stamp& stamp, SampleIndex sample) {
+    const double strength = stamp.strength;
+    if (stamp.columns == 0 || stamp.mask == nullptr) return strength;
+    const std::size_t at =
+        static_cast<std::size_t>(sample.row - stamp.first.row) * static_cast<std::size_t>(stamp.columns) +
+        static_cast<std::size_t>(sample.column - stamp.first.column);
+    return strength * (stamp.mask[at] / 255.0);
 }
 
 } // namespace
@@ -95,7 +118,7 @@ Rect samples_of(const StampGrid& grid, const Stamp& stamp) {
             z0 = std::min(z0, stamp.points[k].z_m), z1 = std::max(z1, stamp.points[k].z_m);
         }
     }
-    const double out = static_cast<double>(stamp.radius_m) + static_cast<double>(stamp.falloff_m);
+    const double out = reach_m(grid, stamp);
     const auto place = [](double at, double spacing, std::int32_t last) {
         return static_cast<std::int32_t>(std::min(std::max(at / spacing, -1.0), last + 1.0));
     };
@@ -112,36 +135,22 @@ bool may_change(const StampGrid& grid, const Stamp& stamp, const Rect& samples) 
     const double sx = grid.spacing_m[0], sz = grid.spacing_m[1], x = 0.5 * (samples.x0 + samples.x1) * sx,
                  z = 0.5 * (samples.y0 + samples.y1) * sz, half_x = 0.5 * samples.columns() * sx,
                  half_z = 0.5 * samples.rows() * sz;
-    const double away_m =
-        along_path(stamp) ? nearest_on_path(stamp, x, z).away_m : std::hypot(x - stamp.x_m, z - stamp.z_m);
-    return away_m <=
-           static_cast<double>(stamp.radius_m) + static_cast<double>(stamp.falloff_m) + std::hypot(half_x, half_z);
+    return away_from(stamp, x, z) <= reach_m(grid, stamp) + std::hypot(half_x, half_z);
 }
 
 double stamp_weight(const StampGrid& grid, const Stamp& stamp, SampleIndex sample) {
-    double weight = stamp.strength;
-    if (stamp.columns > 0 && stamp.mask != nullptr) {
-        const std::size_t at =
-            static_cast<std::size_t>(sample.row - stamp.first.row) * static_cast<std::size_t>(stamp.columns) +
-            static_cast<std::size_t>(sample.column - stamp.first.column);
-        weight *= stamp.mask[at] / 255.0;
-    }
-    if (!by_distance(stamp)) return weight;
-    const double x = sample.column * grid.spacing_m[0], z = sample.row * grid.spacing_m[1];
-    const double dx = x - stamp.x_m, dz = z - stamp.z_m;
-    return weight *
-           weight_at(stamp, along_path(stamp) ? nearest_on_path(stamp, x, z).away_m : std::sqrt(dx * dx + dz * dz));
+    const double share = share_of(stamp, sample);
+    return by_distance(stamp) ? share * weight_at(stamp, away_from(grid, stamp, sample)) : share;
+}
+
+bool locks_sample(const StampGrid& grid, const Stamp& stamp, SampleIndex sample) {
+    return share_of(stamp, sample) >= 0.5 &&
+           (!by_distance(stamp) || away_from(grid, stamp, sample) <= reach_m(grid, stamp));
 }
 
 double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, const Surroundings& now) {
     const double x = sample.column * grid.spacing_m[0], z = sample.row * grid.spacing_m[1];
-    double weight = stamp.strength, path_m = 0;
-    if (stamp.columns > 0 && stamp.mask != nullptr) {
-        const std::size_t at =
-            static_cast<std::size_t>(sample.row - stamp.first.row) * static_cast<std::size_t>(stamp.columns) +
-            static_cast<std::size_t>(sample.column - stamp.first.column);
-        weight *= stamp.mask[at] / 255.0;
-    }
+    double weight = share_of(stamp, sample), path_m = 0;
     double away_m = 0;
     if (stamp.shape == StampShape::path) {
         const OnPath nearest = nearest_on_path(stamp, x, z);
@@ -179,7 +188,9 @@ double stamped_m(const StampGrid& grid, const Stamp& stamp, SampleIndex sample, 
     case StampShape::paint:
     case StampShape::unpaint:
     case StampShape::hole:
-    case StampShape::fill: return unchanged;
+    case StampShape::fill:
+    case StampShape::lock:
+    case StampShape::unlock: return unchanged;
     case StampShape::restore: break;
     }
     return weight == 1 ? now.pack_m : towards(now.pack_m);
@@ -199,7 +210,8 @@ namespace fjell {
 Status check_stamp(const Stamp& s) {
     const auto bad = [](const char* field) { return Status{StatusCode::out_of_range, field}; };
     const auto finite = [](double v) { return std::abs(v) < 1e9; };
-    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::fill)) return bad("Stamp::shape");
+    if (static_cast<std::uint32_t>(s.shape) > static_cast<std::uint32_t>(StampShape::unlock))
+        return bad("Stamp::shape");
     if (!finite(s.x_m)) return bad("Stamp::x_m");
     if (!finite(s.z_m)) return bad("Stamp::z_m");
     if (!(s.radius_m >= 0) || !finite(s.radius_m)) return bad("Stamp::radius_m");
@@ -229,15 +241,17 @@ Status check_stamp(const Stamp& s) {
     case StampShape::paint:
     case StampShape::unpaint:
         if (s.material >= max_splat_names && s.material != no_material) return bad("Stamp::material");
-        if (s.point_count == 0) break;
-        [[fallthrough]];
-    case StampShape::path:
+        break;
+    case StampShape::lock:
+        if (!(s.amount_m >= 0)) return bad("Stamp::amount_m");
+        break;
+    default: break;
+    }
+    if (s.shape == StampShape::path || (s.point_count != 0 && !edit::moves_ground(s.shape))) {
         if (s.points == nullptr || s.point_count < 2 || s.point_count > max_path_points) return bad("Stamp::points");
         for (std::uint32_t k = 0; k < s.point_count; ++k)
             if (!finite(s.points[k].x_m) || !finite(s.points[k].z_m) || !finite(s.points[k].height_m))
                 return bad("Stamp::points");
-        break;
-    default: break;
     }
     return {};
 }

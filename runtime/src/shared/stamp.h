@@ -63,6 +63,18 @@ struct Surroundings {
     return shape == StampShape::paint || shape == StampShape::unpaint;
 }
 
+[[nodiscard]] constexpr bool locks(StampShape shape) {
+    return shape == StampShape::lock || shape == StampShape::unlock;
+}
+// All others leave heights and holes as they are.
+[[nodiscard]] constexpr bool moves_ground(StampShape shape) {
+    return !paints(shape) && !locks(shape);
+}
+// Of a sample in samples_of() a stamp that locks, or unlocks: does it? It reaches a cell's diagonal beyond its radius.
+// What is drawn differs from the full resolution by an amount that is linear over each of the finest triangles, so what
+// holds at their corners holds between them.
+[[nodiscard]] bool locks_sample(const StampGrid& grid, const Stamp& stamp, SampleIndex sample);
+
 // What it makes of a sample's being a hole: nothing, or ground, or a hole, or what it is in the pack.
 enum class HoleChange : std::uint8_t { none, fill, cut, as_in_pack };
 [[nodiscard]] HoleChange hole_change(const StampGrid& grid, const Stamp& stamp, SampleIndex sample);

@@ -17,6 +17,7 @@
 
 #include "edit/apply.h"
 #include "edit/blocks.h"
+#include "edit/locks.h"
 
 namespace fjell {
 
@@ -63,6 +64,12 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     const double side = 2.0 * places.step;
     const auto rim_m = static_cast<float>(
         has_rim ? std::hypot(side * t.header.spacing_m[0], side * t.header.spacing_m[1], climb_m) * grow : 0.0);
+    // Where a lock asks for a page, it does from afar.
+    const int level = bound_level(t.pages, page);
+    const std::uint32_t most = t.errors.code_up(static_cast<double>(t.errors.metres[bound.error] + by_m));
+    const float lock_m = t.edits != nullptr && most > edit::least_allowed(*t.edits, own.grown(places.step))
+                             ? t.errors.metres[t.errors.always(level)]
+                             : 0.0f;
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.column),
@@ -71,8 +78,8 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
             height(((std::uint32_t{bound.high} + 1) << shift) - 1) + by_m,
             t.z_m(a.row),
             t.z_m(b.row),
-            std::max(t.errors.metres[bound.error] + by_m, rim_m),
-            t.header.level_radius_m[bound_level(t.pages, page)] * t.radii.factor[bound.radius] +
+            std::max({t.errors.metres[bound.error] + by_m, rim_m, lock_m}),
+            t.header.level_radius_m[level] * t.radii.factor[bound.radius] +
                 by_m * static_cast<float>(2 * max_tile_log2 + 1)};
 }
 
@@ -105,7 +112,7 @@ void follow_ground(StreamState& s) {
         bool near = all;
         for (std::uint64_t n = s.seen_ground; n < t.ground_changes && !near; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];
-            near = c.step_log2 == heights_changed &&
+            near = c.step_log2 < 0 &&
                    places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
         }
         if (!near) continue;

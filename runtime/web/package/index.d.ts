@@ -195,7 +195,7 @@ export interface Hit {
 }
 
 export interface Stamp {
-  shape: "raise" | "level" | "crater" | "noise" | "smooth" | "restore" | "hole" | "fill";
+  shape: "raise" | "level" | "crater" | "noise" | "smooth" | "restore" | "hole" | "fill" | "lock" | "unlock";
   /** x and z of the centre. */
   at: readonly [number, number];
   /** The shape applies wholly within it, and fades out over `falloff`. */

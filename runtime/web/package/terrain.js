@@ -358,9 +358,9 @@ export class Terrain {
   /** Changes the ground from the next update on; of a terrain that was opened with editBlocks. Returns its number. */
   edit({ shape, at: [x, z], radius, falloff = 0, amount = 0, height = 0, slope = [0, 0], wavelength = 0, seed = 0 }) {
     this.#open_or_throw();
-    const shapes = ["raise", "level", "crater", "path", "noise", "smooth", "heights", "restore", "paint", "unpaint", "hole", "fill"]; // StampShape
+    const shapes = ["raise", "level", "crater", "path", "noise", "smooth", "heights", "restore", "paint", "unpaint", "hole", "fill", "lock", "unlock"]; // StampShape
     if (this.budget.editBlocks === 0) throw new Error("editBlocks: is 0; open the terrain with more to edit it");
-    if (!shapes.includes(shape) || ["path", "heights", "paint", "unpaint"].includes(shape)) throw new RangeError(`shape: is ${shape}; give raise, level, crater, noise, smooth, restore, hole or fill`);
+    if (!shapes.includes(shape) || ["path", "heights", "paint", "unpaint"].includes(shape)) throw new RangeError(`shape: is ${shape}; give raise, level, crater, noise, smooth, restore, hole, fill, lock or unlock`);
     this.#numbers.set([shapes.indexOf(shape), x, z, radius, falloff, amount, height, slope[0], slope[1], wavelength, seed]);
     const { numbers } = this.#instance;
     const bad = Array.from(numbers.subarray(0, 11)).some((value) => !Number.isFinite(value));
