@@ -1,5 +1,5 @@
 // fjell-bake: IN -o OUT.fjell, apply, info, verify, heights, mesh, tiles, simulate, split, join, synth, materials,
-// journal, rebase, roads, rivers. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
+// journal, rebase, roads, rivers, locks. Exit codes: 0 done, 1 the input is at fault, 2 usage, 3 the machine is.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -381,11 +381,12 @@ int run(int argc, char** argv) {
                        commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() ||
                        commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed() ||
                        commands.journals.journal->parsed() || commands.journals.rebase->parsed() ||
-                       commands.vectors.roads->parsed() || commands.vectors.rivers->parsed();
+                       commands.vectors.roads->parsed() || commands.vectors.rivers->parsed() ||
+                       commands.vectors.locks->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
         throw Failure(2,
-                      "info, verify, heights, mesh, tiles, split, join, synth, materials, journal, rebase, roads and "
-                      "rivers bake nothing; leave out the height field and -o, or the command");
+                      "info, verify, heights, mesh, tiles, split, join, synth, materials, journal, rebase, roads, "
+                      "rivers and locks bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.apply->parsed()) return run_apply(a);
@@ -402,6 +403,7 @@ int run(int argc, char** argv) {
     if (commands.journals.rebase->parsed()) return run_rebase(a.journals);
     if (commands.vectors.roads->parsed()) return run_vectors(a.vectors, LineKind::road);
     if (commands.vectors.rivers->parsed()) return run_vectors(a.vectors, LineKind::river);
+    if (commands.vectors.locks->parsed()) return run_locks(a.vectors);
     if (commands.plan->parsed()) return run_plan(a);
     if (commands.shard->parsed()) return run_shard(a);
     if (commands.launch->parsed()) return run_launch(a);

@@ -10,6 +10,7 @@
 
 #include "baker/cli/reports.h"
 #include "baker/cli/summary.h"
+#include "baker/locks/locks.h"
 #include "baker/read/edited_source.h"
 #include "baker/read/pack_source.h"
 #include "fjell/io/failure.h"
@@ -36,14 +37,20 @@ LineOptions river_defaults() {
     return o;
 }
 
-void declare_common(CLI::App& c, VectorArguments& a, LineOptions& o) {
+void declare_layer(CLI::App& c, VectorArguments& a, const std::string& what) {
     c.add_option("PACK", a.pack, "a pack, or the folder of a pack set that covers its terrain")->required();
-    c.add_option("FILE", a.file, "lines: GeoPackage, GeoJSON, Shapefile, or what else GDAL reads, in any CRS")
+    c.add_option("FILE", a.file, what + ": GeoPackage, GeoJSON, Shapefile, or what else GDAL reads, in any CRS")
         ->required();
     c.add_option("--from", a.from, "the layer of FILE to take (default: all of them)");
     c.add_option("--layer", a.layer, "the edit layer to make (default " + c.get_name() + ")");
-    c.add_flag("--replace", a.replace, "the layer is there: put these lines in the place of what is in it");
+    c.add_flag("--replace", a.replace, "the layer is there: put these " + what + " in the place of what is in it");
     c.add_option("--journal", a.journal, "another file than PACK.journal");
+    c.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
+    c.add_flag("--quiet", a.quiet, "no summary: only what is wrong");
+}
+
+void declare_common(CLI::App& c, VectorArguments& a, LineOptions& o) {
+    declare_layer(c, a, "lines");
     c.add_option(
          "--width-m", o.width_m,
          fmt::format("width in metres (default {:g}); an attribute width_m or width of a line counts more", o.width_m))
@@ -53,8 +60,6 @@ void declare_common(CLI::App& c, VectorArguments& a, LineOptions& o) {
         ->check(io::within(0, 1e5));
     c.add_option("--paint", a.paint, "RRGGBB: the colour that maps show along lines");
     c.add_option("--material", a.material, "the material that they show, by its name in the pack's splat maps");
-    c.add_option("--json", a.json_path, "a summary for scripts; - for standard output");
-    c.add_flag("--quiet", a.quiet, "no summary: only what is wrong");
 }
 
 CLI::Option* slope(CLI::App& c, const char* name, double& slope, const char* what) {
@@ -165,50 +170,93 @@ VectorCommands declare_vectors(CLI::App& app, VectorArguments& a) {
                                  river.depth_m))
         ->check(io::within(0, most_depth_m));
     slope(*c.rivers, "--bank-slope", river.slopes.cut, "of the banks");
+    c.locks = app.add_subcommand("locks", "hold places of a map to errors of their own, as a layer of a pack's journal");
+    declare_layer(*c.locks, a, "points, lines and polygons");
+    c.locks
+        ->add_option("--lock-error-m", a.lock_error_m,
+                     "metres that no view exceeds there; an attribute error_m of a feature counts more")
+        ->check(io::within(0, 1e6));
     return c;
 }
 
-int run_vectors(VectorArguments a, LineKind kind) {
-    const std::string path = a.journal.empty() ? io::journal_path(a.pack) : a.journal;
-    if (a.layer.empty()) a.layer = kind == LineKind::road ? "roads" : "rivers";
-    if (a.layer.size() > io::max_layer_name)
-        throw Failure(2, fmt::format("--layer: a name has at most {} bytes", io::max_layer_name));
-    io::refuse_overwriting({path, a.json_path}, {a.pack, a.file});
-    io::refuse_overwriting({a.json_path}, {path});
-    LineOptions options = kind == LineKind::road ? a.roads : a.rivers;
-    auto pack = std::make_unique<PackSource>(a.pack);
-    const PackHeader header = pack->header();
-    if (header.tiles_held != 0)
-        throw Failure(1, fmt::format("{}: lacks tiles, and such ground cannot be changed", a.pack));
-    if (!a.paint.empty()) options.paint = io::rgb_of(a.paint, "--paint");
-    if (!a.material.empty()) options.material = material_of(a.material, io::PackFile(a.pack));
-    // An existing one is held from the beginning, so that no other program changes what lies below.
-    std::optional<Journal> journal;
-    io::os::FileInfo there;
-    if (io::os::look(path, there)) journal.emplace(path, header);
+namespace {
+
+// The layer that is to be made, or made anew.
+struct TargetLayer {
+    std::string path, name;
+    PackHeader header;
+    std::optional<Journal> journal; // an existing one is held, so that no other program changes what lies below
     std::size_t place = 0;
-    if (journal) {
-        const auto found = std::ranges::find(journal->layers(), a.layer, &JournalLayer::name);
+
+    TargetLayer(const VectorArguments& a, const PackHeader& pack, const char* usual)
+        : path(a.journal.empty() ? io::journal_path(a.pack) : a.journal), name(a.layer.empty() ? usual : a.layer),
+          header(pack) {
+        if (name.size() > io::max_layer_name)
+            throw Failure(2, fmt::format("--layer: a name has at most {} bytes", io::max_layer_name));
+        io::refuse_overwriting({path, a.json_path}, {a.pack, a.file});
+        io::refuse_overwriting({a.json_path}, {path});
+        if (header.tiles_held != 0)
+            throw Failure(1, fmt::format("{}: lacks tiles, and such ground cannot be changed", a.pack));
+        io::os::FileInfo there;
+        if (!io::os::look(path, there)) return;
+        journal.emplace(path, header);
+        const auto found = std::ranges::find(journal->layers(), name, &JournalLayer::name);
         place = static_cast<std::size_t>(found - journal->layers().begin());
         if (place < journal->layers().size() && !a.replace)
-            throw Failure(1, fmt::format("{}: has a layer \"{}\"; give --replace, or another --layer", path, a.layer));
+            throw Failure(1, fmt::format("{}: has a layer \"{}\"; give --replace, or another --layer", path, name));
     }
+    void put(const std::vector<io::KeptStamp>& stamps) {
+        if (!journal) journal.emplace(path, header);
+        write(*journal, place, name, stamps);
+    }
+    void say_how_to_use(const VectorArguments& a) const {
+        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake {0} --edits {1} -o OUT\n",
+                   a.pack, path);
+    }
+};
+
+} // namespace
+
+int run_vectors(const VectorArguments& a, LineKind kind) {
+    LineOptions options = kind == LineKind::road ? a.roads : a.rivers;
+    auto pack = std::make_unique<PackSource>(a.pack);
+    TargetLayer layer(a, pack->header(), kind == LineKind::road ? "roads" : "rivers");
+    if (!a.paint.empty()) options.paint = io::rgb_of(a.paint, "--paint");
+    if (!a.material.empty()) options.material = material_of(a.material, io::PackFile(a.pack));
     JsonOutput summary(a.json_path);
     const std::vector<MapLine> lines = read_map_lines(a.file, a.from, *pack, kind, options);
     std::unique_ptr<HeightSource> ground = std::move(pack);
-    if (journal)
-        if (const std::vector<io::TimedStamp> below = stamps_below(*journal, place); !below.empty())
-            ground = edited_source(std::move(ground), below, path);
+    if (layer.journal)
+        if (const std::vector<io::TimedStamp> below = stamps_below(*layer.journal, layer.place); !below.empty())
+            ground = edited_source(std::move(ground), below, layer.path);
     const MadeLines made = make_lines(*ground, lines, kind, options, a.file);
     if (made.stamps.empty())
         throw Failure(1, fmt::format("{}: changes nothing: the ground is as it should be", a.file));
-    if (!journal) journal.emplace(path, header);
-    write(*journal, place, a.layer, made.stamps);
-    summary.write(summary_json(made, path, a.layer));
+    layer.put(made.stamps);
+    summary.write(summary_json(made, layer.path, layer.name));
     if (!a.quiet && a.json_path != "-") {
-        print(made, path, a.layer, kind);
-        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake apply {0} -o OUT\n", a.pack,
-                   path);
+        print(made, layer.path, layer.name, kind);
+        layer.say_how_to_use(a);
+    }
+    return 0;
+}
+
+int run_locks(const VectorArguments& a) {
+    const PackSource pack(a.pack);
+    if (!has_room_for_locks(pack.header()))
+        throw Failure(1, fmt::format("{}: has no room for locks; bake it with --room-for-locks yes", a.pack));
+    TargetLayer layer(a, pack.header(), "locks");
+    JsonOutput summary(a.json_path);
+    const Locks locks(a.file, a.lock_error_m, pack, a.from);
+    const std::vector<io::KeptStamp> stamps = locks.stamps();
+    layer.put(stamps);
+    summary.write({{"journal", layer.path},
+                   {"layer", layer.name},
+                   {"locks", locks.account()},
+                   {"stamps", stamps.size()}});
+    if (!a.quiet && a.json_path != "-") {
+        fmt::print("{}: layer \"{}\": {} as {} stamps\n", layer.path, layer.name, locks.account(), stamps.size());
+        layer.say_how_to_use(a);
     }
     return 0;
 }

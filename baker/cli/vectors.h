@@ -1,6 +1,7 @@
-// The commands that lay a map's lines on a pack's ground: roads, rivers. Each returns the program's exit code.
+// The commands that lay a map's shapes on a pack's ground: roads, rivers, locks. Each returns the program's exit code.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@ struct VectorArguments {
     bool replace = false;
     LineOptions roads, rivers;
     std::string paint, material;
+    std::optional<double> lock_error_m;
     std::string json_path;
     bool quiet = false;
 };
@@ -23,10 +25,12 @@ struct VectorArguments {
 struct VectorCommands {
     CLI::App* roads;
     CLI::App* rivers;
+    CLI::App* locks;
 };
 
 [[nodiscard]] VectorCommands declare_vectors(CLI::App& app, VectorArguments& arguments);
 
-int run_vectors(VectorArguments arguments, LineKind kind);
+int run_vectors(const VectorArguments& arguments, LineKind kind);
+int run_locks(const VectorArguments& arguments);
 
 } // namespace fjell::baker

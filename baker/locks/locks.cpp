@@ -42,10 +42,11 @@ struct Locks::Raster {
     }
 };
 
-Locks::Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field)
+Locks::Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field,
+             const std::string& layer)
     : spacing_m_{field.spacing_m[0], field.spacing_m[1]}, columns_(field.columns), rows_(field.rows) {
     std::size_t number = 0;
-    for (const VectorShape& shape : read_vectors(path, VectorGrid(field), "locks"))
+    for (const VectorShape& shape : read_vectors(path, VectorGrid(field), "locks", layer))
         add(shape, error_m, fmt::format("{}: lock {}", path, ++number));
     if (number == 0) throw Failure(1, fmt::format("{}: has no point, line or polygon", path));
     if (empty()) throw Failure(1, fmt::format("{}: its {} locks all lie beside the terrain", path, number));
@@ -116,6 +117,62 @@ void Locks::add_part(const std::vector<Place>& part) {
         }
     }
     if (places_.size() > first) flush(first);
+}
+
+std::vector<io::KeptStamp> Locks::stamps() const {
+    const double cell_m = std::hypot(spacing_m_[0], spacing_m_[1]);
+    std::vector<io::KeptStamp> all;
+    for (std::size_t i = 0, end = 0; i < runs_.size(); i = end) {
+        while (end < runs_.size() && runs_[end].shape == runs_[i].shape) ++end;
+        const Shape& s = shapes_[runs_[i].shape];
+        if (s.error_px != 1 || s.error_m == no_limit)
+            throw Failure(1, "a lock has error_px, and stamps lock in metres alone: bake it with --locks");
+        Stamp lock;
+        lock.shape = StampShape::lock;
+        lock.amount_m = static_cast<float>(s.error_m);
+        const std::span<const Run> runs(runs_.data() + i, end - i);
+        if (s.kind == VectorKind::polygon) stamp_inside(runs, lock, all);
+        lock.radius_m = static_cast<float>(s.reach_m - cell_m);
+        for (const Run& run : runs) {
+            io::KeptStamp& stamp = all.emplace_back(lock);
+            for (std::size_t k = run.first; k < run.first + run.count; ++k)
+                stamp.points.push_back({places_[k][0] * spacing_m_[0], places_[k][1] * spacing_m_[1], 0});
+            if (run.count > 1) continue;
+            stamp.plain.x_m = stamp.points[0].x_m, stamp.plain.z_m = stamp.points[0].z_m;
+            stamp.points.clear();
+        }
+    }
+    return all;
+}
+
+void Locks::stamp_inside(std::span<const Run> rings, const Stamp& lock, std::vector<io::KeptStamp>& to) const {
+    std::array<double, 4> box{no_limit, no_limit, 0, 0};
+    for (const Run& run : rings)
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            box[axis] = std::max(std::min(box[axis], run.box[axis]), 0.0);
+            box[axis + 2] = std::max(box[axis + 2], run.box[axis + 2]);
+        }
+    constexpr std::int32_t side = 128;
+    const auto last = [&](double at, std::int32_t count) {
+        return static_cast<std::int32_t>(std::min(at, static_cast<double>(count - 1)));
+    };
+    for (std::int32_t y = last(box[1], rows_); y <= last(box[3], rows_); y += side)
+        for (std::int32_t x = last(box[0], columns_); x <= last(box[2], columns_); x += side) {
+            const Window window{x, y, std::min(side, columns_ - x), std::min(side, rows_ - y)};
+            std::vector<LockCodes> codes(window.area());
+            Raster raster{window, window, codes, {0, 0}};
+            hold_inside(rings, raster);
+            io::KeptStamp stamp(lock);
+            stamp.plain.first = {x, y};
+            stamp.plain.columns = window.columns, stamp.plain.rows = window.rows;
+            std::size_t held = 0;
+            for (const LockCodes& at : codes) {
+                stamp.mask.push_back(at.allowed == 0 ? 255 : 0);
+                held += at.allowed == 0;
+            }
+            if (held == codes.size()) stamp.mask.clear();
+            if (held != 0) to.push_back(std::move(stamp));
+        }
 }
 
 bool Locks::in_metres() const {

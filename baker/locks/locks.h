@@ -16,6 +16,7 @@
 #include "baker/read/source.h"
 #include "baker/read/vectors.h"
 #include "baker/store/window.h"
+#include "fjell/io/journal.h"
 #include "shared/record.h"
 
 namespace fjell::baker {
@@ -33,11 +34,16 @@ public:
     // A feature says error_m, error_px, or both; error_m: of features that say neither. width_m: of lines and points, 0
     // where it says none. Those beside the field are left out. O(points). Throws Failure 1: read_vectors()', a feature
     // without an error, a number that is none, or nothing on the field.
-    Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field);
+    // layer: of the file; empty: all of them.
+    Locks(const std::string& path, std::optional<double> error_m, const HeightSource& field,
+          const std::string& layer = {});
     // Those of stamps as well, which the field keeps (HeightSource::locks()).
     void add_stamps(const HeightSource& field);
 
     [[nodiscard]] bool empty() const { return shapes_.empty() && stamps_.empty(); }
+    // Shapes as stamps that hold the same samples: of polygons their sides, and rectangles inside. O(points, and samples
+    // of polygons). Throws Failure 1: one is in pixels, which stamps are not.
+    [[nodiscard]] std::vector<io::KeptStamp> stamps() const;
     [[nodiscard]] bool in_metres() const;       // some of them
     [[nodiscard]] double sharpest() const;      // 1 / the smallest error_px; 1: none
     [[nodiscard]] std::string account() const;  // "3 lines, 1 area; 2 shapes beside the terrain left out"
@@ -64,6 +70,7 @@ private:
     struct Raster;
     void hold_along(const Run& run, Raster& raster) const;
     void hold_inside(std::span<const Run> rings, Raster& raster) const;
+    void stamp_inside(std::span<const Run> rings, const Stamp& lock, std::vector<io::KeptStamp>& to) const;
     void hold_stamped(const Window& field, const ErrorScale& scale, const Window& window,
                       std::vector<LockCodes>& codes) const;
 

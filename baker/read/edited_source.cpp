@@ -311,6 +311,7 @@ public:
         for (const io::TimedStamp& stamp : stamps) {
             overlay->apply(stamp.what.stamp());
             if (edit::locks(stamp.what.plain.shape)) kept_.push_back(stamp.what);
+            moves_ = moves_ || edit::moves_ground(stamp.what.plain.shape);
         }
         for (const io::KeptStamp& stamp : kept_) locks_.push_back(stamp.stamp());
         cut_ = overlay->cut();
@@ -335,7 +336,7 @@ public:
         if (cut_ != 0 && own.voids.count + own.implausible.count > 0 && !all.holes)
             throw Failure(2, fmt::format("{} cuts holes, and --nodata fill leaves none; take one of them", name_));
         all.holes = all.holes || cut_ != 0;
-        if (!scale_) all.native_quantum_m = 0; // stamps know no step
+        if (!scale_ && moves_) all.native_quantum_m = 0; // stamps know no step
         return all;
     }
     [[nodiscard]] const edit::PaintSource* paint() const override { return overlay_->paint(); }
@@ -350,6 +351,7 @@ private:
     std::optional<HeightScale> scale_; // a pack's
     PackChanges changes_;              // of one
     std::shared_ptr<const Overlay> overlay_;
+    bool moves_ = false;              // some of the ground
     std::vector<io::KeptStamp> kept_; // that locks_ points into
     std::vector<Stamp> locks_;
     std::uint64_t hash_ = 0; // of the stamps

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "baker/locks/locks.h"
 #include "baker/read/edited_source.h"
 #include "fjell/query.h"
 #include "support/cut_scene.h"
@@ -417,10 +418,12 @@ TEST_CASE("a cut with too little room gives up all else before a lock", "[edit][
     CHECK((report.exhausted & cut_budget_vertices) != 0);
     REQUIRE(check_cut(cut) == "");
     std::uint32_t drawn = 0;
-    for (const SampleIndex v : active_set(cut)) {
-        const TerrainData& t = data_of(pack.terrain);
-        drawn += t.vertex(v).error_code >= t.errors.always(t.tree.level(v));
-    }
+    const VertexSet active = active_set(cut);
+    const TerrainData& t = data_of(pack.terrain);
+    for (const SampleIndex v : all_vertices(t))
+        drawn += t.vertex(v).error_code >= t.errors.always(t.tree.level(v)) &&
+                 active[static_cast<std::size_t>(v.row) * static_cast<std::size_t>(t.tree.grid_columns()) +
+                        static_cast<std::size_t>(v.column)];
     CHECK(drawn == count);
     CHECK(check_drawn(random, pack.terrain, cut.mesh(), view, 0.01, locks, allowed) >= 0);
 }
@@ -428,7 +431,7 @@ TEST_CASE("a cut with too little room gives up all else before a lock", "[edit][
 TEST_CASE("stamps that lock give the codes of the same locks in a file", "[edit][locks]") {
     using nlohmann::json;
     Random random(20261215);
-    int raised = 0;
+    int raised = 0, areas = 0;
     for (int round = 0; round < rounds(4, 60); ++round) {
         const TemporaryFolder folder;
         baker::Dem dem = random_dem(random, pick(random, 40, 130), pick(random, 40, 130), Shape::fractal);
@@ -471,15 +474,33 @@ TEST_CASE("stamps that lock give the codes of the same locks in a file", "[edit]
         for (const io::KeptStamp& lock : locks) editor.push(lock.stamp());
         (void)editor.update();
         CHECK(difference_of(data_of(plain.terrain), data_of(by_file.terrain)) == "");
+        // As fjell-bake locks lays them, areas too.
+        json ring = json::array();
+        for (int k = pick(random, 3, 7); k > 0; --k)
+            ring.push_back({uniform(random, -0.2, 1.2) * dem.columns * dem.spacing_m[0],
+                            -uniform(random, -0.2, 1.2) * dem.rows * dem.spacing_m[1]});
+        ring.push_back(ring[0]);
+        features.push_back({{"type", "Feature"},
+                            {"properties", {{"error_m", 0.5}, {"width_m", pick(random, 0, 1) * 3 * dem.spacing_m[0]}}},
+                            {"geometry", {{"type", "Polygon"}, {"coordinates", json::array({ring})}}}});
+        spit(folder / "locks.json", json{{"type", "FeatureCollection"}, {"features", features}}.dump());
+        const std::vector<io::KeptStamp> stamps =
+            baker::Locks(folder / "locks.json", {}, baker::DemSource(dem)).stamps();
+        const auto with_areas = bake_and_load(dem, options);
+        options.locks_path.clear();
+        const auto laid = bake_locked(dem, {stamps.begin(), stamps.end()}, options);
+        CHECK(difference_of(data_of(with_areas.terrain), data_of(laid.terrain)) == "");
+        areas += difference_of(data_of(with_areas.terrain), data_of(by_file.terrain)) != "";
     }
     CHECK(raised >= rounds(3, 50));
+    CHECK(areas >= rounds(2, 40));
 }
 
 TEST_CASE("a lock that cannot be is refused by its field's name, and one that lies elsewhere changes nothing",
           "[edit][locks]") {
     Random random(20261216);
     const auto pack = rich_terrain(random, 129, 5);
-    Editor editor(pack.terrain, {.locks = 3});
+    Editor editor(pack.terrain, {.locks = 4});
     const TerrainData& t = data_of(pack.terrain);
     const auto codes = [&] {
         std::vector<std::uint8_t> all;
@@ -509,7 +530,7 @@ TEST_CASE("a lock that cannot be is refused by its field's name, and one that li
         change(stamp);
         REQUIRE(push_stamp(editor.edits, stamp, id).ok());
         const EditReport report = editor.update();
-        CHECK(report.locks <= 3);
+        CHECK(report.locks <= 4);
         return stamp_state(editor.edits, id);
     };
     CHECK(applied([](Stamp& s) { s.x_m = -1e6; }).state == StampState::applied); // beside the terrain

@@ -53,20 +53,21 @@ inline double at(const TruePlane& plane, double column, double row) {
     return plane.height + plane.x * column + plane.y * row;
 }
 
-// The mesh' surface there, in metres; no triangle: NaN.
+// The surface of a mesh of lists there, in metres; no triangle: NaN.
 inline double drawn_m(const MeshView& mesh, double column, double row) {
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const MeshVertex& a = mesh.vertices[mesh.indices[i]];
-        const MeshVertex& b = mesh.vertices[mesh.indices[i + 1]];
-        const MeshVertex& c = mesh.vertices[mesh.indices[i + 2]];
-        const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
-        const double px = column - a.column, py = row - a.row, area = bx * cy - by * cx;
-        if (area == 0) continue;
-        const double u = (px * cy - py * cx) / area, v = (bx * py - by * px) / area;
-        if (u < 0 || v < 0 || u + v > 1) continue;
-        const auto h = [](const MeshVertex& m) { return static_cast<double>(m.height_m); };
-        return h(a) + u * (h(b) - h(a)) + v * (h(c) - h(a));
-    }
+    for (const TileRange& range : mesh.tiles)
+        for (std::uint32_t i = range.first_index; i + 2 < range.first_index + range.index_count; i += 3) {
+            const MeshVertex& a = mesh.vertices[mesh.indices[i]];
+            const MeshVertex& b = mesh.vertices[mesh.indices[i + 1]];
+            const MeshVertex& c = mesh.vertices[mesh.indices[i + 2]];
+            const double bx = b.column - a.column, by = b.row - a.row, cx = c.column - a.column, cy = c.row - a.row;
+            const double px = column - a.column, py = row - a.row, area = bx * cy - by * cx;
+            if (area == 0) continue;
+            const double u = (px * cy - py * cx) / area, v = (bx * py - by * px) / area;
+            if (u < 0 || v < 0 || u + v > 1) continue;
+            const auto h = [](const MeshVertex& m) { return static_cast<double>(m.height_m); };
+            return h(a) + u * (h(b) - h(a)) + v * (h(c) - h(a));
+        }
     return std::nan("");
 }
 
