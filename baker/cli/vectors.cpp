@@ -248,7 +248,7 @@ int run_locks(const VectorArguments& a) {
     TargetLayer layer(a, pack.header(), "locks");
     JsonOutput summary(a.json_path);
     const Locks locks(a.file, a.lock_error_m, pack, a.from);
-    const std::vector<io::KeptStamp> stamps = locks.stamps();
+    const std::vector<io::KeptStamp> stamps = locks.stamps(a.file);
     layer.put(stamps);
     summary.write({{"journal", layer.path},
                    {"layer", layer.name},

@@ -119,14 +119,16 @@ void Locks::add_part(const std::vector<Place>& part) {
     if (places_.size() > first) flush(first);
 }
 
-std::vector<io::KeptStamp> Locks::stamps() const {
+std::vector<io::KeptStamp> Locks::stamps(const std::string& name) const {
     const double cell_m = std::hypot(spacing_m_[0], spacing_m_[1]);
     std::vector<io::KeptStamp> all;
     for (std::size_t i = 0, end = 0; i < runs_.size(); i = end) {
         while (end < runs_.size() && runs_[end].shape == runs_[i].shape) ++end;
         const Shape& s = shapes_[runs_[i].shape];
         if (s.error_px != 1 || s.error_m == no_limit)
-            throw Failure(1, "a lock has error_px, and stamps lock in metres alone: bake it with --locks");
+            throw Failure(1, fmt::format("{}: a lock has error_px, and stamps lock in metres alone; leave it out, or bake "
+                                         "the file with --locks",
+                                         name));
         Stamp lock;
         lock.shape = StampShape::lock;
         lock.amount_m = static_cast<float>(s.error_m);
@@ -228,7 +230,7 @@ std::vector<LockCodes> Locks::over(const Window& window, const ErrorScale& scale
         if (!meets(box)) continue;
         if (codes.empty()) codes.resize(window.area());
         const Shape& s = shapes_[runs_[i].shape];
-        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : scale.code_down(s.error_m);
+        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : scale.code_down(static_cast<float>(s.error_m));
         Raster raster{window, field, codes, {allowed, codes_for(scale, 1 / s.error_px)}};
         const std::span<const Run> runs(runs_.data() + i, end - i);
         if (s.kind == VectorKind::polygon) hold_inside(runs, raster);
@@ -266,7 +268,7 @@ void Locks::hold_stamped(const Window& field, const ErrorScale& scale, const Win
         const bool locks = stamp.shape == StampShape::lock;
         if (all.empty() || (allowed.empty() && !locks)) continue;
         if (allowed.empty()) allowed.assign(window.area(), LockCodes::any);
-        const std::uint8_t code = scale.code_down(static_cast<double>(stamp.amount_m));
+        const std::uint8_t code = scale.code_down(stamp.amount_m);
         constexpr std::int32_t side = 32;
         for (std::int32_t by = all.y0; by <= all.y1; by += side)
             for (std::int32_t bx = all.x0; bx <= all.x1; bx += side) {

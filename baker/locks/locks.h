@@ -42,8 +42,8 @@ public:
 
     [[nodiscard]] bool empty() const { return shapes_.empty() && stamps_.empty(); }
     // Shapes as stamps that hold the same samples: of polygons their sides, and rectangles inside. O(points, and samples
-    // of polygons). Throws Failure 1: one is in pixels, which stamps are not.
-    [[nodiscard]] std::vector<io::KeptStamp> stamps() const;
+    // of polygons). Throws Failure 1: one is in pixels, which stamps are not. name: of the file, for the message.
+    [[nodiscard]] std::vector<io::KeptStamp> stamps(const std::string& name) const;
     [[nodiscard]] bool in_metres() const;       // some of them
     [[nodiscard]] double sharpest() const;      // 1 / the smallest error_px; 1: none
     [[nodiscard]] std::string account() const;  // "3 lines, 1 area; 2 shapes beside the terrain left out"

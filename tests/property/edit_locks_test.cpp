@@ -120,7 +120,7 @@ std::string check_locks(const TerrainData& t, Allowed& allowed) {
         if (least == no_limit) continue;
         const std::uint32_t code =
             diamond_error(ground, terms, v, [&](SampleIndex a) { return t.tree.contains(a); }).code;
-        if (code > t.errors.code_down(least))
+        if (code > t.errors.code_down(static_cast<float>(least)))
             return "a lock is not kept at " + std::to_string(v.column) + ", " + std::to_string(v.row);
     }
     return {};
@@ -342,6 +342,7 @@ TEST_CASE("pages that leave come back with their locks", "[edit][locks]") {
 TEST_CASE("a road that is locked is streamed from afar, where no view would ask for its pages", "[edit][locks]") {
     Random random(20261213);
     int needed = 0;
+    std::uint32_t came = 0, stayed = 0;
     for (int round = 0; round < rounds(2, 20); ++round) {
         baker::BakeOptions options = small_bake(7);
         options.room_for_locks = true;
@@ -378,16 +379,19 @@ TEST_CASE("a road that is locked is streamed from afar, where no view would ask 
         whole.push(locks[0].stamp());
         (void)whole.update();
         int frames = 0;
-        do step();
-        while ((!streamed.converged || !drawn.converged || report.unmeasured + report.loose != 0) && ++frames < 3000);
+        do step(); // what no view wants, and no lock, is not loaded to be measured
+        while ((frames < 60 || !streamed.converged || !drawn.converged) && ++frames < 3000);
         CAPTURE(round, frames, missing, data_of(on.paged.terrain).pages_missing, report.unmeasured);
         REQUIRE((streamed.converged && drawn.converged));
-        CHECK(data_of(on.paged.terrain).pages_missing < missing); // those under the road have come
-        CHECK(data_of(on.paged.terrain).pages_missing > 0);       // and not all
-        CHECK(recursive_triangles(pack.terrain, view, cut.max_error_px) == triangles_of(on.cut.mesh()));
+        came += missing - data_of(on.paged.terrain).pages_missing; // under the road
+        stayed += data_of(on.paged.terrain).pages_missing;
+        // All that the whole terrain would draw; more where errors cannot be measured before other pages come.
+        const VertexSet target = target_set(pack.terrain, pack.terrain, {&view, 1}, cut.max_error_px);
+        CHECK(contains(active_set(on.cut), target));
         needed += check_drawn(random, pack.terrain, on.cut.mesh(), view, cut.max_error_px, locks, allowed);
     }
     CHECK(needed > rounds(50, 500));
+    CHECK((came > 0 && stayed > 0));
 }
 
 TEST_CASE("a cut with too little room gives up all else before a lock", "[edit][locks]") {
@@ -485,7 +489,7 @@ TEST_CASE("stamps that lock give the codes of the same locks in a file", "[edit]
                             {"geometry", {{"type", "Polygon"}, {"coordinates", json::array({ring})}}}});
         spit(folder / "locks.json", json{{"type", "FeatureCollection"}, {"features", features}}.dump());
         const std::vector<io::KeptStamp> stamps =
-            baker::Locks(folder / "locks.json", {}, baker::DemSource(dem)).stamps();
+            baker::Locks(folder / "locks.json", {}, baker::DemSource(dem)).stamps("locks.json");
         const auto with_areas = bake_and_load(dem, options);
         options.locks_path.clear();
         const auto laid = bake_locked(dem, {stamps.begin(), stamps.end()}, options);
@@ -537,9 +541,9 @@ TEST_CASE("a lock that cannot be is refused by its field's name, and one that li
     CHECK(applied([](Stamp& s) { s.strength = 0.4f; }).state == StampState::applied);
     CHECK(applied([](Stamp& s) { s.shape = StampShape::unlock; }).state == StampState::applied);
     CHECK((codes() == before));
-    const StampResult spent = applied([](Stamp& s) { s.radius_m = 1e6f; });
-    CHECK((spent.state == StampState::refused && spent.status.code == StatusCode::out_of_slots));
-    CHECK(std::string(spent.status.field) == "EditBudget::locks");
+    const StampResult whole = applied([](Stamp& s) { s.radius_m = 1e6f; });
+    CHECK((whole.state == StampState::refused && whole.status.code == StatusCode::out_of_slots));
+    CHECK(std::string(whole.status.field) == "EditBudget::locks");
     CHECK((codes() == before));
     CHECK(applied([](Stamp& s) { s.falloff_m = 1e6f; }).state == StampState::applied); // which a lock has none of
     CHECK((codes() != before));

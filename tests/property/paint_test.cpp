@@ -258,7 +258,7 @@ TEST_CASE("paint that cannot be is refused whole, by its field's name", "[edit][
     CHECK(field_of([](Stamp& s) { s.strength = NAN; }) == "Stamp::strength");
     CHECK(field_of([](Stamp& s) { s.material = 16; }) == "Stamp::material");
     CHECK(field_of([](Stamp& s) { s.point_count = 1; }) == "Stamp::points");
-    CHECK(field_of([](Stamp& s) { s.shape = static_cast<StampShape>(12); }) == "Stamp::shape");
+    CHECK(field_of([](Stamp& s) { s.shape = static_cast<StampShape>(14); }) == "Stamp::shape");
     CHECK(edits_bytes(pack.pack.header, {.paint = 1u << 25}) == 0);
     // A pack without maps keeps no paint.
     baker::BakeOptions bare = small_bake(6);

@@ -95,6 +95,45 @@ TEST_CASE("what says no error takes that of the command line, and a million plac
     CHECK(baked(folder, "--locks many.geojson --lock-error-m 0.05")["always_drawn"] > fine["always_drawn"]);
 }
 
+TEST_CASE("locks of a file are laid on a pack as a layer, and are those that a bake holds, flown and baked") {
+    const TemporaryFolder folder;
+    write_ground(folder);
+    const auto said = [&](const std::string& arguments) {
+        return json::parse(output_of(folder, bake + arguments + " --json -"));
+    };
+    output_of(folder, bake + "dem.tif -o plain.fjell --room-for-locks yes --quiet");
+    CHECK(said("info plain.fjell")["room_for_locks"] == true);
+    spit(folder / "locks.geojson", collection({feature(R"({"error_m":0.05,"width_m":12})", "LineString", road),
+                                               feature(R"({"error_m":0.5})", "Polygon", yard),
+                                               feature("{}", "Point", "[432000,6790400]")}));
+    const std::string file = "locks.geojson --lock-error-m 0", edits = "--edits plain.fjell.journal ";
+    const json held = said("plain.fjell --locks " + file + " -o held.fjell");
+    CHECK(held["always_drawn"] > 300);
+    const json laid = said("locks plain.fjell " + file);
+    CHECK((laid["layer"] == "locks" && laid["locks"] == "1 point, 1 line, 1 area" && laid["stamps"] > 3));
+    CHECK(said("plain.fjell " + edits + "-o laid.fjell")["always_drawn"] == held["always_drawn"]);
+    const auto flown = [&] {
+        const json flight = json::parse(output_of(
+            folder, std::string(FJELL_BIN_DIR) + "/fjell-fly plain.fjell --headless --frames 2 --json - " + edits));
+        CHECK(flight["edits"]["refused"] == 0);
+        return flight["edits"]["always_drawn"].get<double>();
+    };
+    CHECK(std::abs(flown() - held["always_drawn"].get<double>()) < 20); // it counts those at the far rims, too
+    refused(folder, bake + "locks plain.fjell " + file, 1, "has a layer \"locks\"; give --replace");
+    output_of(folder, bake + "locks plain.fjell " + file + " --replace --quiet");
+    CHECK(said("plain.fjell " + edits + "-o laid.fjell")["always_drawn"] == held["always_drawn"]);
+    output_of(folder, bake + "journal plain.fjell --strength locks=0.4 --quiet");
+    CHECK(said("plain.fjell " + edits + "-o laid.fjell")["always_drawn"] == 0);
+    // What stamps cannot hold, and where no pack can.
+    spit(folder / "px.geojson", collection({feature(R"({"error_px":0.5})", "LineString", road)}));
+    refused(folder, bake + "locks plain.fjell px.geojson", 1, "px.geojson: a lock has error_px");
+    refused(folder, bake + "locks plain.fjell locks.geojson --layer more", 1, "give --lock-error-m for all such");
+    output_of(folder, bake + "dem.tif -o guess.fjell --estimate midpoint --quiet");
+    refused(folder, bake + "locks guess.fjell " + file, 1, "guess.fjell: has no room for locks");
+    spit(folder / "lock.json", R"({"stamps": [{"shape": "lock", "at": [900, 900], "radius_m": 90, "amount_m": 1}]})");
+    refused(folder, bake + "dem.tif --edits lock.json --estimate midpoint -o new.fjell", 2, "--estimate midpoint");
+}
+
 TEST_CASE("locks that are none are refused in one line, and no pack is made or changed") {
     const TemporaryFolder folder;
     write_ground(folder);

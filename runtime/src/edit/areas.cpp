@@ -108,7 +108,12 @@ void measure_next(EditsData& e) {
 void retry_unmeasured(EditsData& e) {
     for (std::uint32_t i = 0; i < e.area_count; ++i) {
         Area& a = e.areas[i];
-        if (a.unmeasured && a.page_changes != e.terrain->changes)
+        if (!a.unmeasured || a.page_changes == e.terrain->changes) continue;
+        a.page_changes = e.terrain->changes;
+        // Not before something that it has lacked is there: pages come for other reasons in most frames.
+        const std::uint32_t lacked = a.missing.count;
+        a.missing.forget([&](SampleIndex v) { return cell_at(*e.terrain, v).loaded; });
+        if (lacked == 0 || a.missing.count != lacked)
             a = {.places = a.places, .first_z = a.first_z, .radii_z = a.radii_z, .missing = a.missing};
     }
 }

@@ -282,8 +282,8 @@ public:
         return places.grown(radius_reach << coarsest()).meets(rect_);
     }
     [[nodiscard]] Rect reach() const { return rect_.grown(radius_reach << coarsest()); }
-    // Samples whose locks matter to its vertices.
-    [[nodiscard]] Rect locks() const { return rect_.grown(1 << coarsest()); }
+    // Samples whose locks matter to its vertices, and to those below them.
+    [[nodiscard]] Rect locks() const { return rect_.grown(error_reach(VertexKind::centre) << coarsest()); }
     [[nodiscard]] SampleIndex decoded(std::uint32_t k) const {
         return origin_ +
                (t_.pages.order == PageOrder::linear ? t_.pages.coord({page_, k}) : planar_.coord({in_planar_, k}));

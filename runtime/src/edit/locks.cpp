@@ -113,7 +113,7 @@ bool has_room_for(const EditsData& e, const Stamp& stamp) {
 Rect lock_samples(EditsData& e, const Stamp& stamp, const Rect& samples) {
     const StampGrid grid(*e.terrain);
     const bool locks = stamp.shape == StampShape::lock;
-    const std::uint8_t allowed = e.terrain->errors.code_down(static_cast<double>(stamp.amount_m));
+    const std::uint8_t allowed = e.terrain->errors.code_down(stamp.amount_m);
     Rect changed;
     for_each_block(samples.within(samples_of(grid, stamp)), [&](std::int32_t x, std::int32_t y) {
         const Rect own = samples_of_block(x, y), part = own.within(samples).within(samples_of(grid, stamp));

@@ -44,6 +44,12 @@ struct Missing {
         next = (next + 1) % most;
         count = std::min(count + 1, most);
     }
+    template <typename Is>
+    void forget(const Is& is) {
+        const std::uint32_t left = static_cast<std::uint32_t>(std::remove_if(at, at + count, is) - at);
+        if (left == count) return;
+        count = next = left;
+    }
 };
 
 // The terrain, and a window that lies over a part of it: what is read there is the window's, and what is written goes

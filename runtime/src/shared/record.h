@@ -58,10 +58,11 @@ struct ErrorScale {
             below += step * static_cast<std::uint32_t>(static_cast<double>(metres[below + step - 1]) < error_m);
         return static_cast<std::uint8_t>(below);
     }
-    // The largest code below 255 whose error is not above `error_m`, which is at least 0.
-    [[nodiscard]] constexpr std::uint8_t code_down(double error_m) const {
+    // The largest code below 255 whose error is not above `error_m`, which is at least 0. In float, as errors are:
+    // half a step of 10 cm is not above 5 cm.
+    [[nodiscard]] constexpr std::uint8_t code_down(float error_m) const {
         std::uint8_t code = 0;
-        while (code < 254 && static_cast<double>(metres[code + 1]) <= error_m) ++code;
+        while (code < 254 && metres[code + 1] <= error_m) ++code;
         return code;
     }
     // The code of vertices of a level that locks keep in the mesh of any view that sees the terrain: nested, with some

@@ -67,7 +67,7 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     // Where a lock asks for a page, it does from afar.
     const int level = bound_level(t.pages, page);
     const std::uint32_t most = t.errors.code_up(static_cast<double>(t.errors.metres[bound.error] + by_m));
-    const float lock_m = t.edits != nullptr && most > edit::least_allowed(*t.edits, own.grown(places.step))
+    const float lock_m = t.edits != nullptr && most > edit::least_allowed(*t.edits, own.grown(edit::error_reach(VertexKind::centre) * places.step))
                              ? t.errors.metres[t.errors.always(level)]
                              : 0.0f;
     const std::uint32_t shift = bound_shift(t.header);
