@@ -67,6 +67,15 @@ class Edits(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "strength"):
                 t.edit("paint", at=(200, 200), radius=40, rgb=(1, 2, 3), strength=2)
 
+    def test_a_lock_changes_no_height(self):
+        with self.open() as t:
+            before = t.samples()
+            self.assertEqual(t.edit("lock", points=[(100, 100), (300, 180)], radius=6, amount=0.1), 0)
+            self.assertEqual(t.edit("unlock", at=(200, 200), radius=20), 0)
+            np.testing.assert_array_equal(t.samples(), before)
+            with self.assertRaisesRegex(ValueError, "amount_m"):
+                t.edit("lock", at=(200, 200), radius=40)
+
     def test_a_streamed_terrain_has_the_ground_of_one_that_is_loaded(self):
         stamps = (
             ("crater", {"at": (300, 260), "radius": 40, "falloff": 20, "amount": 15}),

@@ -107,13 +107,13 @@ std::string layers_told(const Digging& digging) {
 }
 
 // Metres up and down in shares of the relief: what no page's heights span is refused, which is other tests' matter.
-Brush any_brush(Random& random, const Terrain& terrain) {
+Brush any_brush(Random& random, const Terrain& terrain, bool locks = false) {
     const double spacing_m = terrain.spacing_x_m(), relief_m = terrain.header().max_m - terrain.header().min_m;
     Brush b;
     b.tool = static_cast<BrushTool>(pick(random, 1, has_room_for_holes(terrain.header()) ? 9 : 7));
     b.radius_m = spacing_m * uniform(random, 1, 9), b.falloff_m = spacing_m * uniform(random, 0, 9);
     b.amount_m = relief_m * uniform(random, 0.005, 0.03), b.strength = uniform(random, 0.1, 1);
-    if (has_room_for_locks(terrain.header()) && pick(random, 0, 3) == 0) {
+    if (locks && has_room_for_locks(terrain.header()) && pick(random, 0, 3) == 0) {
         b.tool = pick(random, 0, 2) != 0 ? BrushTool::lock : BrushTool::unlock;
         b.error_m = relief_m * uniform(random, 0, 0.01), b.strength = 1;
     }
@@ -150,7 +150,7 @@ TEST_CASE("whatever is dug, switched, moved, removed and undone, the ground is w
                 const std::size_t to = layer();
                 if (!d.layers()[to].on) continue;
                 d.choose(to);
-                const Brush brush = any_brush(random, terrain->session.terrain());
+                const Brush brush = any_brush(random, terrain->session.terrain(), true);
                 const double level_m = 0.5 * (t.header().min_m + t.header().max_m);
                 for (int n = pick(random, 1, 4); n > 0; --n)
                     d.dab(dab_of(brush, uniform(random, 0, wide_m), uniform(random, 0, deep_m), level_m, 7));
