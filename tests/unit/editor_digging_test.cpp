@@ -131,7 +131,10 @@ TEST_CASE("whatever is dug, switched, moved, removed and undone, the ground is w
         baker::Dem dem = random_dem(random, pick(random, 60, 140), pick(random, 60, 140), Shape::fractal);
         // A page's heights span at most 65,535 steps: by default a bake leaves room for more ground than there is.
         const auto [low, high] = std::minmax_element(dem.heights_m.begin(), dem.heights_m.end());
-        dem.native_quantum_m = (static_cast<double>(*high) - static_cast<double>(*low)) / 8192;
+        // And floats tell all steps, or what is flown and what is baked round apart.
+        const double lowest = *low, highest = *high;
+        dem.native_quantum_m =
+            std::max((highest - lowest) / 8192, std::max(std::abs(lowest), std::abs(highest)) * 0x1p-20);
         (void)baker::bake(std::move(dem), small_bake(5), pack);
         auto terrain = std::make_unique<DugTerrain>(pack);
         const Terrain& t = terrain->session.terrain();
