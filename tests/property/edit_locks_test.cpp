@@ -32,7 +32,7 @@ io::KeptStamp random_lock(Random& random, const Terrain& terrain) {
     const double cell = terrain.spacing_x_m(), quantum = terrain.header().quantum_m;
     const auto place = [&](double extent) { return uniform(random, -0.1, 1.1) * extent; };
     s.shape = pick(random, 0, 4) != 0 ? StampShape::lock : StampShape::unlock;
-    s.amount_m = pick(random, 0, 2) == 0 ? 0 : static_cast<float>(quantum * std::exp2(uniform(random, 0, 8)));
+    s.amount_m = pick(random, 0, 2) == 0 ? 0 : static_cast<float>(quantum * std::exp2(uniform(random, 0, 11)));
     s.radius_m = pick(random, 0, 1) == 0 ? 0 : static_cast<float>(cell * std::exp2(uniform(random, -2, 4)));
     switch (pick(random, 0, 2)) {
     case 0: s.x_m = place(terrain.extent_x_m()), s.z_m = place(terrain.extent_z_m()); break;
@@ -266,6 +266,49 @@ TEST_CASE("moving ground keeps its locks after every step, and at rest its error
     CHECK(applied > rounds(8, 80));
     CHECK(locked > rounds(6, 60));
     CHECK(counted > rounds(5, 50));
+}
+
+TEST_CASE("a lock on even ground holds beside a crater before its errors are measured", "[edit][locks]") {
+    Random random(20261217);
+    int needed = 0;
+    for (int round = 0; round < rounds(20, 300); ++round) {
+        baker::Dem dem;
+        dem.columns = dem.rows = 257;
+        dem.heights_m.assign(257 * 257, 1000);
+        // So that errors have codes: a wall in the corner.
+        for (const std::int32_t x : {0, 1}) dem.heights_m[dem.index(x, 0)] = dem.heights_m[dem.index(x, 1)] = 0;
+        dem.heights_m[dem.index(1, 0)] = 2000;
+        dem.native_quantum_m = 1;
+        baker::BakeOptions options = small_bake(pick(random, 6, 8));
+        options.room_for_locks = true;
+        const auto pack = bake_and_load(std::move(dem), options);
+        const TerrainData& t = data_of(pack.terrain);
+        Editor editor(pack.terrain);
+        Allowed allowed(pack.terrain);
+        std::deque<io::KeptStamp> locks(1);
+        Stamp& lock = locks[0].plain;
+        lock.shape = StampShape::lock, lock.amount_m = static_cast<float>(pick(random, 5, 50));
+        const double cell = pack.terrain.spacing_x_m();
+        lock.x_m = uniform(random, 60, 200) * cell, lock.z_m = uniform(random, 60, 200) * pack.terrain.spacing_z_m();
+        editor.push(lock);
+        (void)editor.update();
+        allowed.add(locks[0]);
+        const std::uint32_t before = count_always_drawn(editor.edits);
+        Stamp crater;
+        crater.shape = StampShape::crater, crater.amount_m = static_cast<float>(pick(random, 60, 300));
+        crater.radius_m = static_cast<float>(uniform(random, 3, 9) * cell);
+        crater.x_m = lock.x_m + uniform(random, -40, 40) * cell, crater.z_m = lock.z_m + uniform(random, -40, 40) * cell;
+        const StampId id = editor.push(crater);
+        (void)editor.update(1);
+        CAPTURE(round, lock.x_m, lock.z_m, crater.x_m, crater.z_m);
+        REQUIRE(stamp_state(editor.edits, id).state == StampState::applied);
+        REQUIRE(check_bounds(t) == "");
+        REQUIRE(check_locks(t, allowed) == "");
+        needed += count_always_drawn(editor.edits) > before;
+        (void)editor.update();
+        REQUIRE(check_locks(t, allowed) == "");
+    }
+    CHECK(needed > rounds(10, 150));
 }
 
 TEST_CASE("along locks of stamps no view draws ground farther off than they allow, and elsewhere nothing changes",
