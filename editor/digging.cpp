@@ -396,8 +396,8 @@ void Digging::renew_layer(const io::JournalLayer& layer) {
     renew(stamps);
 }
 
-// Paint mixes with what is below it, and locks that are taken away may lie over others. So what lies on an area is taken
-// off and laid again, with all that meets it.
+// Paint mixes with what is below it, and locks that are taken away may lie over others. So what lies on an area is
+// taken off and laid again, with all that meets it.
 void Digging::renew_over(std::span<const io::KeptStamp> changed, bool (&is)(StampShape), StampShape bare_shape) {
     const edit::StampGrid grid = grid_of(header_);
     Rect all;

@@ -41,9 +41,9 @@ enum class BrushTool : std::uint8_t {
     lock,
     unlock
 };
-inline constexpr const char* brush_tool_names[] = {"off",     "raise", "lower", "level", "smooth", "noise",  "crater",
-                                                   "restore", "hole",  "fill",  "road",  "paint",  "unpaint", "lock",
-                                                   "unlock"};
+inline constexpr const char* brush_tool_names[] = {"off",   "raise",  "lower",   "level", "smooth",
+                                                   "noise", "crater", "restore", "hole",  "fill",
+                                                   "road",  "paint",  "unpaint", "lock",  "unlock"};
 
 struct Brush {
     BrushTool tool = BrushTool::off;
@@ -56,8 +56,7 @@ struct Brush {
     std::uint8_t rgb[3] = {92, 78, 60};
     std::uint8_t material = no_material;
 };
-inline constexpr double least_brush_m = 0.01, most_brush_m = 100'000, most_amount_m = 10'000,
-                        most_lock_m = 1000;
+inline constexpr double least_brush_m = 0.01, most_brush_m = 100'000, most_amount_m = 10'000, most_lock_m = 1000;
 
 // Beyond its radius; locks do not fade out.
 [[nodiscard]] constexpr double falloff_of(const Brush& brush) {

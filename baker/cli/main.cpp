@@ -377,16 +377,14 @@ int run(int argc, char** argv) {
     CLI::App app{"Bakes a height field into a Fjell pack.", "fjell-bake"};
     const Commands commands = declare_arguments(app, a);
     if (!io::parse_command_line(app, argc, argv, "fjell-bake")) return 0;
-    const bool other = commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() ||
-                       commands.mesh->parsed() || commands.tiles->parsed() || commands.split->parsed() ||
-                       commands.join->parsed() || commands.synth->parsed() || commands.materials->parsed() ||
-                       commands.journals.journal->parsed() || commands.journals.rebase->parsed() ||
-                       commands.vectors.roads->parsed() || commands.vectors.rivers->parsed() ||
-                       commands.vectors.locks->parsed();
+    const bool other =
+        commands.info->parsed() || commands.verify->parsed() || commands.heights->parsed() || commands.mesh->parsed() ||
+        commands.tiles->parsed() || commands.split->parsed() || commands.join->parsed() || commands.synth->parsed() ||
+        commands.materials->parsed() || commands.journals.journal->parsed() || commands.journals.rebase->parsed() ||
+        commands.vectors.roads->parsed() || commands.vectors.rivers->parsed() || commands.vectors.locks->parsed();
     if (other && (!a.given.inputs.empty() || a.given.output))
-        throw Failure(2,
-                      "info, verify, heights, mesh, tiles, split, join, synth, materials, journal, rebase, roads, "
-                      "rivers and locks bake nothing; leave out the height field and -o, or the command");
+        throw Failure(2, "info, verify, heights, mesh, tiles, split, join, synth, materials, journal, rebase, roads, "
+                         "rivers and locks bake nothing; leave out the height field and -o, or the command");
     catch_interrupts();
     if (commands.info->parsed()) return run_info(a);
     if (commands.apply->parsed()) return run_apply(a);

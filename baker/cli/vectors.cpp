@@ -170,7 +170,8 @@ VectorCommands declare_vectors(CLI::App& app, VectorArguments& a) {
                                  river.depth_m))
         ->check(io::within(0, most_depth_m));
     slope(*c.rivers, "--bank-slope", river.slopes.cut, "of the banks");
-    c.locks = app.add_subcommand("locks", "hold places of a map to errors of their own, as a layer of a pack's journal");
+    c.locks =
+        app.add_subcommand("locks", "hold places of a map to errors of their own, as a layer of a pack's journal");
     declare_layer(*c.locks, a, "points, lines and polygons");
     c.locks
         ->add_option("--lock-error-m", a.lock_error_m,
@@ -250,10 +251,8 @@ int run_locks(const VectorArguments& a) {
     const Locks locks(a.file, a.lock_error_m, pack, a.from);
     const std::vector<io::KeptStamp> stamps = locks.stamps(a.file);
     layer.put(stamps);
-    summary.write({{"journal", layer.path},
-                   {"layer", layer.name},
-                   {"locks", locks.account()},
-                   {"stamps", stamps.size()}});
+    summary.write(
+        {{"journal", layer.path}, {"layer", layer.name}, {"locks", locks.account()}, {"stamps", stamps.size()}});
     if (!a.quiet && a.json_path != "-") {
         fmt::print("{}: layer \"{}\": {} as {} stamps\n", layer.path, layer.name, locks.account(), stamps.size());
         layer.say_how_to_use(a);

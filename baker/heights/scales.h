@@ -50,8 +50,8 @@ struct ScaleInput {
     HeightScale height_scale;
     HeightStatistics heights;
     double nesting = 0.05;
-    bool room_for_holes = false;  // even if there are none
-    bool room_for_locks = false;  // errors have codes for vertices that are always drawn
+    bool room_for_holes = false; // even if there are none
+    bool room_for_locks = false; // errors have codes for vertices that are always drawn
     double sharpest_lock = 1;    // how much more than they are errors may count
 };
 [[nodiscard]] Scales choose_scales(const ScaleInput& input);

@@ -126,9 +126,10 @@ std::vector<io::KeptStamp> Locks::stamps(const std::string& name) const {
         while (end < runs_.size() && runs_[end].shape == runs_[i].shape) ++end;
         const Shape& s = shapes_[runs_[i].shape];
         if (s.error_px != 1 || s.error_m == no_limit)
-            throw Failure(1, fmt::format("{}: a lock has error_px, and stamps lock in metres alone; leave it out, or bake "
-                                         "the file with --locks",
-                                         name));
+            throw Failure(1,
+                          fmt::format("{}: a lock has error_px, and stamps lock in metres alone; leave it out, or bake "
+                                      "the file with --locks",
+                                      name));
         Stamp lock;
         lock.shape = StampShape::lock;
         lock.amount_m = static_cast<float>(s.error_m);
@@ -230,7 +231,8 @@ std::vector<LockCodes> Locks::over(const Window& window, const ErrorScale& scale
         if (!meets(box)) continue;
         if (codes.empty()) codes.resize(window.area());
         const Shape& s = shapes_[runs_[i].shape];
-        const std::uint8_t allowed = s.error_m == no_limit ? LockCodes::any : scale.code_down(static_cast<float>(s.error_m));
+        const std::uint8_t allowed =
+            s.error_m == no_limit ? LockCodes::any : scale.code_down(static_cast<float>(s.error_m));
         Raster raster{window, field, codes, {allowed, codes_for(scale, 1 / s.error_px)}};
         const std::span<const Run> runs(runs_.data() + i, end - i);
         if (s.kind == VectorKind::polygon) hold_inside(runs, raster);

@@ -41,8 +41,9 @@ public:
     void add_stamps(const HeightSource& field);
 
     [[nodiscard]] bool empty() const { return shapes_.empty() && stamps_.empty(); }
-    // Shapes as stamps that hold the same samples: of polygons their sides, and rectangles inside. O(points, and samples
-    // of polygons). Throws Failure 1: one is in pixels, which stamps are not. name: of the file, for the message.
+    // Shapes as stamps that hold the same samples: of polygons their sides, and rectangles inside. O(points, and
+    // samples of polygons). Throws Failure 1: one is in pixels, which stamps are not. name: of the file, for the
+    // message.
     [[nodiscard]] std::vector<io::KeptStamp> stamps(const std::string& name) const;
     [[nodiscard]] bool in_metres() const;       // some of them
     [[nodiscard]] double sharpest() const;      // 1 / the smallest error_px; 1: none
@@ -78,7 +79,7 @@ private:
     std::int32_t columns_ = 0, rows_ = 0;
     std::vector<Shape> shapes_;
     std::vector<Stamp> stamps_; // from the first that locks on
-    std::vector<Run> runs_; // those of a shape lie together
+    std::vector<Run> runs_;     // those of a shape lie together
     std::vector<Place> places_;
     std::size_t outside_ = 0;
 };

@@ -15,9 +15,8 @@ namespace fjell::editor {
 
 namespace {
 
-constexpr const char* tool_labels[] = {"Off",     "Raise", "Lower", "Level", "Smooth", "Noise",  "Crater",
-                                       "Restore", "Hole",  "Fill",  "Road",  "Paint",  "Unpaint", "Lock",
-                                       "Unlock"};
+constexpr const char* tool_labels[] = {"Off",  "Raise", "Lower", "Level", "Smooth",  "Noise", "Crater", "Restore",
+                                       "Hole", "Fill",  "Road",  "Paint", "Unpaint", "Lock",  "Unlock"};
 constexpr const char* tool_abouts[] = {
     "The left button looks around.",
     "Adds metres to the ground.",
@@ -112,7 +111,7 @@ void draw_brush(const State& state, PanelState&, Commands& commands) {
     const bool locks = brush.tool == BrushTool::lock || brush.tool == BrushTool::unlock; // do not fade out
     if (!locks)
         given |= slider("Falloff", "falloff", brush.falloff_m, 0, most_m, "%.3g m", false,
-                    "How far beyond the radius the brush fades out.");
+                        "How far beyond the radius the brush fades out.");
     if (has_amount(brush.tool))
         given |= slider("Height", "amount", brush.amount_m, 0.01, std::max(1.0, most_m / 2), "%.3g m", true,
                         "Of a dab. A stroke has four dabs along the brush's width.");

@@ -1,4 +1,5 @@
-// How many blocks of 32 x 32 samples stamps may change: what EditBudget::blocks, paint and locks need for them, or more. A stamp with which they would be more than most_stamp_blocks is left out, and refused when its turn comes: a
+// How many blocks of 32 x 32 samples stamps may change: what EditBudget::blocks, paint and locks need for them, or
+// more. A stamp with which they would be more than most_stamp_blocks is left out, and refused when its turn comes: a
 // file must not ask for all memory. O(blocks); memory: some 40 bytes a block. By the public headers alone, because a
 // shared library hides what knows the samples of a stamp.
 #pragma once

@@ -23,9 +23,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* shape_names[] = {"raise",   "level",   "crater", "path",    "noise", "smooth",
-                                       "heights", "restore", "paint",  "unpaint", "hole",  "fill",
-                                       "lock",    "unlock"};
+constexpr const char* shape_names[] = {"raise",   "level", "crater",  "path", "noise", "smooth", "heights",
+                                       "restore", "paint", "unpaint", "hole", "fill",  "lock",   "unlock"};
 static_assert(std::size(shape_names) == static_cast<std::size_t>(StampShape::unlock) + 1,
               "a shape has a name: add it, and what it reads to the tables below");
 
@@ -143,8 +142,8 @@ bool is_read(std::string_view key, StampShape shape) {
     if (key == "rgb" || key == "material") return shape == StampShape::paint;
     if (key == "seed") return shape == StampShape::noise;
     if (key == "heights_m") return shape == StampShape::heights;
-    return std::ranges::any_of(
-        numbers, [&](const NumberOf& n) { return key == n.name && (n.read_by & bit(shape)) != 0; });
+    return std::ranges::any_of(numbers,
+                               [&](const NumberOf& n) { return key == n.name && (n.read_by & bit(shape)) != 0; });
 }
 
 json timed_json(const TimedStamp& timed) {

@@ -59,8 +59,7 @@ double away_m(const io::KeptStamp& lock, double x, double z) {
     for (std::size_t i = 1; i < lock.points.size(); ++i) {
         const StampPoint &a = lock.points[i - 1], &b = lock.points[i];
         const double dx = b.x_m - a.x_m, dz = b.z_m - a.z_m, length2 = dx * dx + dz * dz;
-        const double t =
-            length2 > 0 ? std::clamp(((x - a.x_m) * dx + (z - a.z_m) * dz) / length2, 0.0, 1.0) : 0;
+        const double t = length2 > 0 ? std::clamp(((x - a.x_m) * dx + (z - a.z_m) * dz) / length2, 0.0, 1.0) : 0;
         least = std::min(least, std::hypot(x - a.x_m - t * dx, z - a.z_m - t * dz));
     }
     return least;
@@ -162,8 +161,8 @@ std::array<double, 2> place_on(Random& random, const io::KeptStamp& lock, const 
 int check_drawn(Random& random, const Terrain& terrain, const MeshView& mesh, const View& view, double error_px,
                 const std::deque<io::KeptStamp>& locks, Allowed& allowed) {
     const TerrainData& t = data_of(terrain);
-    const double float_m = 0x1p-22 * (std::abs(static_cast<double>(t.range.high_m)) +
-                                      std::abs(static_cast<double>(t.range.low_m)));
+    const double float_m =
+        0x1p-22 * (std::abs(static_cast<double>(t.range.high_m)) + std::abs(static_cast<double>(t.range.low_m)));
     const double across_m = std::hypot(terrain.extent_x_m(), terrain.extent_z_m());
     int needed = 0;
     for (int n = 0; n < 80; ++n) {
@@ -189,7 +188,6 @@ int check_drawn(Random& random, const Terrain& terrain, const MeshView& mesh, co
     }
     return needed;
 }
-
 
 } // namespace
 
@@ -297,7 +295,8 @@ TEST_CASE("a lock on even ground holds beside a crater before its errors are mea
         Stamp crater;
         crater.shape = StampShape::crater, crater.amount_m = static_cast<float>(pick(random, 60, 300));
         crater.radius_m = static_cast<float>(uniform(random, 3, 9) * cell);
-        crater.x_m = lock.x_m + uniform(random, -40, 40) * cell, crater.z_m = lock.z_m + uniform(random, -40, 40) * cell;
+        crater.x_m = lock.x_m + uniform(random, -40, 40) * cell,
+        crater.z_m = lock.z_m + uniform(random, -40, 40) * cell;
         const StampId id = editor.push(crater);
         (void)editor.update(1);
         CAPTURE(round, lock.x_m, lock.z_m, crater.x_m, crater.z_m);
@@ -397,8 +396,7 @@ TEST_CASE("a road that is locked is streamed from afar, where no view would ask 
         std::deque<io::KeptStamp> locks(1);
         locks[0].plain.shape = StampShape::lock;
         locks[0].plain.amount_m = pack.terrain.header().quantum_m * 4;
-        for (const double at : {0.1, 0.4, 0.8})
-            locks[0].points.push_back({at * wx, uniform(random, 0.2, 0.8) * wz, 0});
+        for (const double at : {0.1, 0.4, 0.8}) locks[0].points.push_back({at * wx, uniform(random, 0.2, 0.8) * wz, 0});
         Allowed allowed(pack.terrain);
         allowed.add(locks[0]);
         const View view = make_view({wx / 2, 2 * wx, wz / 2}, {0.01, -1, 0.01}, {0, 0, 1}, 1, 640, 480, 1, 100 * wx);
@@ -501,12 +499,12 @@ TEST_CASE("stamps that lock give the codes of the same locks in a file", "[edit]
                     lock.plain.x_m = x, lock.plain.z_m = z;
                 places.push_back({x, -z});
             }
-            features.push_back({{"type", "Feature"},
-                                {"properties",
-                                 {{"error_m", static_cast<double>(lock.plain.amount_m)},
-                                  {"width_m", 2 * static_cast<double>(lock.plain.radius_m)}}},
-                                {"geometry",
-                                 {{"type", line ? "LineString" : "Point"}, {"coordinates", line ? places : places[0]}}}});
+            features.push_back(
+                {{"type", "Feature"},
+                 {"properties",
+                  {{"error_m", static_cast<double>(lock.plain.amount_m)},
+                   {"width_m", 2 * static_cast<double>(lock.plain.radius_m)}}},
+                 {"geometry", {{"type", line ? "LineString" : "Point"}, {"coordinates", line ? places : places[0]}}}});
         }
         spit(folder / "locks.json", json{{"type", "FeatureCollection"}, {"features", features}}.dump());
         baker::BakeOptions options = small_bake(pick(random, 3, 6));

@@ -103,9 +103,9 @@ TEST_CASE("locks of a file are laid on a pack as a layer, and are those that a b
     };
     output_of(folder, bake + "dem.tif -o plain.fjell --room-for-locks yes --quiet");
     CHECK(said("info plain.fjell")["room_for_locks"] == true);
-    spit(folder / "locks.geojson", collection({feature(R"({"error_m":0.05,"width_m":12})", "LineString", road),
-                                               feature(R"({"error_m":0.5})", "Polygon", yard),
-                                               feature("{}", "Point", "[432000,6790400]")}));
+    spit(folder / "locks.geojson",
+         collection({feature(R"({"error_m":0.05,"width_m":12})", "LineString", road),
+                     feature(R"({"error_m":0.5})", "Polygon", yard), feature("{}", "Point", "[432000,6790400]")}));
     const std::string file = "locks.geojson --lock-error-m 0", edits = "--edits plain.fjell.journal ";
     const json held = said("plain.fjell --locks " + file + " -o held.fjell");
     CHECK(held["always_drawn"] > 300);
@@ -126,7 +126,7 @@ TEST_CASE("locks of a file are laid on a pack as a layer, and are those that a b
     CHECK(said("plain.fjell " + edits + "-o laid.fjell")["always_drawn"] == 0);
     // What stamps cannot hold, and where no pack can.
     spit(folder / "px.geojson", collection({feature(R"({"error_px":0.5})", "LineString", road)}));
-    refused(folder, bake + "locks plain.fjell px.geojson", 1, "px.geojson: a lock has error_px");
+    refused(folder, bake + "locks plain.fjell px.geojson --layer more", 1, "px.geojson: a lock has error_px");
     refused(folder, bake + "locks plain.fjell locks.geojson --layer more", 1, "give --lock-error-m for all such");
     output_of(folder, bake + "dem.tif -o guess.fjell --estimate midpoint --quiet");
     refused(folder, bake + "locks guess.fjell " + file, 1, "guess.fjell: has no room for locks");

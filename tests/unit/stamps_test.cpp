@@ -122,7 +122,7 @@ TEST_CASE("blocks of stamps are all that a sample changes in, and not many more"
                     (locks ? edit::locks_sample(grid, kept.stamp(), {x, y})
                            : edit::stamp_weight(grid, kept.stamp(), {x, y}) > 0))
                     changed.insert({x / 32, y / 32});
-        const std::uint32_t count = locks                            ? blocks.locks()
+        const std::uint32_t count = locks                          ? blocks.locks()
                                     : s.shape == StampShape::paint ? blocks.paint()
                                                                    : blocks.heights();
         CAPTURE(round);
@@ -186,8 +186,10 @@ TEST_CASE("a stamp that cannot be one is refused with its line, its number and t
     refused(R"({"shape": "unpaint", "points": [[1, 2], [3, 4]]})", "\"radius_m\" is missing");
     refused(R"({"shape": "unpaint", "points": [[1, 2, 3], [3, 4, 5]], "radius_m": 1})", "points: [x, z]");
     refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3})", "\"amount_m\" is missing");
-    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": -1})", "\"amount_m\" must hold numbers in 0..");
-    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": 1, "falloff_m": 1})", "\"falloff_m\" is no field");
+    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": -1})",
+            "\"amount_m\" must hold numbers in 0..");
+    refused(R"({"shape": "lock", "at": [1, 2], "radius_m": 3, "amount_m": 1, "falloff_m": 1})",
+            "\"falloff_m\" is no field");
     refused(R"({"shape": "unlock", "at": [1, 2], "radius_m": 3, "amount_m": 1})", "\"amount_m\" is no field");
     refused(R"({"shape": "restore", "first": [0, 0], "columns": 1, "rows": 1, "mask": [256]})", "\"mask\" must hold");
     for (const char* file :

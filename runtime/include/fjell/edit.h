@@ -71,18 +71,18 @@ inline constexpr std::uint8_t no_material = 255; // of Stamp::material
 
 // What happens to which samples. The shape applies wholly within radius_m of the centre (of the line, for a path), and
 // fades out over falloff_m beyond; a lock does not fade out. `heights` and `mask` apply to their rectangle. `hole`,
-// `fill`, `lock` and `unlock` apply to samples wholly, where the share is a half or more, or not at all. Only `hole`, `fill` and `restore`
-// make holes of ground, or ground of holes. All others leave samples that are holes.
+// `fill`, `lock` and `unlock` apply to samples wholly, where the share is a half or more, or not at all. Only `hole`,
+// `fill` and `restore` make holes of ground, or ground of holes. All others leave samples that are holes.
 struct Stamp {
     StampShape shape = StampShape::raise;
     double x_m = 0, z_m = 0; // the centre, scene axes
     float radius_m = 0, falloff_m = 0;
-    float amount_m = 0; // of a lock: 0 or more
+    float amount_m = 0;                           // of a lock: 0 or more
     float height_m = 0, slope_x = 0, slope_z = 0; // of `level`: metres up a metre east, and a metre south
     float wavelength_m = 0;
     std::uint32_t seed = 0;
     // Pointed to, not copied: they must stay until stamp_state() says that the stamp is done or refused.
-    const StampPoint* points = nullptr; // of a path, in order, 2 to max_path_points; paint and locks may follow one, too
+    const StampPoint* points = nullptr; // of a path, in order, 2 to max_path_points; of paint and locks, too
     std::uint32_t point_count = 0;
     SampleIndex first;                  // of the rectangle
     std::int32_t columns = 0, rows = 0; // of the rectangle; 0: none

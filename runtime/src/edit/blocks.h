@@ -34,9 +34,9 @@ struct InPack {
 [[nodiscard]] bool has_changed_holes(const EditsData& e, const Rect& places);
 
 // A page of the pack is about to be loaded: its heights as they are edited, its errors and spheres as large as they may
-// be by now, errors where there are locks as large as these may ask for. arrays: decoded, errors not yet derived. False: nothing near it is edited, or locked. Otherwise bound_derived() once
-// they are, and nest_over_page() once its records are in place: what is above it nests over it again, and all is
-// measured later.
+// be by now, errors where there are locks as large as these may ask for. arrays: decoded, errors not yet derived.
+// False: nothing near it is edited, or locked. Otherwise bound_derived() once they are, and nest_over_page() once its
+// records are in place: what is above it nests over it again, and all is measured later.
 [[nodiscard]] bool restore_page(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);
 void bound_derived(const EditsData& e, std::uint32_t tile, std::uint32_t page, PageArrays& arrays);
 void nest_over_page(EditsData& e, std::uint32_t tile, std::uint32_t page);

@@ -400,8 +400,7 @@ std::uint32_t count_always_drawn(const Edits& edits) {
     for (std::uint32_t tile = 0; tile < t.tile_count(); ++tile) {
         const SampleIndex place = t.tile_xy(tile);
         const std::int32_t side = t.tree.side();
-        const Diamond root =
-            diamond(t.tree, {place.column * side + side / 2, place.row * side + side / 2});
+        const Diamond root = diamond(t.tree, {place.column * side + side / 2, place.row * side + side / 2});
         for (const SampleIndex apex : root.apexes) count += count_below(t, apex, root.ends[0], root.ends[1]);
     }
     return count;

@@ -309,8 +309,8 @@ Measured measure(const EditsData& e, const Ground& ground, SampleIndex v, const 
     if (!asked.all) return {std::max<std::uint32_t>(ground.at(v).error, asked.code), false};
     const LockAt lock = lock_at(e, v);
     // Where children ask for what locks do, or more, it does not matter which they are.
-    Measured own = measure_ground(
-        e, ground, v, lock.always > asked.code ? std::min(asked.code, lock.allowed) : asked.code, lock);
+    Measured own =
+        measure_ground(e, ground, v, lock.always > asked.code ? std::min(asked.code, lock.allowed) : asked.code, lock);
     own.code = std::max(lock.raised(own.code), asked.code);
     return own;
 }

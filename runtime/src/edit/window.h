@@ -16,10 +16,10 @@ inline constexpr std::int32_t window_margin = (error_reach(VertexKind::centre) +
                               window_side = largest_piece + 2 * window_margin;
 
 struct Window {
-    Rect rect;                   // places
-    bool loaded = false;         // all are
-    bool complete = false;       // and none is a hole
-    Rect written[max_tile_log2]; // by step: where vertices have changed since it was read
+    Rect rect;                                       // places
+    bool loaded = false;                             // all are
+    bool complete = false;                           // and none is a hole
+    Rect written[max_tile_log2];                     // by step: where vertices have changed since it was read
     std::uint8_t allowed[window_side * window_side]; // by locks (edit/locks.h), where there are some
     Cell cells[window_side * window_side];
     void note(int z, const Rect& places) { written[z] = written[z].with(places); }

@@ -25,7 +25,8 @@ struct alignas(8) PageEntry { // read at once by queries of other threads
 
 // Ground that edits (fjell/edit.h) have changed: places from first to last, both included. step_log2: errors and
 // spheres of the vertices there, of this step; heights_changed: heights, and with them what lies around the places, of
-// every step; errors_changed: errors alone, around the places, of every step. holes: samples there have become holes, or ground.
+// every step; errors_changed: errors alone, around the places, of every step. holes: samples there have become holes,
+// or ground.
 struct GroundChange {
     SampleIndex first, last;
     int step_log2;

@@ -67,9 +67,11 @@ Watch box_of(const StreamState& s, std::uint32_t tile, std::uint32_t page) {
     // Where a lock asks for a page, it does from afar.
     const int level = bound_level(t.pages, page);
     const std::uint32_t most = t.errors.code_up(static_cast<double>(t.errors.metres[bound.error] + by_m));
-    const float lock_m = t.edits != nullptr && most > edit::least_allowed(*t.edits, own.grown(edit::error_reach(VertexKind::centre) * places.step))
-                             ? t.errors.metres[t.errors.always(level)]
-                             : 0.0f;
+    const float lock_m =
+        t.edits != nullptr &&
+                most > edit::least_allowed(*t.edits, own.grown(edit::error_reach(VertexKind::centre) * places.step))
+            ? t.errors.metres[t.errors.always(level)]
+            : 0.0f;
     const std::uint32_t shift = bound_shift(t.header);
     const auto height = [&](std::uint32_t steps) { return t.height_scale.height_m(static_cast<std::int32_t>(steps)); };
     return {t.x_m(a.column),
@@ -112,8 +114,7 @@ void follow_ground(StreamState& s) {
         bool near = all;
         for (std::uint64_t n = s.seen_ground; n < t.ground_changes && !near; ++n) {
             const GroundChange& c = t.changed_ground[n % ground_change_log];
-            near = c.step_log2 < 0 &&
-                   places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
+            near = c.step_log2 < 0 && places.meets({c.first.column, c.first.row, c.last.column, c.last.row});
         }
         if (!near) continue;
         s.watches[watch] = box_of(s, tile, page);
