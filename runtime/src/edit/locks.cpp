@@ -36,8 +36,8 @@ std::uint8_t least_allowed(const EditsData& e, const Rect& samples) {
             return;
         }
         for (std::int32_t y = part.y0; y <= part.y1; ++y) {
-            const std::uint8_t* const row = b.allowed + (y - own.y0) * block_side - own.x0;
-            for (std::int32_t x = part.x0; x <= part.x1; ++x) least = std::min(least, row[x]);
+            const std::uint8_t* const row = b.allowed + (y - own.y0) * block_side + (part.x0 - own.x0);
+            for (std::int32_t k = 0; k < part.columns(); ++k) least = std::min(least, row[k]);
         }
     };
     const std::int64_t looks = (std::int64_t{all.x1 >> block_log2} - (all.x0 >> block_log2) + 1) *
