@@ -322,7 +322,7 @@ BakedWith ChangingBake::baked_with() const {
     require(had.options == options_hash(context_), "it was baked with other options");
     require(h.voids == 0, "it has holes, and what fills them follows from all ground around");
     require(!had.painted, "stamps painted it when it was baked, and that paint is lost");
-    require(context_.locks.empty() && notes->locks.empty(), "it has locks");
+    require(context_.locks.empty() && notes->locks.empty(), "there are locks");
     require(context_.options.order != PageOrder::linear, "it is in linear order");
     require(!context_.splat.wants_wetness(), "wetness follows from all of the ground");
     return had;

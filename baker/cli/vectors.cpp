@@ -211,7 +211,7 @@ struct TargetLayer {
         write(*journal, place, name, stamps);
     }
     void say_how_to_use(const VectorArguments& a) const {
-        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake {0} --edits {1} -o OUT\n",
+        fmt::print("to fly over it: fjell-fly {0} --edits {1}; for a pack of it: fjell-bake apply {0} {1} -o OUT\n",
                    a.pack, path);
     }
 };

@@ -221,3 +221,42 @@ TEST_CASE("after a full disk, a failing one or a kill at any call a journal says
     }
     CHECK((failed > 10 && killed > 10));
 }
+
+TEST_CASE("a journal is applied from what its stamps reach, or from all with a line that says why") {
+    const JournalPlace place;
+    json recipe = json::parse(slurp(FJELL_SOURCE_DIR "/content/terrain/hills.json"));
+    recipe["columns"] = recipe["rows"] = 1025;
+    spit(place.folder / "wide.json", recipe.dump());
+    place.made("synth wide.json -o wide.tif");
+    place.made("wide.tif -o rounded.fjell --tile 256 --quiet");
+    place.made("rounded.fjell -o wide.fjell --tile 256 --quiet"); // baked from heights on its own steps
+    const auto applied = [&](const std::string& arguments) {
+        const Run r = place.run("apply " + arguments);
+        CAPTURE(arguments, r.err);
+        REQUIRE(r.code == 0);
+        return r.out;
+    };
+    // Of its own journal, and of stamps in a file: the same.
+    place.made("journal wide.fjell --add low.json --layer craters");
+    CHECK(applied("wide.fjell -o dug.fjell").find("no stamp reaches") != std::string::npos);
+    CHECK(applied("wide.fjell low.json -o again.fjell").find("no stamp reaches") != std::string::npos);
+    CHECK(slurp(place.folder / "again.fjell") == slurp(place.folder / "dug.fjell"));
+    CHECK(applied("rounded.fjell low.json -o sound.fjell").find("no stamp reaches") != std::string::npos);
+    place.made("verify dug.fjell");
+    place.made("verify sound.fjell");
+    place.made("heights wide.fjell --edits low.json -o dug.tif");
+    place.made("verify sound.fjell --against dug.tif");
+
+    const auto all_baked = [&](const std::string& arguments, const std::string& why) {
+        const std::string said = applied(arguments);
+        CAPTURE(said);
+        CHECK(said.find("all of it was baked: " + why) != std::string::npos);
+    };
+    all_baked("wide.fjell --nesting 0.1 -o all.fjell", "it was baked with other options");
+    spit(place.folder / "peak.json",
+         R"({"stamps": [{"shape": "raise", "at": [300, 300], "radius_m": 20, "amount_m": 900}]})");
+    all_baked("wide.fjell peak.json -o all.fjell", "stamps move");
+    place.refused("apply wide.tif -o all.fjell", 1, "is no pack");
+    place.refused("apply hills.fjell -o all.fjell", 1, "hills.fjell.journal");
+    place.refused("apply other.fjell wide.fjell.journal -o all.fjell", 1, "another pack");
+}
