@@ -1,6 +1,7 @@
 // Pages that come and go under a live cut: evicted and waited for, or unloaded without warning.
 #include <catch2/catch.hpp>
 
+#include "cut/around.h"
 #include "shared/terrain_data.h"
 #include "support/paging_host.h"
 #include "support/rounds.h"
@@ -276,6 +277,42 @@ TEST_CASE(
     "where pages outnumber their states, the mesh is whole, the claim true, and states go to those that need one") {
     live_with(125, {false, true}, rounds(4, 24));
     live_with(126, {true, true}, rounds(4, 24));
+}
+
+TEST_CASE("the vertices around one are found by steps as they are by places in the tree") {
+    Random random(128);
+    std::uint64_t lacking = 0, compared = 0;
+    for (int round = 0; round < rounds(6, 24); ++round) {
+        // Steps of several full pages a tile, one of them the child of another.
+        const auto pack =
+            bake_and_load(random_dem(random, pick(random, 70, 400), pick(random, 70, 400), Shape::fractal),
+                          small_bake(pick(random, 7, 8)));
+        Cut cut(pack.terrain, ample_cut(pack.terrain));
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random) / 4;
+        const View view = random_view(random, pack.terrain);
+        (void)cut.rebuild({&view, 1}, settings);
+        const Pages& pages = cut.state().pages;
+        for (std::uint32_t vertex = 0; vertex < pages.fresh * max_page_vertices; ++vertex) {
+            const std::uint32_t group = vertex / group_lanes;
+            if (pages.state[vertex / max_page_vertices].page == no_index ||
+                group % max_page_groups >= pages.grid.shapes[pages.state[group / max_page_groups].shape].count ||
+                vertex % group_lanes >= shape_of(pages, group).lanes)
+                continue;
+            // A border has a place in each page that holds it; the vertex is its owner's.
+            const Site site = site_of(pages, vertex);
+            if (!exists(pages.grid, site) || find_vertex(pages, site) != vertex) continue;
+            const Around a = find_around(pages, vertex), b = find_around_anywhere(pages, vertex);
+            const bool same = std::equal(a.child, a.child + 4, b.child) &&
+                              std::equal(a.parent, a.parent + 2, b.parent) && a.lacks_child == b.lacks_child &&
+                              site_coord(a.site) == site_coord(b.site);
+            CAPTURE(round, vertex);
+            if (!same) REQUIRE(same);
+            lacking += a.lacks_child;
+            ++compared;
+        }
+    }
+    CHECK((compared > 100'000 && lacking > 1000));
 }
 
 TEST_CASE("a rebuild finds the states of the pages that it leaves") {

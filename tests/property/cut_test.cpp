@@ -43,6 +43,36 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
     }
 }
 
+// Where a frame has no limit and begins at rest nothing waits in a queue.
+TEST_CASE("groups that are changed page by page come to the same mesh as those that are changed worst first") {
+    Random random(134);
+    int at_once = 0;
+    for (int round = 0; round < rounds(12, 60); ++round) {
+        const auto pack = random_terrain(random, 300, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut free(terrain, ample_cut(terrain)), queued(terrain, ample_cut(terrain));
+        View view = random_view(random, terrain);
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random);
+        for (int frame = 0; frame < 12; ++frame) {
+            view = moved(random, view, random_step_m(random, terrain));
+            settings.visits = unlimited_work;
+            const CutReport report = free.update({&view, 1}, settings);
+            const bool changed_at_once = free.state().frame.changed_at_once;
+            at_once += changed_at_once && report.activations + report.deactivations != 0;
+            CAPTURE(round, frame, settings.max_error_px);
+            if (changed_at_once) CHECK(report.visits == unlimited_work); // no number of visits would replay it
+            REQUIRE(check_frame(free, terrain, report, settings) == "");
+            settings.visits = unlimited_work - 1; // a limit that is never met
+            const CutReport other = queued.update({&view, 1}, settings);
+            CHECK_FALSE(queued.state().frame.changed_at_once);
+            if (!report.converged || !other.converged) continue; // a jump is built beside where there is a limit
+            CHECK(triangles_of(free.mesh()) == triangles_of(queued.mesh()));
+        }
+    }
+    CHECK(at_once > 20);
+}
+
 // Looking at its block again is part of an activation: one item does one of them.
 TEST_CASE("with one item a frame every single step is a whole mesh, and the steps lead to the recursive one's") {
     Random random(102);

@@ -64,7 +64,8 @@ struct Split {
 };
 
 // One or two of them: at the terrain's rim a side has one parent.
-int splits_of(const Pages& pages, const Site& site, std::uint32_t vertex, Split (&out)[2]) {
+int splits_of(const Pages& pages, const Around& around, std::uint32_t vertex, Split (&out)[2]) {
+    const Site& site = around.site;
     const bool root = site.z == pages.grid.terrain->tree.tile_log2 - 1 && site.kind == VertexKind::centre;
     int count = 0;
     for (int n = 0; n < 2; ++n) {
@@ -75,11 +76,10 @@ int splits_of(const Pages& pages, const Site& site, std::uint32_t vertex, Split 
             const std::uint32_t corner = pages.grid.terrain->corner_at(site.i + 1 - n, site.j + n);
             split = {no_index, corner * 4 + static_cast<std::uint32_t>(child_number(bearing)), 0, halves(bearing)};
         } else {
-            const Site parent = parent_site(site, n);
-            if (!exists(pages.grid, parent)) continue;
+            split.parent = around.parent[n];
+            if (split.parent == no_index) continue;
             const Bearing bearing = parent_bearing(site, n);
-            split.parent = find_vertex(pages, parent);
-            FJELL_ASSERT(split.parent != no_index && is_active(pages, split.parent));
+            FJELL_ASSERT(is_active(pages, split.parent));
             split.key = pages.vertex_slot[split.parent] * 4 + static_cast<std::uint32_t>(child_number(bearing));
             split.halves = halves(bearing);
         }
@@ -108,38 +108,33 @@ void replace_by_halves(Pages& pages, Mesh& mesh, const Split& split, std::uint32
     if (split.parent != no_index) pages.groups[split.parent / group_lanes].child[split.key % 4] |= bit_of(split.parent);
 }
 
-// The vertices that are children of a vertex; no_index where there is none, or its page is not loaded.
-struct ChildVertices {
-    std::uint32_t vertex[4];
-};
-
-// All of them have states then. False: there was none to be had, and nothing has changed.
-bool find_children(Pages& pages, Work& work, Mesh& mesh, Visibility& visibility, const Site& site, ChildVertices& out) {
-    const bool leaf = site.kind != VertexKind::centre && site.z == 0;
+// All children have states then. False: there was none to be had, and nothing has changed.
+bool attach_children(Pages& pages, Work& work, Mesh& mesh, Visibility& visibility, Around& around) {
+    const bool leaf = around.site.kind != VertexKind::centre && around.site.z == 0;
     for (int d = 0; d < 4; ++d) {
-        out.vertex[d] = no_index;
-        const Site child = child_site(site, d);
+        around.child[d] = no_index;
+        const Site child = child_site(around.site, d);
         if (leaf || !exists(pages.grid, child)) continue;
         const VertexPlace at = place_of(pages.grid, child);
         if (pages.page_groups[at.page] == no_index && !attach_page(pages, work, mesh, visibility, at.page)) {
             while (d-- != 0) // what was attached for nothing
-                if (out.vertex[d] != no_index) note_idle(pages, out.vertex[d] / group_lanes / max_page_groups);
+                if (around.child[d] != no_index) note_idle(pages, around.child[d] / group_lanes / max_page_groups);
             return false;
         }
         const std::uint32_t first = pages.page_groups[at.page];
-        if (first != no_index) out.vertex[d] = first * group_lanes + at.vertex;
+        if (first != no_index) around.child[d] = first * group_lanes + at.vertex;
     }
     return true;
 }
 
 } // namespace
 
-Outcome activate(CutState& s, std::uint32_t vertex) {
+Outcome activate(CutState& s, std::uint32_t vertex, const Around& found) {
     FJELL_ASSERT(is_ready(s.pages, vertex) && !is_active(s.pages, vertex) &&
                  !has_active_child(s.pages, vertex)); // invariant 1
-    const Site site = site_of(s.pages, vertex);
+    const Site& site = found.site;
     Split splits[2];
-    const int count = splits_of(s.pages, site, vertex, splits);
+    const int count = splits_of(s.pages, found, vertex, splits);
     if (free_vertices(s.mesh) == 0) return Outcome::no_vertices;
     if (!room_for(s.mesh, splits, count)) return Outcome::no_triangles;
     for (int n = 0; n < count; ++n) FJELL_ASSERT(s.mesh.triangle_of[splits[n].key] != no_index);
@@ -157,8 +152,12 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
         if (splits[n].parent != no_index &&
             (is_evicting(s.pages, splits[n].parent) || morphs_out(s.mesh, s.pages.vertex_slot[splits[n].parent])))
             return Outcome::gated;
-    ChildVertices children;
-    if (!find_children(s.pages, s.work, s.mesh, s.visibility, site, children)) return Outcome::no_pages;
+    Around attached;
+    if (found.lacks_child) {
+        attached = found;
+        if (!attach_children(s.pages, s.work, s.mesh, s.visibility, attached)) return Outcome::no_pages;
+    }
+    const Around& around = found.lacks_child ? attached : found;
     const Evaluation v = evaluate_vertex(s.pages, s.views, vertex, site, true);
 
     const std::uint32_t slot = take_vertex(s.mesh);
@@ -185,21 +184,26 @@ Outcome activate(CutState& s, std::uint32_t vertex) {
 
     for (int n = 0; n < count; ++n) replace_by_halves(s.pages, s.mesh, splits[n], slot);
     for (int d = 0; d < 4; ++d) {
-        const std::uint32_t found = children.vertex[d];
-        if (found == no_index) continue;
-        GroupState& of_child = s.pages.groups[found / group_lanes];
-        of_child.parent[parent_number(site.kind, d)] |= bit_of(found);
-        count_parents(s.pages, found / group_lanes / max_page_groups, 1);
-        if (of_child.ready() & bit_of(found)) reevaluate(s.pages, s.work, s.views, found, child_site(site, d), false);
+        const std::uint32_t child = around.child[d];
+        if (child == no_index) continue;
+        GroupState& of_child = s.pages.groups[child / group_lanes];
+        of_child.parent[parent_number(site.kind, d)] |= bit_of(child);
+        count_parents(s.pages, child / group_lanes / max_page_groups, 1);
+        if (of_child.ready() & bit_of(child)) reevaluate(s.pages, s.work, s.views, child, child_site(site, d), false);
     }
     return Outcome::done;
 }
 
-Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std::uint32_t vertex) {
+Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std::uint32_t vertex,
+                   const Around& found) {
     FJELL_ASSERT(is_active(pages, vertex) && !has_active_child(pages, vertex)); // invariant 1
-    const Site site = site_of(pages, vertex);
+    // A page may have got its state since, with this parent.
+    Around again;
+    if (found.lacks_child) again = find_around(pages, vertex);
+    const Around& around = found.lacks_child ? again : found;
+    const Site& site = around.site;
     Split splits[2];
-    const int count = splits_of(pages, site, vertex, splits);
+    const int count = splits_of(pages, around, vertex, splits);
     const std::uint32_t slot = pages.vertex_slot[vertex];
     if (mesh.some_hidden && mesh.free_segment_count < 2) {
         for (int n = 0; n < count; ++n)
@@ -220,20 +224,16 @@ Outcome deactivate(Pages& pages, Work& work, Mesh& mesh, const Views& views, std
     group.active &= static_cast<std::uint16_t>(~bit_of(vertex));
     FJELL_ASSERT(pages.state[vertex / group_lanes / max_page_groups].active != 0);
     --pages.state[vertex / group_lanes / max_page_groups].active;
-    if (site.kind == VertexKind::centre || site.z != 0) {
-        for (int d = 0; d < 4; ++d) {
-            const Site child = child_site(site, d);
-            if (!exists(pages.grid, child)) continue;
-            const std::uint32_t found = find_vertex(pages, child);
-            if (found == no_index) continue;
-            pages.groups[found / group_lanes].parent[parent_number(site.kind, d)] &=
-                static_cast<std::uint16_t>(~bit_of(found));
-            const std::uint32_t page = found / group_lanes / max_page_groups;
-            FJELL_ASSERT(pages.state[page].parents != 0);
-            if (--pages.state[page].parents != 0) continue;
-            --pages.busy;
-            note_idle(pages, page);
-        }
+    for (int d = 0; d < 4; ++d) {
+        const std::uint32_t child = around.child[d];
+        if (child == no_index) continue;
+        pages.groups[child / group_lanes].parent[parent_number(site.kind, d)] &=
+            static_cast<std::uint16_t>(~bit_of(child));
+        const std::uint32_t page = child / group_lanes / max_page_groups;
+        FJELL_ASSERT(pages.state[page].parents != 0);
+        if (--pages.state[page].parents != 0) continue;
+        --pages.busy;
+        note_idle(pages, page);
     }
     for (int n = 0; n < count; ++n) {
         const Split& split = splits[n];

@@ -193,15 +193,15 @@ HWY_INLINE float worst_of_group(D d, const Criterion& c, const LaneGroup& b, con
     return hn::GetLane(hn::MaxOfLanes(d, worst));
 }
 
-void evaluate_lanes(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
-    evaluate_group(F(), c, b, out);
+void evaluate_lanes(const Criterion* const* c, const LaneGroup* b, std::uint32_t count, LaneAnswers* out) {
+    for (std::uint32_t n = 0; n < count; ++n) evaluate_group(F(), *c[n], b[n], out[n]);
 }
 float worst_of_lanes(const Criterion& c, const LaneGroup& b, const float* unit_px) {
     return worst_of_group(F(), c, b, unit_px);
 }
 #if HWY_ONCE // for the baseline
-void evaluate_each_lane(const Criterion& c, const LaneGroup& b, LaneAnswers& out) {
-    evaluate_group(hn::CappedTag<float, 1>(), c, b, out);
+void evaluate_each_lane(const Criterion* const* c, const LaneGroup* b, std::uint32_t count, LaneAnswers* out) {
+    for (std::uint32_t n = 0; n < count; ++n) evaluate_group(hn::CappedTag<float, 1>(), *c[n], b[n], out[n]);
 }
 float worst_of_each_lane(const Criterion& c, const LaneGroup& b, const float* unit_px) {
     return worst_of_group(hn::CappedTag<float, 1>(), c, b, unit_px);
@@ -450,11 +450,12 @@ HWY_EXPORT(worst_of_lanes);
 HWY_EXPORT(place_picked_lanes);
 HWY_EXPORT(place_whole_rows);
 
-void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
-    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decision, group, answers);
+void evaluate(const Criterion* const* decisions, const LaneGroup* groups, std::uint32_t count, LaneAnswers* answers) {
+    HWY_DYNAMIC_DISPATCH(evaluate_lanes)(decisions, groups, count, answers);
 }
-void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
-    HWY_STATIC_DISPATCH(evaluate_each_lane)(decision, group, answers);
+void evaluate_scalar(const Criterion* const* decisions, const LaneGroup* groups, std::uint32_t count,
+                     LaneAnswers* answers) {
+    HWY_STATIC_DISPATCH(evaluate_each_lane)(decisions, groups, count, answers);
 }
 float worst_px(const Criterion& decision, const LaneGroup& group, const float* unit_px) {
     return HWY_DYNAMIC_DISPATCH(worst_of_lanes)(decision, group, unit_px);

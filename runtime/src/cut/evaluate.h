@@ -28,9 +28,19 @@ struct LaneAnswers {
     std::uint32_t code;         // their largest error code
 };
 
-void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
+// Several groups, each by its own decision: side by side they wait less for one another.
+void evaluate(const Criterion* const* decisions, const LaneGroup* groups, std::uint32_t count, LaneAnswers* answers);
 // The same, bit for bit, a lane at a time, on any machine.
-void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers);
+void evaluate_scalar(const Criterion* const* decisions, const LaneGroup* groups, std::uint32_t count,
+                     LaneAnswers* answers);
+inline void evaluate(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
+    const Criterion* const of = &decision;
+    evaluate(&of, &group, 1, &answers);
+}
+inline void evaluate_scalar(const Criterion& decision, const LaneGroup& group, LaneAnswers& answers) {
+    const Criterion* const of = &decision;
+    evaluate_scalar(&of, &group, 1, &answers);
+}
 
 // Vertices of one page and step, wherever they lie in it. picked: of each, from the lowest bit on, its place among the
 // page's records (16 bits), and how many steps it stands east and south of the page's corner (8 each); the rest is the
@@ -127,15 +137,26 @@ struct Evaluation {
     return v;
 }
 
-// Where its lanes stand, and their records: in the page, or gathered.
-[[nodiscard]] inline LaneGroup lanes_of(const Pages& pages, std::uint32_t number,
-                                        VertexRecord (&gathered)[group_lanes]) {
-    const std::uint32_t slot = number / max_page_groups;
+// What all groups of a page have in common.
+struct PageAtHand {
+    std::uint32_t first; // of its groups
+    const PageState* info;
+    const GroupShape* shapes;
+    const VertexRecord* records;
+};
+[[nodiscard]] inline PageAtHand page_at_hand(const Pages& pages, std::uint32_t slot) {
     const PageState& info = pages.state[slot];
-    const GroupShape& shape = pages.grid.shapes[info.shape].groups[number - slot * max_page_groups];
+    return {slot * max_page_groups, &info, pages.grid.shapes[info.shape].groups, records_of(pages, slot)};
+}
+
+// Where a group's lanes stand, and their records: in the page, or gathered.
+[[nodiscard]] inline LaneGroup lanes_of(const Pages& pages, const PageAtHand& page, std::uint32_t number,
+                                        VertexRecord (&gathered)[group_lanes]) {
+    const PageState& info = *page.info;
+    const GroupShape& shape = page.shapes[number - page.first];
     const int z = info.z + shape.z;
     const std::int32_t apart = 2 << z;
-    LaneGroup lanes{records_of(pages, slot) + shape.first,
+    LaneGroup lanes{page.records + shape.first,
                     info.x0 + (std::int32_t{shape.x} << z),
                     info.y0 + (std::int32_t{shape.y} << z),
                     shape.along_y ? 0 : apart,
@@ -150,6 +171,10 @@ struct Evaluation {
         lanes.records = gathered;
     }
     return lanes;
+}
+[[nodiscard]] inline LaneGroup lanes_of(const Pages& pages, std::uint32_t number,
+                                        VertexRecord (&gathered)[group_lanes]) {
+    return lanes_of(pages, page_at_hand(pages, number / max_page_groups), number, gathered);
 }
 
 [[nodiscard]] inline bool seen(const Views& views, const Evaluation& v) {

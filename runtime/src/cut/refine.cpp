@@ -21,35 +21,56 @@ std::uint32_t bits(int mask) {
 
 // A group as it was evaluated.
 struct Evaluated {
-    GroupState& state;
-    bool evicting = false;
-    std::uint32_t morphing_out = 0; // lanes that will go by themselves
-    LaneAnswers answers{};
+    const GroupState* state;
+    bool evicting;
+    std::uint32_t morphing_out; // lanes that will go by themselves
+    std::uint32_t looked_at;    // lanes of which there are answers
+    LaneAnswers answers;
 
     // The lanes that could change: by the tree, they may.
-    [[nodiscard]] std::uint32_t inactive() const { return evicting ? 0 : bits(state.ready() & ~state.active); }
-    [[nodiscard]] std::uint32_t childless() const { return bits(state.active & ~state.parental()) & ~morphing_out; }
+    [[nodiscard]] std::uint32_t inactive() const { return evicting ? 0 : bits(state->ready() & ~state->active); }
+    [[nodiscard]] std::uint32_t childless() const { return bits(state->active & ~state->parental()) & ~morphing_out; }
     // And by the decision, they should.
     [[nodiscard]] std::uint32_t to_activate() const { return inactive() & answers.wanted; }
     [[nodiscard]] std::uint32_t to_deactivate() const { return childless() & ~answers.kept; }
+    [[nodiscard]] std::uint32_t calls() const { return to_activate() | to_deactivate() << 16; }
+    // Are there answers of all that could change by now?
+    [[nodiscard]] bool is_answered() const { return ((inactive() | childless()) & ~looked_at) == 0; }
 };
 
-Evaluated evaluate_group(CutState& s, std::uint32_t number) {
-    Evaluated group{s.pages.groups[number]};
-    group.evicting = s.pages.state[number / max_page_groups].status == PageStatus::evicting;
-    for (std::uint32_t lanes = s.morphing.out_count != 0 ? group.state.active : 0u; lanes != 0; lanes &= lanes - 1) {
+// A group about to be evaluated: which of its lanes could change, and what its evaluation reads.
+LaneGroup begin_evaluation(const CutState& s, const PageAtHand& page, std::uint32_t number,
+                           VertexRecord (&gathered)[group_lanes], Evaluated& group) {
+    const GroupState& state = s.pages.groups[number];
+    std::uint32_t morphing_out = 0;
+    for (std::uint32_t lanes = s.morphing.out_count != 0 ? state.active : 0u; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        if (morphs_out(s.mesh, s.pages.vertex_slot[number * group_lanes + lane])) group.morphing_out |= 1u << lane;
+        if (morphs_out(s.mesh, s.pages.vertex_slot[number * group_lanes + lane])) morphing_out |= 1u << lane;
     }
-    ++s.frame.report.evaluations;
-    ++s.frame.report.work;
-    ++s.frame.report.visits;
-    VertexRecord gathered[group_lanes];
-    LaneGroup lanes = lanes_of(s.pages, number, gathered);
+    group.state = &state;
+    group.evicting = page.info->status == PageStatus::evicting;
+    group.morphing_out = morphing_out;
+    LaneGroup lanes = lanes_of(s.pages, page, number, gathered);
     lanes.inactive = group.inactive();
     lanes.childless = group.childless();
-    if ((lanes.inactive | lanes.childless) != 0)
-        s.views.evaluate(criterion_of(s.pages, s.views, number), lanes, group.answers);
+    group.looked_at = lanes.inactive | lanes.childless;
+    return lanes;
+}
+
+void count_evaluations(CutReport& r, std::uint32_t count) {
+    r.evaluations += count;
+    r.work += count;
+    r.visits += count;
+}
+
+Evaluated evaluate_group(CutState& s, std::uint32_t number) {
+    VertexRecord gathered[group_lanes];
+    Evaluated group{};
+    const LaneGroup lanes =
+        begin_evaluation(s, page_at_hand(s.pages, number / max_page_groups), number, gathered, group);
+    const Criterion* const criterion = &criterion_of(s.pages, s.views, number);
+    if (group.looked_at != 0) s.views.evaluate(&criterion, &lanes, 1, &group.answers);
+    count_evaluations(s.frame.report, 1);
     return group;
 }
 
@@ -62,7 +83,7 @@ void schedule_group(Pages& pages, Work& work, std::uint32_t number, const Evalua
 
 void queue(Work& work, std::uint32_t number, const Evaluated& group, std::uint32_t queue) {
     push_back(work.queues, queue, number);
-    work.queues.nodes[number].calls = group.to_activate() | group.to_deactivate() << 16;
+    work.queues.nodes[number].calls = group.calls();
 }
 
 void queue_activations(const Pages& pages, Work& work, const Views& views, std::uint32_t number,
@@ -86,72 +107,17 @@ void examine(CutState& s, std::uint32_t number) {
     schedule_group(s.pages, s.work, number, group);
 }
 
-// Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
-// What is left over keeps the group in a queue; otherwise it is scheduled.
-void change_group(CutState& s, std::uint32_t number, bool may_deactivate) {
-    const Evaluated group = evaluate_group(s, number);
-    CutReport& r = s.frame.report;
-    bool blocked = false, gated = false, rising = false;
-    std::int64_t arrives_ticks = 0; // the first of those that something waits for
-    // Evaluating the group is part of the first change: with one item a frame a mesh must get somewhere, too.
-    bool looked = true;
-    const auto spend = [&](std::uint32_t& changes) {
-        ++changes;
-        if (looked)
-            --r.evaluations;
-        else
-            ++r.work;
-        looked = false;
-    };
-    const auto may_go_on = [&] { return looked || r.work < s.frame.item_limit; };
-    for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
-        switch (activate(s, number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes)))) {
-        case Outcome::done: spend(r.activations); break;
-        case Outcome::gated: gated = true; break;
-        case Outcome::rising:
-            arrives_ticks = rising ? std::min(arrives_ticks, s.morphing.arrives_ticks) : s.morphing.arrives_ticks;
-            rising = true;
-            break;
-        case Outcome::no_vertices:
-        case Outcome::no_pages: // states come with vertices
-            s.frame.full_capacities |= cut_budget_vertices;
-            blocked = true;
-            break;
-        case Outcome::no_triangles:
-            s.frame.full_capacities |= cut_budget_triangles;
-            blocked = true;
-            break;
-        }
-    }
-    if (may_deactivate)
-        for (std::uint32_t lanes = group.to_deactivate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
-            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
-            if (deactivate(s.pages, s.work, s.mesh, s.views, vertex) == Outcome::done) {
-                spend(r.deactivations);
-            } else {
-                s.frame.full_capacities |= cut_budget_triangles;
-                blocked = true;
-            }
-        }
-    if (blocked) return queue(s.work, number, group, blocked_queues + s.work.queues.turn);
-    if (rising && may_go_on()) return queue(s.work, number, group, rising_queue(s.work.queues, arrives_ticks));
-    if (gated && may_go_on()) return queue(s.work, number, group, gated_queues + s.work.queues.gated_turn);
-    if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
-    if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);
-    schedule_group(s.pages, s.work, number, group);
-}
-
 // Prefetching what changes will touch. What a change costs is a chain of cache misses: the parents'
 // vertex slots, the triangles at their right angles, those triangles' corners. For a batch of changes every link of the
 // chain is prefetched for all of them before the next one is followed for any.
 
-// What one change will touch. Only a hint: by the time it is made things may have changed.
+// What one change will touch. Only a hint, but for what is around the vertex: by the time it is made things may have
+// changed.
 struct PlannedChange {
     std::uint32_t vertex;
-    std::uint32_t triangles[4]; // keys, then slots
-    std::uint32_t parents[2];   // or no_index
-    std::uint8_t directions[2]; // of the parents' triangles that an activation replaces
     bool activation;
+    Around around;
+    std::uint32_t triangles[4]; // keys, then slots
 };
 
 // What evaluating a group reads.
@@ -169,40 +135,33 @@ inline void prefetch_record(const Pages& pages, std::uint32_t vertex) {
 }
 
 // The first link: vertices around it.
-inline PlannedChange plan_change(const Pages& pages, std::uint32_t vertex, bool activation) {
-    PlannedChange plan{vertex, {no_index, no_index, no_index, no_index}, {no_index, no_index}, {}, activation};
-    const Site site = site_of(pages, vertex);
+inline void plan_change(const Pages& pages, std::uint32_t vertex, bool activation, PlannedChange& plan) {
+    plan.vertex = vertex;
+    plan.activation = activation;
+    plan.around = find_around(pages, vertex);
+    std::fill_n(plan.triangles, 4, no_index);
     FJELL_PREFETCH_TO_WRITE(&pages.vertex_slot[vertex]);
-    if (site.kind == VertexKind::centre || site.z != 0)
-        for (int d = 0; d < 4; ++d) {
-            const Site child = child_site(site, d);
-            if (!exists(pages.grid, child)) continue;
-            const std::uint32_t found = find_vertex(pages, child);
-            if (found == no_index) continue;
-            FJELL_PREFETCH_TO_WRITE(&pages.groups[found / group_lanes]);
-            if (activation) prefetch_record(pages, found);
-        }
-    if (site.kind == VertexKind::centre && site.z == pages.grid.terrain->tree.tile_log2 - 1) return plan;
-    for (int n = 0; n < 2; ++n) {
-        const Site parent = parent_site(site, n);
-        if (!exists(pages.grid, parent)) continue;
-        const std::uint32_t found = plan.parents[n] = find_vertex(pages, parent);
-        if (found == no_index) continue;
-        plan.directions[n] = static_cast<std::uint8_t>(child_number(parent_bearing(site, n)));
-        FJELL_PREFETCH_TO_WRITE(&pages.groups[found / group_lanes]);
-        FJELL_PREFETCH_TO_WRITE(&pages.vertex_slot[found]);
-        if (!activation) prefetch_record(pages, found);
+    for (const std::uint32_t child : plan.around.child) {
+        if (child == no_index) continue;
+        FJELL_PREFETCH_TO_WRITE(&pages.groups[child / group_lanes]);
+        if (activation) prefetch_record(pages, child);
     }
-    return plan;
+    for (const std::uint32_t parent : plan.around.parent) {
+        if (parent == no_index) continue;
+        FJELL_PREFETCH_TO_WRITE(&pages.groups[parent / group_lanes]);
+        FJELL_PREFETCH_TO_WRITE(&pages.vertex_slot[parent]);
+        if (!activation) prefetch_record(pages, parent);
+    }
 }
 
 // The second link: the slots of their triangles.
 inline void prefetch_triangle_slots(const Pages& pages, const Mesh& mesh, PlannedChange& plan) {
     if (plan.activation) {
         for (int n = 0; n < 2; ++n) {
-            const std::uint32_t parent = plan.parents[n];
+            const std::uint32_t parent = plan.around.parent[n];
             if (parent == no_index || !is_active(pages, parent)) continue;
-            plan.triangles[n] = pages.vertex_slot[parent] * 4 + plan.directions[n];
+            plan.triangles[n] = pages.vertex_slot[parent] * 4 +
+                                static_cast<std::uint32_t>(child_number(parent_bearing(plan.around.site, n)));
             FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[plan.triangles[n]]);
         }
     } else if (is_active(pages, plan.vertex)) {
@@ -232,6 +191,122 @@ inline void prefetch_corners(const Mesh& mesh, const Morphing& morphing, const P
 // Groups that are changed together, so that what they touch can be prefetched for all of them first.
 constexpr std::uint32_t batch_groups = 16;
 
+// Their changes. More would push each other out of the cache.
+class Plans {
+public:
+    // Of a group: the lanes that call for changes, activations in the lower half.
+    void add(const Pages& pages, std::uint32_t group, std::uint32_t calls) {
+        for (; calls != 0 && count_ < most; calls &= calls - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(calls));
+            plan_change(pages, group * group_lanes + lane % group_lanes, lane < group_lanes, plans_[count_++]);
+        }
+    }
+    void prefetch(const Pages& pages, const Mesh& mesh, const Morphing& morphing) {
+        for (std::uint32_t i = 0; i < count_; ++i) prefetch_triangle_slots(pages, mesh, plans_[i]);
+        prefetch_last_triangles(pages, mesh);
+        for (std::uint32_t i = 0; i < count_; ++i) prefetch_triangles(mesh, plans_[i]);
+        for (std::uint32_t i = 0; i < count_; ++i) prefetch_corners(mesh, morphing, plans_[i]);
+    }
+    // What is around a vertex: of those that were added, in their order, or another one.
+    [[nodiscard]] const Around& around(const Pages& pages, std::uint32_t vertex) {
+        for (std::uint32_t i = next_; i < count_ && i < next_ + 2 * group_lanes; ++i)
+            if (plans_[i].vertex == vertex) {
+                next_ = i + 1;
+                return plans_[i].around;
+            }
+        return other_ = find_around(pages, vertex);
+    }
+
+private:
+    // Each deactivation moves its tile's last two triangles into the places of those that go; what activations before
+    // it have appended is at hand.
+    void prefetch_last_triangles(const Pages& pages, const Mesh& mesh) const {
+        std::uint32_t tile = no_index, appended = 0, last = 0, left = 0;
+        for (std::uint32_t i = 0; i < count_; ++i) {
+            if (const std::uint32_t of = pages.state[plans_[i].vertex / max_page_vertices].tile; of != tile) {
+                tile = of;
+                const TileList& list = mesh.tiles[tile];
+                appended = 0;
+                left = list.in_last;
+                last = (list.last_segment << mesh.segment_log2) + left;
+            }
+            if (plans_[i].activation) {
+                appended += 2;
+                continue;
+            }
+            for (int n = 0; n < 2; ++n) {
+                if (appended != 0) {
+                    --appended;
+                } else if (left != 0) {
+                    --left;
+                    FJELL_PREFETCH_TO_WRITE(&mesh.triangle_of[std::size_t{mesh.indices[std::size_t{--last} * 3]} * 4]);
+                }
+            }
+        }
+    }
+
+    static constexpr std::uint32_t most = 6 * batch_groups;
+    std::uint32_t count_ = 0, next_ = 0;
+    PlannedChange plans_[most];
+    Around other_;
+};
+
+// Activates and deactivates what its lanes call for, as far as this frame's items go; deactivations only if they may.
+// What is left over keeps the group in a queue; otherwise it is scheduled.
+// looked: the group has been evaluated for this, which is part of the first change: with one item a frame a mesh must
+// get somewhere, too.
+void make_changes(CutState& s, Plans& plans, std::uint32_t number, const Evaluated& group, bool may_deactivate,
+                  bool looked) {
+    CutReport& r = s.frame.report;
+    bool blocked = false, gated = false, rising = false;
+    std::int64_t arrives_ticks = 0; // the first of those that something waits for
+    const auto spend = [&](std::uint32_t& changes) {
+        ++changes;
+        if (looked)
+            --r.evaluations;
+        else
+            ++r.work;
+        looked = false;
+    };
+    const auto may_go_on = [&] { return looked || r.work < s.frame.item_limit; };
+    for (std::uint32_t lanes = group.to_activate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+        const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+        switch (activate(s, vertex, plans.around(s.pages, vertex))) {
+        case Outcome::done: spend(r.activations); break;
+        case Outcome::gated: gated = true; break;
+        case Outcome::rising:
+            arrives_ticks = rising ? std::min(arrives_ticks, s.morphing.arrives_ticks) : s.morphing.arrives_ticks;
+            rising = true;
+            break;
+        case Outcome::no_vertices:
+        case Outcome::no_pages: // states come with vertices
+            s.frame.full_capacities |= cut_budget_vertices;
+            blocked = true;
+            break;
+        case Outcome::no_triangles:
+            s.frame.full_capacities |= cut_budget_triangles;
+            blocked = true;
+            break;
+        }
+    }
+    if (may_deactivate)
+        for (std::uint32_t lanes = group.to_deactivate(); lanes != 0 && may_go_on(); lanes &= lanes - 1) {
+            const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
+            if (deactivate(s.pages, s.work, s.mesh, s.views, vertex, plans.around(s.pages, vertex)) == Outcome::done) {
+                spend(r.deactivations);
+            } else {
+                s.frame.full_capacities |= cut_budget_triangles;
+                blocked = true;
+            }
+        }
+    if (blocked) return queue(s.work, number, group, blocked_queues + s.work.queues.turn);
+    if (rising && may_go_on()) return queue(s.work, number, group, rising_queue(s.work.queues, arrives_ticks));
+    if (gated && may_go_on()) return queue(s.work, number, group, gated_queues + s.work.queues.gated_turn);
+    if (group.to_activate() != 0) return queue_activations(s.pages, s.work, s.views, number, group);
+    if (group.to_deactivate() != 0) return queue(s.work, number, group, deactivation_queue);
+    schedule_group(s.pages, s.work, number, group);
+}
+
 } // namespace
 
 bool out_of_time(Frame& frame, bool done_something) {
@@ -250,32 +325,53 @@ bool has_done_something(const Frame& frame) {
 
 namespace {
 
-void prefetch_changes(const Pages& pages, const Work& work, const Mesh& mesh, const Morphing& morphing,
-                      std::span<const std::uint32_t> groups) {
-    constexpr std::uint32_t most = 6 * batch_groups; // of changes; more would push each other out of the cache
-    PlannedChange plans[most];
+void change_group(CutState& s, Plans& plans, std::uint32_t number, bool may_deactivate) {
+    make_changes(s, plans, number, evaluate_group(s, number), may_deactivate, true);
+}
+
+// Groups that have just been evaluated and call for changes.
+constexpr std::uint32_t called_together = 8; // that are evaluated side by side
+struct Called {
     std::uint32_t count = 0;
-    for (const std::uint32_t group : groups)
-        for (std::uint32_t lanes = work.queues.nodes[group].calls; lanes != 0 && count < most; lanes &= lanes - 1) {
-            const auto lane = static_cast<std::uint32_t>(std::countr_zero(lanes));
-            plans[count++] = plan_change(pages, group * group_lanes + lane % group_lanes, lane < group_lanes);
-        }
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangle_slots(pages, mesh, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_triangles(mesh, plans[i]);
-    for (std::uint32_t i = 0; i < count; ++i) prefetch_corners(mesh, morphing, plans[i]);
+    struct {
+        std::uint32_t number;
+        Evaluated group;
+    } of[batch_groups + called_together];
+};
+
+// Changes them, by the answers that there are.
+void change_called(CutState& s, Called& called) {
+    Plans plans;
+    for (std::uint32_t i = 0; i < called.count; ++i)
+        plans.add(s.pages, called.of[i].number, called.of[i].group.calls());
+    plans.prefetch(s.pages, s.mesh, s.morphing);
+    const std::uint32_t full_before = s.frame.full_capacities;
+    for (std::uint32_t i = 0; i < called.count; ++i) {
+        const std::uint32_t number = called.of[i].number;
+        if (called.of[i].group.is_answered())
+            make_changes(s, plans, number, called.of[i].group, true, false);
+        else // others of its lanes may change by what was changed before it
+            change_group(s, plans, number, true);
+    }
+    called.count = 0;
+    ++s.frame.batches;
+    keep_pages_at_hand(s.pages, s.work, s.mesh);
+    if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
 bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     std::uint32_t groups[batch_groups], count = 0;
+    Plans plans;
     for (; count < batch_groups && s.work.queues.sizes[queue] != 0; ++count) {
         groups[count] = pop_front(s.work.queues, queue);
         s.pages.groups[groups[count]].queue = being_visited;
     }
-    prefetch_changes(s.pages, s.work, s.mesh, s.morphing, {groups, count});
+    for (std::uint32_t i = 0; i < count; ++i) plans.add(s.pages, groups[i], s.work.queues.nodes[groups[i]].calls);
+    plans.prefetch(s.pages, s.mesh, s.morphing);
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.frame.report.work < s.frame.item_limit && !out_of_time(s.frame, has_done_something(s.frame))) {
-            change_group(s, groups[i], may_deactivate);
+            change_group(s, plans, groups[i], may_deactivate);
             continue;
         }
         // As they were: a frame that ends by its time must leave the same order as one that ends by its items.
@@ -331,6 +427,7 @@ public:
     PageVisits& operator=(const PageVisits&) = delete;
     // What was not finished stays due.
     ~PageVisits() {
+        if (called_.count != 0) change_called(s, called_);
         while (page_count_ != 0) put_back_due(s.work.schedule, pages_[--page_count_]);
     }
 
@@ -340,6 +437,7 @@ public:
         while (page_count_ != 0) {
             while (next_ != count_ && ticks_of(s.work.schedule, groups_[next_]) != spent) ++next_;
             if (next_ != count_) return true;
+            if (called_.count != 0) change_called(s, called_);
             while (page_count_ != 0) {
                 close_page(s.work.schedule, pages_[--page_count_]);
                 note_bound(s.pages, s.work, s.views, pages_[page_count_]);
@@ -354,12 +452,51 @@ public:
         examine(s, groups_[next_++]);
         ++s.frame.examined;
     }
+    // Evaluates several, and changes what they call for.
+    void change_next() {
+        const std::uint32_t end = std::min(count_, next_ + together);
+        for (std::uint32_t i = end; i < std::min(count_, end + together); ++i) prefetch_group(s.pages, groups_[i]);
+        std::uint32_t numbers[together], count = 0;
+        VertexRecord gathered[together][group_lanes];
+        Evaluated evaluated[together];
+        LaneGroup lanes[together];
+        LaneAnswers answers[together];
+        const Criterion* criteria[together];
+        const InWork* pages[together];
+        for (; next_ < end; ++next_) {
+            const std::uint32_t number = groups_[next_];
+            while (number - in_work_[page_].at_hand.first >= max_page_groups) ++page_;
+            const InWork& page = in_work_[page_];
+            std::uint16_t& ticks = page.due.ticks[number - page.at_hand.first];
+            if (ticks != spent) continue; // it has come to wait in a queue
+            ticks = unscheduled;
+            numbers[count] = number;
+            pages[count] = &page;
+            criteria[count] = &criterion_of(s.pages, s.views, number);
+            lanes[count] = begin_evaluation(s, page.at_hand, number, gathered[count], evaluated[count]);
+            ++count;
+        }
+        s.views.evaluate(criteria, lanes, count, answers);
+        count_evaluations(s.frame.report, count);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            evaluated[i].answers = answers[i];
+            if (evaluated[i].calls() != 0) {
+                s.pages.groups[numbers[i]].queue = being_visited;
+                called_.of[called_.count++] = {numbers[i], evaluated[i]};
+            } else if (grade_of(answers[i].code) > pages[i]->due.grade) {
+                schedule_group(s.pages, s.work, numbers[i], evaluated[i]);
+            } else if (evaluated[i].looked_at != 0) {
+                tighten(pages[i]->due, numbers[i] - pages[i]->at_hand.first, answers[i].slack_m);
+            }
+        }
+        if (called_.count >= batch_groups) change_called(s, called_);
+    }
 
 private:
-    static constexpr std::uint32_t most_pages = 16, enough_groups = 48, ahead = 8;
+    static constexpr std::uint32_t most_pages = 16, enough_groups = 48, ahead = 8, together = called_together;
 
     void open() {
-        next_ = count_ = 0;
+        next_ = count_ = page_ = 0;
         std::uint32_t popped[most_pages], n = 0;
         for (; n < most_pages; ++n) {
             popped[n] = pop_due(s.work.schedule);
@@ -375,8 +512,9 @@ private:
         for (std::uint32_t i = 0; i < std::min(count_, ahead); ++i) prefetch_group(s.pages, groups_[i]);
     }
     void add(std::uint32_t slot) {
-        pages_[page_count_++] = slot;
         charge_page(s.work.schedule, slot);
+        in_work_[page_count_] = {page_at_hand(s.pages, slot), due_page(s.work.schedule, slot)};
+        pages_[page_count_++] = slot;
         std::uint64_t spent_groups[page_words];
         find_spent(s.work.schedule, slot, spent_groups);
         for (std::uint32_t word = 0; word < page_words; ++word)
@@ -387,7 +525,13 @@ private:
     }
 
     CutState& s;
-    std::uint32_t page_count_ = 0, next_ = 0, count_ = 0;
+    Called called_;
+    struct InWork {
+        PageAtHand at_hand;
+        DuePage due;
+    };
+    std::uint32_t page_count_ = 0, next_ = 0, count_ = 0, page_ = 0;
+    InWork in_work_[most_pages];
     std::uint32_t pages_[most_pages];
     std::uint32_t groups_[enough_groups + max_page_groups];
 };
@@ -409,6 +553,11 @@ namespace {
 // True when the items were spent before the work.
 bool work_off(CutState& s) {
     PageVisits visits(s);
+    const bool at_once = s.frame.unlimited && !s.frame.lagging && !s.views.jumped && s.governor.cause == 0;
+    while (at_once && s.frame.report.work < s.frame.item_limit && visits.any()) {
+        s.frame.changed_at_once = true;
+        visits.change_next();
+    }
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     s.frame.lagging = s.frame.lagging || s.views.jumped;
     const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_work;

@@ -153,6 +153,7 @@ void begin_schedule(Schedule& s, double about_m) {
     int exponent = 0;
     (void)std::frexp(about_m, &exponent);
     s.tick_m = std::ldexp(1.0, exponent - 1);
+    s.ticks_a_metre = 1 / s.tick_m;
     s.vectors = {charge_vector, spent_vector, least_vector};
     for (std::uint32_t slot = 0; slot < s.slot_count; ++slot) s.pages[slot].awake = no_index;
     std::fill_n(s.ticks, std::size_t{s.slot_count} * page_ticks, unscheduled);
@@ -221,8 +222,8 @@ void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grad
     if (grade > awake.grade) raise_grade(s, page, awake, grade);
     if (awake.due_m == never_m && !awake.due) page.charged_m = page.seen_m = s.odometer_m[awake.grade]; // none so far
     const double now_m = s.odometer_m[awake.grade], one_m = tick_m(s, page);
-    const double left = (static_cast<double>(slack_m) + (now_m - page.charged_m)) / one_m;
-    const auto ticks = static_cast<std::uint16_t>(std::clamp(left, 0.0, static_cast<double>(most_ticks)));
+    const std::uint16_t ticks =
+        whole_ticks(static_cast<double>(slack_m) + (now_m - page.charged_m), ticks_a_metre(s, page));
     std::uint16_t& of_group = ticks_of(s, group);
     of_group = std::min(of_group, static_cast<std::uint16_t>(ticks + soon));
     if (awake.due) return;

@@ -17,11 +17,13 @@
 // much code (docs/notes/live-cut.md). One queue in order of due times: an order that nothing needs.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
 #include "asserts.h"
 #include "cut/groups.h"
+#include "shared/compiler.h"
 #include "shared/tree.h"
 
 namespace fjell {
@@ -101,7 +103,7 @@ struct Schedule {
     std::uint32_t due_levels; // that hold any, as bits
     DuePages due[due_level_count];
     double odometer_m[grade_count];
-    double tick_m; // of the finest step: a power of 2, so that products with it are exact
+    double tick_m, ticks_a_metre; // of the finest step: powers of 2, so that products with them are exact
     TickVectors vectors;
 };
 
@@ -137,12 +139,37 @@ void clear_page_schedule(Schedule& s, std::uint32_t slot);
 [[nodiscard]] inline double tick_m(const Schedule& s, const PageSchedule& page) {
     return s.tick_m * static_cast<double>(1u << page.tick_log2);
 }
+[[nodiscard]] inline double ticks_a_metre(const Schedule& s, const PageSchedule& page) {
+    return s.ticks_a_metre * bits_as<double>((std::uint64_t{1023} - page.tick_log2) << 52); // 2^-tick_log2
+}
+// A way of so many metres, and what is left of it in whole ticks.
+[[nodiscard]] inline std::uint16_t whole_ticks(double metres, double ticks_a_metre) {
+    return static_cast<std::uint16_t>(std::clamp(metres * ticks_a_metre, 0.0, static_cast<double>(most_ticks)));
+}
+
+// A due page in work: what scheduling its groups anew takes.
+struct DuePage {
+    std::uint16_t* ticks;
+    double charged_before_m; // how far its odometer has gone since it was charged
+    double ticks_a_metre;    // a power of 2, so that products with it are exact
+    std::uint32_t grade;
+};
+[[nodiscard]] inline DuePage due_page(const Schedule& s, std::uint32_t slot) {
+    const PageSchedule& page = s.pages[slot];
+    return {s.ticks + std::size_t{slot} * page_ticks, odometer_m(s, page) - page.charged_m, ticks_a_metre(s, page),
+            s.awake[page.awake].grade};
+}
 
 // Must the group be evaluated, or would it have to be if its page were charged now?
 [[nodiscard]] bool is_spent(const Schedule& s, std::uint32_t group);
 
 // The group must be evaluated before the odometer has gone slack_m further; of several times the earliest counts.
 void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grade);
+// The same of a due page's n-th group, of no higher grade than the page's.
+inline void tighten(const DuePage& page, std::uint32_t n, float slack_m) {
+    const std::uint16_t ticks = whole_ticks(static_cast<double>(slack_m) + page.charged_before_m, page.ticks_a_metre);
+    page.ticks[n] = std::min(page.ticks[n], static_cast<std::uint16_t>(ticks + soon));
+}
 // The group must be evaluated in this frame.
 void make_due(Schedule& s, std::uint32_t group);
 // No page is due, or comes to be: each one's schedule is about to be cleared. O(awake pages).

@@ -42,7 +42,7 @@ struct Views {
     bool leapt;                               // and it is not only a threshold that has
     bool zoomed;                              // no eye has leapt, but a threshold, by more than hysteresis takes up
     bool still;                               // no eye has moved, come or gone since the frame before
-    void (*evaluate)(const Criterion&, const LaneGroup&, LaneAnswers&);
+    void (*evaluate)(const Criterion* const*, const LaneGroup*, std::uint32_t, LaneAnswers*);
     float (*worst_px)(const Criterion&, const LaneGroup&, const float*);
 };
 
