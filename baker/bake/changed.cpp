@@ -314,13 +314,13 @@ BakedWith ChangingBake::baked_with() const {
     };
     require(file.packs() == 1, "it is a set of packs");
     require(h.tiles_held == 0, "it holds a part of the terrain");
+    require(h.voids == 0, "it has holes, and what fills them follows from all ground around");
     const std::optional<PackNotes> notes = read_notes(file);
     require(notes && notes->baked, "an earlier version baked it, which does not say with what options");
     const BakedWith& had = *notes->baked;
     require(had.smooth.columns == context_.tree.columns() && had.smooth.rows == context_.tree.rows(),
             "it was split off a larger pack");
     require(had.options == options_hash(context_), "it was baked with other options");
-    require(h.voids == 0, "it has holes, and what fills them follows from all ground around");
     require(!had.painted, "stamps painted it when it was baked, and that paint is lost");
     require(context_.locks.empty() && notes->locks.empty(), "there are locks");
     require(context_.options.order != PageOrder::linear, "it is in linear order");

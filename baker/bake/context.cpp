@@ -169,15 +169,19 @@ std::string BakeContext::temporary() const {
     return std::filesystem::is_character_file(out_path) ? "" : folder.file("pack");
 }
 
+std::string BakeContext::identity() const {
+    return fmt::format("{}\nregions {}\n{}", source.identity(), regions.cells(), options_identity());
+}
+
 std::string BakeContext::options_identity() const {
     const BakeOptions& o = options;
-    return fmt::format("tile {} regions {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
+    return fmt::format("tile {} estimate {} nesting {} order {} quantum {} ramp {} texels {} level {} "
                        "place {} {} {} {} {} {} {} horizons {}\n{}",
-                       tree.tile_log2, regions.cells(), static_cast<int>(o.estimate), o.nesting,
-                       static_cast<int>(o.order), o.quantum_m, o.ramp_path.empty() ? "" : io::read_text(o.ramp_path),
-                       o.max_texture_log2, o.compression, source.spacing_m[0], source.spacing_m[1],
-                       source.crs_origin[0], source.crs_origin[1], source.crs_step[0], source.crs_step[1],
-                       source.crs_wkt, o.horizon_spacing, image ? image->identity() : "") +
+                       tree.tile_log2, static_cast<int>(o.estimate), o.nesting, static_cast<int>(o.order), o.quantum_m,
+                       o.ramp_path.empty() ? "" : io::read_text(o.ramp_path), o.max_texture_log2, o.compression,
+                       source.spacing_m[0], source.spacing_m[1], source.crs_origin[0], source.crs_origin[1],
+                       source.crs_step[0], source.crs_step[1], source.crs_wkt, o.horizon_spacing,
+                       image ? image->identity() : "") +
            splat_identity() + (o.room_for_holes ? "\nroom for holes" : "") +
            (o.room_for_locks ? "\nroom for locks" : "") + locks.identity();
 }

@@ -62,7 +62,7 @@ public:
     // Where the pack grows until it is complete; empty: at its own place, which is a device.
     [[nodiscard]] std::string temporary() const;
     // All that the pack's bytes depend on, as text; and that without the heights.
-    [[nodiscard]] std::string identity() const { return source.identity() + "\n" + options_identity(); }
+    [[nodiscard]] std::string identity() const;
     [[nodiscard]] std::string options_identity() const;
     [[nodiscard]] double samples() const { return static_cast<double>(sample_window().area()); }
     // What is baked here: all of the terrain, or a shard's part of it.

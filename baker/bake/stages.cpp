@@ -784,10 +784,13 @@ float make_mixed_pages(const BakeContext& context, const BakePlan& plan, const M
 // The last stage: the pack's chunks, in the order in which a reader wants them.
 
 std::string notes_of(const BakeContext& context, const BakeSummary& summary) {
-    return notes_text({context.options.reading, context.source.facts, summary.images, summary.locks,
-                       summary.ground_error_m,
-                       BakedWith{options_hash(context), summary.heights, summary.on_scale, summary.smooth,
-                                 context.source.paint() != nullptr}});
+    PackNotes notes{context.options.reading, context.source.facts,   summary.images,
+                    summary.locks,           summary.ground_error_m, {}};
+    // With holes the bounds are also of what fills them, which not every way to bake the same pack has made.
+    if (summary.voids == 0)
+        notes.baked = BakedWith{options_hash(context), summary.heights, summary.on_scale, summary.smooth,
+                                context.source.paint() != nullptr};
+    return notes_text(notes);
 }
 
 std::uint64_t options_hash(const BakeContext& context) {
