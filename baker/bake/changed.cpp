@@ -62,19 +62,24 @@ Window grown(const Window& w, std::int32_t by) {
 // bound that they reach no more, nobody knows the next one: what was remains a bound, but is not what a bake would
 // find.
 HeightStatistics moved_statistics(const HeightStatistics& all, const HeightStatistics& before,
-                                  const HeightStatistics& after, bool exact) {
+                                  const HeightStatistics& after, bool exact, float quantum_m) {
     HeightStatistics moved = all;
-    const auto bound = [exact](float of_all, float was, float is, const char* name) {
+    // near_m: how far below the bound heights that were rounded may lie and have reached it.
+    const auto bound = [](float of_all, float was, float is, float near_m, const char* name) {
         if (is >= of_all) return is;
-        if (exact && was >= of_all) throw BakeAll{fmt::format("stamps move {}, which all scales follow from", name)};
+        if (is < was && was >= of_all - near_m)
+            throw BakeAll{fmt::format("stamps move {}, which all scales follow from", name)};
         return of_all;
     };
-    moved.least_m = -bound(-all.least_m, -before.least_m, -after.least_m, "the lowest ground");
-    moved.most_m = bound(all.most_m, before.most_m, after.most_m, "the highest ground");
-    moved.tile_range_m =
-        bound(all.tile_range_m, before.tile_range_m, after.tile_range_m, "the largest range of heights in a tile");
+    // The header says the lowest and the highest ground; the others are bounds alone.
+    const float rounded = exact ? 0 : quantum_m, never = exact ? 0 : -HUGE_VALF;
+    moved.least_m = -bound(-all.least_m, -before.least_m, -after.least_m, rounded, "the lowest ground");
+    moved.most_m = bound(all.most_m, before.most_m, after.most_m, rounded, "the highest ground");
+    moved.tile_range_m = bound(all.tile_range_m, before.tile_range_m, after.tile_range_m, never,
+                               "the largest range of heights in a tile");
     for (const int axis : {0, 1})
-        moved.step_m[axis] = bound(all.step_m[axis], before.step_m[axis], after.step_m[axis], "the steepest ground");
+        moved.step_m[axis] =
+            bound(all.step_m[axis], before.step_m[axis], after.step_m[axis], never, "the steepest ground");
     if (!exact) return moved;
     moved.climbing += after.climbing - before.climbing;
     moved.off_metre += after.off_metre - before.off_metre;
@@ -361,7 +366,7 @@ HeightStatistics ChangingBake::measure(const HeightStatistics& all) {
     HeightStatistics were, are;
     for (const HeightStatistics& s : before) were.add(s);
     for (const HeightStatistics& s : after) are.add(s);
-    return moved_statistics(all, were, are, exact_);
+    return moved_statistics(all, were, are, exact_, pack_.header().quantum_m);
 }
 
 BakePlan ChangingBake::plan_of(const BakedWith& had, const CheckpointState& found) const {
