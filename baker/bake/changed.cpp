@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <set>
 #include <span>
 #include <utility>
@@ -140,7 +142,7 @@ private:
 };
 
 // A vertex' error and radius follow from descendants up to a tile beside it, and radii that blocks share from half a
-// tile further: two regions. One more, to be told if that were not so.
+// tile further: two regions. One more reads what those have.
 constexpr std::int32_t most_regions = 3;
 
 class ChangingBake {
@@ -148,7 +150,7 @@ public:
     ChangingBake(const HeightSource& source, const PackChanges& changes, const BakeOptions& options,
                  const std::string& out_path)
         : pack_(*changes.pack), changes_(changes), context_(source, options, out_path), coords_(context_.pages) {
-        if (std::filesystem::exists(context_.folder.file("checkpoint")))
+        if (std::filesystem::exists(context_.folder.file("checkpoint"))) // which the folder keeps
             throw BakeAll{"a bake of all of it was begun, and goes on"};
         context_.folder.empty();
         context_.folder.keep(false);
@@ -175,13 +177,12 @@ private:
     void only(const RegionSet& regions) {
         context_.leave_out([&](std::int64_t region) { return regions.contains(region); });
     }
-    void all_regions() {
-        context_.leave_out([](std::int64_t) { return true; });
-    }
 
     // ---- what the pack knows
+    template <typename Make, typename Work>
+    void for_tiles(const std::vector<std::uint32_t>& tiles, const Make& make, const Work& work) const;
     template <typename Take>
-    void for_pages_of(const std::vector<std::uint32_t>& tiles, int finest, const Take& take) const;
+    void for_vertices_of(const RegionSet& regions, int finest, const Take& take) const;
     void take_step(int z, const RegionSet& regions, StepStores& to) const;
     void take_mixed(const RegionSet& regions, MixedStores& to) const;
     void load_heights(const TileSet& tiles);
@@ -193,17 +194,22 @@ private:
     void measure_borders(const BakePlan& plan, const RegionSet& regions, UnsaturatedStores& unsaturated);
     [[nodiscard]] std::vector<Window> run_step(const BakePlan& plan, int z, const RegionSet& regions,
                                                UnsaturatedStores& unsaturated, ChunkSpool& spool);
-    struct MapReach {
-        std::vector<TileSet> made;   // by mip, from the last near one on: tiles whose texels are made
-        std::vector<TileSet> wanted; // those whose mips are others than the pack's; the first: of all near mips
+    struct MapReach { // of a map that there is not: nothing
+        std::vector<TileSet> made =
+            std::vector<TileSet>(1); // by mip, from the last near one on: tiles whose texels are made
+        std::vector<TileSet> wanted =
+            std::vector<TileSet>(1); // those whose mips are others than the pack's; the first: of all near mips
     };
     [[nodiscard]] MapReach reach_of(const BakePlan& plan, MapKind kind) const;
     [[nodiscard]] Window heights_seen(const BakePlan& plan, MapKind kind, std::uint32_t tile) const;
+    [[nodiscard]] MapReach reach_of_horizons(const BakePlan& plan) const;
+    [[nodiscard]] Window around_tiles(const Window& samples) const;
     [[nodiscard]] RegionSet load_for(const BakePlan& plan, MapKind kind, const TileSet& tiles);
+    [[nodiscard]] const MapReach& reached_by(MapKind kind) const { return reach_[static_cast<std::size_t>(kind)]; }
     void open_heights(const BakePlan& plan);
-    void make_colours_and_normals(BakePlan& plan, ChunkSpool& spool);
-    void make_splat(BakePlan& plan, ChunkSpool& spool);
-    void make_far_mips(const BakePlan& plan, MapKind kind, const MapReach& reach, TexelStore finer, ChunkSpool& spool);
+    void make_colours_and_normals(const BakePlan& plan, ChunkSpool& spool);
+    void make_splat(const BakePlan& plan, ChunkSpool& spool);
+    void make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer, ChunkSpool& spool);
     void make_horizons(const BakePlan& plan, ChunkSpool& spool);
 
     const PackSource& pack_;
@@ -214,6 +220,7 @@ private:
     TileSet changed_;    // tiles with a sample that was changed
     TileSet loaded_;     // whose heights are there
     RegionSet measured_; // regions whose unsaturated errors are there
+    MapReach reach_[map_kind_count];
     Store<float> heights_m_;
     const Store<std::uint8_t> no_holes_;
     const HeightStores heights_{heights_m_, no_holes_};
@@ -325,7 +332,8 @@ BakedWith ChangingBake::baked_with() const {
     const BakedWith& had = *notes->baked;
     require(had.smooth.columns == context_.tree.columns() && had.smooth.rows == context_.tree.rows(),
             "it was split off a larger pack");
-    require(had.options == options_hash(context_), "it was baked with other options");
+    require(had.options == options_hash(context_),
+            "it was baked with other options; give those that it was baked with again");
     require(!had.painted, "stamps painted it when it was baked, and that paint is lost");
     require(context_.locks.empty() && notes->locks.empty(), "there are locks");
     require(context_.options.order != PageOrder::linear, "it is in linear order");
@@ -348,25 +356,23 @@ CheckpointState ChangingBake::found_of(const HeightStatistics& heights) const {
 HeightStatistics ChangingBake::measure(const HeightStatistics& all) {
     for (const Window& w : changes_.heights) changed_.merge(tiles_at(w));
     if (changed_.empty()) return all;
-    const std::vector<std::uint32_t> tiles(changed_.begin(), changed_.end());
-    std::vector<HeightStatistics> before(tiles.size()), after(tiles.size());
-    const auto measure_with = [&](HeightReader& reader, std::uint32_t tile) {
-        const Window w = samples_of_tile(tile);
-        Buffer<float> heights(w.area());
-        ReadStatistics read;
-        reader.read(w, heights.data(), read);
-        if (read.voids.count != 0) throw BakeAll{"stamps cut holes"};
-        return measure_tile(heights.data(), w.columns, w.rows, w.columns);
+    const auto measured_by = [&](const HeightSource& source) {
+        HeightStatistics sum;
+        std::mutex adding;
+        const auto make = [&] { return source.reader(); };
+        for_tiles({changed_.begin(), changed_.end()}, make, [&](HeightReader& reader, std::uint32_t tile) {
+            const Window w = samples_of_tile(tile);
+            Buffer<float> heights(w.area());
+            ReadStatistics read;
+            reader.read(w, heights.data(), read);
+            if (read.voids.count != 0) throw BakeAll{"stamps cut holes"};
+            const HeightStatistics of_tile = measure_tile(heights.data(), w.columns, w.rows, w.columns);
+            const std::lock_guard hold(adding);
+            sum.add(of_tile);
+        });
+        return sum;
     };
-    parallel_for(static_cast<std::int64_t>(tiles.size()), context_.threads, [&](std::int64_t i) {
-        const auto at = static_cast<std::size_t>(i);
-        before[at] = measure_with(*pack_.reader(), tiles[at]);
-        after[at] = measure_with(*context_.source.reader(), tiles[at]);
-    });
-    HeightStatistics were, are;
-    for (const HeightStatistics& s : before) were.add(s);
-    for (const HeightStatistics& s : after) are.add(s);
-    return moved_statistics(all, were, are, exact_, pack_.header().quantum_m);
+    return moved_statistics(all, measured_by(pack_), measured_by(context_.source), exact_, pack_.header().quantum_m);
 }
 
 BakePlan ChangingBake::plan_of(const BakedWith& had, const CheckpointState& found) const {
@@ -393,125 +399,108 @@ BakePlan ChangingBake::plan_of(const BakedWith& had, const CheckpointState& foun
 
 // ---- what the pack knows --------------------------------------------------------------------------------------------
 
-// take(tile, terrain): with the pages of step 2^finest and coarser ones. From several threads.
+// Some of the tiles each, on all threads. make(): what a thread needs; work(it, tile).
+template <typename Make, typename Work>
+void ChangingBake::for_tiles(const std::vector<std::uint32_t>& tiles, const Make& make, const Work& work) const {
+    const std::int64_t parts = std::min<std::int64_t>(context_.threads, static_cast<std::int64_t>(tiles.size()));
+    parallel_for(parts, context_.threads, [&](std::int64_t part) {
+        const auto own = make();
+        for (std::size_t i = static_cast<std::size_t>(part); i < tiles.size(); i += static_cast<std::size_t>(parts))
+            work(*own, tiles[i]);
+    });
+}
+
+// take(tile, each): each(visit) calls visit(tile-local place, height steps, record) for the vertices of step 2^finest
+// and of coarser ones.
 template <typename Take>
-void ChangingBake::for_pages_of(const std::vector<std::uint32_t>& tiles, int finest, const Take& take) const {
+void ChangingBake::for_vertices_of(const RegionSet& regions, int finest, const Take& take) const {
     const PageLayout& layout = context_.pages;
     std::vector<std::uint32_t> pages{0};
     for (std::uint32_t page = 1; page < layout.pages_per_tile(); ++page)
         if (layout.page_step_log2(page) >= finest) pages.push_back(page);
-    const std::int64_t parts = std::min<std::int64_t>(context_.threads, static_cast<std::int64_t>(tiles.size()));
-    parallel_for(parts, context_.threads, [&](std::int64_t part) {
-        TilePages held(pack_.file());
-        for (std::size_t i = static_cast<std::size_t>(part); i < tiles.size(); i += static_cast<std::size_t>(parts)) {
-            held.load_pages(tiles[i], pages);
-            const TerrainData& data = data_of(held.terrain());
+    const auto make = [&] { return std::make_unique<TilePages>(pack_.file()); };
+    for_tiles(tiles_of(regions), make, [&](TilePages& held, std::uint32_t tile) {
+        held.load_pages(tile, pages);
+        const TerrainData& data = data_of(held.terrain());
+        take(tile, [&](const auto& visit) {
             for (const std::uint32_t page : pages) {
-                const PageEntry entry = data.page_table[std::size_t{tiles[i]} * layout.pages_per_tile() + page];
-                take.page(tiles[i], page, entry.base, data.records + std::size_t{entry.slot} * data.page_capacity);
+                const PageEntry entry = data.page_table[std::size_t{tile} * layout.pages_per_tile() + page];
+                const VertexRecord* const records = data.records + std::size_t{entry.slot} * data.page_capacity;
+                coords_.for_each(page, [&](std::uint32_t i, SampleIndex at) {
+                    visit(at, entry.base + records[i].height, records[i]);
+                });
             }
-            take.tile(tiles[i]);
-        }
+        });
     });
 }
 
 void ChangingBake::take_step(int z, const RegionSet& regions, StepStores& to) const {
-    const std::int32_t n = context_.tree.side() >> (z + 1); // squares a side of a tile
-    struct Part {
-        Buffer<CentreRecord> centres;
-        Buffer<std::uint32_t> places;
-    };
-    struct Take {
-        const ChangingBake& bake;
-        StepStores& to;
-        int z;
-        std::int32_t n;
-        void page(std::uint32_t, std::uint32_t page, std::int32_t base, const VertexRecord* records) const {
-            Part& p = part();
-            const int shift = z + 1;
-            const std::int32_t mask = (1 << shift) - 1;
-            bake.coords_.for_each(page, [&](std::uint32_t i, SampleIndex c) {
-                const std::int32_t steps = base + records[i].height;
-                if (((c.column | c.row) & mask) == 0)
-                    p.places[static_cast<std::size_t>((c.row >> shift) * (n + 1) + (c.column >> shift))] =
-                        static_cast<std::uint32_t>(steps);
-                else if ((c.column & mask) == 1 << z && (c.row & mask) == 1 << z)
-                    p.centres[static_cast<std::size_t>((c.row >> shift) * n + (c.column >> shift))] = {
-                        steps, records[i].error, static_cast<std::uint8_t>(records[i].radius & ~void_bit), 0};
-            });
-        }
-        void tile(std::uint32_t tile) const {
-            const SampleIndex corner = bake.corner_of(tile);
-            const std::int32_t x = corner.column >> (z + 1), y = corner.row >> (z + 1);
-            const bool last_x = x + n + 1 == to.places.columns(), last_y = y + n + 1 == to.places.rows();
-            to.places.write({x, y, n + last_x, n + last_y}, part().places.data(), n + 1);
-            to.centres.write({x, y, n, n}, part().centres.data(), n);
-        }
-        [[nodiscard]] Part& part() const {
-            static thread_local Part mine;
-            mine.centres.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
-            mine.places.resize(static_cast<std::size_t>(n + 1) * static_cast<std::size_t>(n + 1));
-            return mine;
-        }
-    };
-    for_pages_of(tiles_of(regions), z, Take{*this, to, z, n});
+    const int shift = z + 1;
+    const std::int32_t n = context_.tree.side() >> shift; // squares a side of a tile
+    const std::int32_t mask = (1 << shift) - 1, half = 1 << z;
+    for_vertices_of(regions, z, [&](std::uint32_t tile, const auto& each) {
+        Buffer<CentreRecord> centres(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+        Buffer<std::uint32_t> places(static_cast<std::size_t>(n + 1) * static_cast<std::size_t>(n + 1));
+        each([&](SampleIndex at, std::int32_t steps, const VertexRecord& record) {
+            const std::int32_t x = at.column >> shift, y = at.row >> shift;
+            if (((at.column | at.row) & mask) == 0)
+                places[static_cast<std::size_t>(y * (n + 1) + x)] = static_cast<std::uint32_t>(steps);
+            else if ((at.column & mask) == half && (at.row & mask) == half)
+                centres[static_cast<std::size_t>(y * n + x)] = {
+                    steps, record.error, static_cast<std::uint8_t>(record.radius & ~void_bit), 0};
+        });
+        const SampleIndex corner = corner_of(tile);
+        const std::int32_t x = corner.column >> shift, y = corner.row >> shift;
+        const bool last_x = x + n + 1 == to.places.columns(), last_y = y + n + 1 == to.places.rows();
+        to.places.write({x, y, n + last_x, n + last_y}, places.data(), n + 1);
+        to.centres.write({x, y, n, n}, centres.data(), n);
+    });
 }
 
 void ChangingBake::take_mixed(const RegionSet& regions, MixedStores& to) const {
-    struct Take {
-        const ChangingBake& bake;
-        MixedStores& to;
-        void page(std::uint32_t tile, std::uint32_t page, std::int32_t base, const VertexRecord* records) const {
-            const int z = bake.context_.mixed_log2;
-            const std::int32_t side = (bake.context_.tree.side() >> z) + 1;
-            std::vector<std::uint16_t> codes(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
-            std::vector<std::uint32_t> steps(codes.size());
-            bake.coords_.for_each(page, [&](std::uint32_t i, SampleIndex c) {
-                const auto at = static_cast<std::size_t>((c.row >> z) * side + (c.column >> z));
-                steps[at] = static_cast<std::uint32_t>(base + records[i].height);
-                codes[at] = static_cast<std::uint16_t>(records[i].error | records[i].radius << 8);
-            });
-            const SampleIndex corner = bake.corner_of(tile);
-            const Window w{corner.column >> z, corner.row >> z, side, side};
-            to.records.write(w, codes.data(), side);
-            to.heights.write(w, steps.data(), side);
-        }
-        void tile(std::uint32_t) const {}
-    };
+    const Tree& tree = context_.tree;
+    const int z = context_.mixed_log2;
     // Corners of all tiles, for the chunk that holds them.
-    const std::int32_t step = context_.tree.side() >> context_.mixed_log2;
+    const std::int32_t step = tree.side() >> z, across = tree.tiles_x + 1;
     std::vector<std::byte> raw;
     pack_.file().read_chunk({ChunkKind::corners, 0, 0}, raw);
     std::vector<std::uint32_t> corners(raw.size() / sizeof(std::uint32_t));
     std::memcpy(corners.data(), raw.data(), corners.size() * sizeof(std::uint32_t));
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        const auto across = static_cast<std::size_t>(context_.tree.tiles_x) + 1;
-        const std::int32_t x = static_cast<std::int32_t>(i % across) * step,
-                           y = static_cast<std::int32_t>(i / across) * step;
-        to.heights.write({x, y, 1, 1}, &corners[i], 1);
+        const auto corner = static_cast<std::int32_t>(i);
+        to.heights.write({corner % across * step, corner / across * step, 1, 1}, &corners[i], 1);
     }
-    for_pages_of(tiles_of(regions), context_.tree.tile_log2, Take{*this, to});
+    const std::int32_t side = step + 1;
+    for_vertices_of(regions, tree.tile_log2, [&](std::uint32_t tile, const auto& each) {
+        std::vector<std::uint16_t> codes(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+        std::vector<std::uint32_t> heights(codes.size());
+        each([&](SampleIndex place, std::int32_t steps, const VertexRecord& record) {
+            const auto at = static_cast<std::size_t>((place.row >> z) * side + (place.column >> z));
+            heights[at] = static_cast<std::uint32_t>(steps);
+            codes[at] = static_cast<std::uint16_t>(record.error | record.radius << 8);
+        });
+        const SampleIndex corner = corner_of(tile);
+        const Window w{corner.column >> z, corner.row >> z, side, side};
+        to.records.write(w, codes.data(), side);
+        to.heights.write(w, heights.data(), side);
+    });
 }
 
 void ChangingBake::load_heights(const TileSet& tiles) {
     std::vector<std::uint32_t> wanted;
     for (const std::uint32_t tile : tiles)
         if (loaded_.insert(tile).second) wanted.push_back(tile);
-    const std::int64_t parts = std::min<std::int64_t>(context_.threads, static_cast<std::int64_t>(wanted.size()));
-    parallel_for(parts, context_.threads, [&](std::int64_t part) {
-        const std::unique_ptr<HeightReader> reader = context_.source.reader();
-        Buffer<float> heights;
-        for (std::size_t i = static_cast<std::size_t>(part); i < wanted.size(); i += static_cast<std::size_t>(parts)) {
-            // A border's samples are the tile's to the south or east, so that each is written once.
-            Window w = samples_of_tile(wanted[i]);
-            const SampleIndex end = corner_of(wanted[i]) + SampleIndex{context_.tree.side(), context_.tree.side()};
-            if (end.column < context_.tree.columns() - 1) --w.columns;
-            if (end.row < context_.tree.rows() - 1) --w.rows;
-            heights.resize(w.area());
-            ReadStatistics read;
-            reader->read(w, heights.data(), read);
-            heights_m_.write(w, heights.data(), w.columns);
-        }
+    const auto make = [&] { return context_.source.reader(); };
+    for_tiles(wanted, make, [&](HeightReader& reader, std::uint32_t tile) {
+        // A border's samples are the tile's to the south or east, so that each is written once.
+        Window w = samples_of_tile(tile);
+        const SampleIndex end = corner_of(tile) + SampleIndex{context_.tree.side(), context_.tree.side()};
+        if (end.column < context_.tree.columns() - 1) --w.columns;
+        if (end.row < context_.tree.rows() - 1) --w.rows;
+        Buffer<float> heights(w.area());
+        ReadStatistics read;
+        reader.read(w, heights.data(), read);
+        heights_m_.write(w, heights.data(), w.columns);
     });
 }
 
@@ -658,11 +647,16 @@ Window ChangingBake::heights_seen(const BakePlan& plan, MapKind kind, std::uint3
     return heights_for_splat(splat_ground(context_, plan, nullptr), points_for_map(plan.maps, kind, tile));
 }
 
+// The last mip that is made while heights are at hand.
+constexpr std::uint32_t last_near(std::uint32_t mips) {
+    return std::min(near_mips, mips) - 1;
+}
+
 // From mip to mip: the texels that changed samples reach, and backwards, what the tiles that hold them are made from.
 ChangingBake::MapReach ChangingBake::reach_of(const BakePlan& plan, MapKind kind) const {
     const Tree& tree = context_.tree;
     const MapPlan& maps = plan.maps;
-    const std::uint32_t mips = mip_count(maps.log2_side(kind)), near = std::min(near_mips, mips) - 1;
+    const std::uint32_t mips = mip_count(maps.log2_side(kind)), near = last_near(mips);
     std::vector<Window> changed = changes_.heights;
     if (kind == MapKind::colour || kind == MapKind::splat)
         changed.insert(changed.end(), changes_.paint.begin(), changes_.paint.end());
@@ -725,18 +719,33 @@ ChangingBake::MapReach ChangingBake::reach_of(const BakePlan& plan, MapKind kind
     return reach;
 }
 
-// For what is read of them in all that follows.
+// Finds what maps reach, and makes room for the heights that are read in all that follows.
 void ChangingBake::open_heights(const BakePlan& plan) {
     const Window all{0, 0, context_.tree.columns(), context_.tree.rows()};
     Window used = common(places_of_all(around(regions_of(changed_), most_regions + 2, true)), all);
-    for (const MapKind kind : {MapKind::colour, MapKind::normal, MapKind::splat}) {
+    for (const MapKind kind : all_map_kinds) {
         if (plan.maps.log2_side(kind) == 0) continue;
-        for (const std::uint32_t tile : tiles_of(regions_of(reach_of(plan, kind).made[0])))
-            for (const std::uint32_t seen : tiles_at(heights_seen(plan, kind, tile)))
-                used = both(used, samples_of_tile(seen));
+        MapReach& reach = reach_[static_cast<std::size_t>(kind)];
+        reach = kind == MapKind::horizon ? reach_of_horizons(plan) : reach_of(plan, kind);
+        for (const std::uint32_t tile : tiles_of(regions_of(reach.made[0])))
+            used = both(used, kind == MapKind::horizon ? all : around_tiles(heights_seen(plan, kind, tile)));
     }
-    if (plan.maps.horizon_log2 != 0) used = all;
     heights_m_ = context_.open<float>("heights", all.columns, all.rows, used);
+}
+
+// The samples of all tiles that have one of these.
+Window ChangingBake::around_tiles(const Window& samples) const {
+    Window all;
+    for (const std::uint32_t tile : tiles_at(samples)) all = both(all, samples_of_tile(tile));
+    return all;
+}
+
+// Horizons look over all of the terrain, and what they see are means of all of it.
+ChangingBake::MapReach ChangingBake::reach_of_horizons(const BakePlan& plan) const {
+    const std::uint32_t mips = mip_count(plan.maps.horizon_log2);
+    const TileSet all = changed_.empty() ? TileSet{} : tiles_at({0, 0, context_.tree.columns(), context_.tree.rows()});
+    const std::vector<TileSet> of_mips(mips - last_near(mips), all);
+    return {of_mips, of_mips};
 }
 
 // The regions of these tiles, with the heights that they are made from.
@@ -748,9 +757,9 @@ RegionSet ChangingBake::load_for(const BakePlan& plan, MapKind kind, const TileS
     return regions;
 }
 
-void ChangingBake::make_far_mips(const BakePlan& plan, MapKind kind, const MapReach& reach, TexelStore finer,
-                                 ChunkSpool& spool) {
-    const std::uint32_t mips = mip_count(plan.maps.log2_side(kind)), near = std::min(near_mips, mips) - 1;
+void ChangingBake::make_far_mips(const BakePlan& plan, MapKind kind, TexelStore finer, ChunkSpool& spool) {
+    const MapReach& reach = reached_by(kind);
+    const std::uint32_t mips = mip_count(plan.maps.log2_side(kind)), near = last_near(mips);
     for (std::uint32_t mip = near + 1; mip < mips; ++mip) {
         TexelStore texels;
         if (mip + 1 < mips) texels = open_texels(context_, plan.maps, kind, mip);
@@ -767,10 +776,11 @@ TexelStore open_last_near(const BakeContext& context, const MapPlan& maps, MapKi
     return mip_count(maps.log2_side(kind)) > near_mips ? open_texels(context, maps, kind, near_mips - 1) : TexelStore{};
 }
 
-void ChangingBake::make_colours_and_normals(BakePlan& plan, ChunkSpool& spool) {
-    const MapReach colour = reach_of(plan, MapKind::colour), normal = reach_of(plan, MapKind::normal);
-    TileSet made = colour.made[0];
+void ChangingBake::make_colours_and_normals(const BakePlan& plan, ChunkSpool& spool) {
+    const MapReach &colour = reached_by(MapKind::colour), &normal = reached_by(MapKind::normal);
+    TileSet made = colour.made[0], stored = colour.wanted[0];
     made.insert(normal.made[0].begin(), normal.made[0].end());
+    stored.insert(normal.wanted[0].begin(), normal.wanted[0].end());
     if (made.empty()) return;
     only(load_for(plan, MapKind::colour, made));
     TexelStore colours = open_last_near(context_, plan.maps, MapKind::colour),
@@ -778,45 +788,36 @@ void ChangingBake::make_colours_and_normals(BakePlan& plan, ChunkSpool& spool) {
     SomeChunks some(spool, [&](const ChunkId& id) {
         return (id.kind == ChunkKind::colour ? colour : normal).wanted[0].contains(id.tile);
     });
-    TileSet stored = colour.wanted[0];
-    stored.insert(normal.wanted[0].begin(), normal.wanted[0].end());
-    plan.maps.stored = &stored;
-    make_near_maps(context_, plan, heights_, {colours, normals, some});
-    plan.maps.stored = nullptr;
-    make_far_mips(plan, MapKind::colour, colour, std::move(colours), spool);
-    make_far_mips(plan, MapKind::normal, normal, std::move(normals), spool);
+    BakePlan of_these = plan;
+    of_these.maps.stored = &stored;
+    make_near_maps(context_, of_these, heights_, {colours, normals, some});
+    make_far_mips(plan, MapKind::colour, std::move(colours), spool);
+    make_far_mips(plan, MapKind::normal, std::move(normals), spool);
 }
 
-void ChangingBake::make_splat(BakePlan& plan, ChunkSpool& spool) {
-    const MapReach reach = reach_of(plan, MapKind::splat);
+void ChangingBake::make_splat(const BakePlan& plan, ChunkSpool& spool) {
+    const MapReach& reach = reached_by(MapKind::splat);
     if (reach.made[0].empty()) return;
     only(load_for(plan, MapKind::splat, reach.made[0]));
     TexelStore shares = open_last_near(context_, plan.maps, MapKind::splat);
     SomeChunks some(spool, [&](const ChunkId& id) { return reach.wanted[0].contains(id.tile); });
-    plan.maps.stored = &reach.wanted[0];
-    make_near_splat(context_, plan, heights_, nullptr, {shares, some});
-    plan.maps.stored = nullptr;
-    make_far_mips(plan, MapKind::splat, reach, std::move(shares), spool);
+    BakePlan of_these = plan;
+    of_these.maps.stored = &reach.wanted[0];
+    make_near_splat(context_, of_these, heights_, nullptr, {shares, some});
+    make_far_mips(plan, MapKind::splat, std::move(shares), spool);
 }
 
 void ChangingBake::make_horizons(const BakePlan& plan, ChunkSpool& spool) {
-    if (changed_.empty()) return;
-    const std::uint32_t mips = mip_count(plan.maps.horizon_log2), near = std::min(near_mips, mips) - 1;
-    all_regions();
-    load_heights(tiles_at({0, 0, context_.tree.columns(), context_.tree.rows()}));
+    const MapReach& reach = reached_by(MapKind::horizon);
+    if (reach.made[0].empty()) return;
+    load_heights(reach.made[0]);
+    only(regions_of(reach.made[0]));
     Store<float> levels = open_levels(context_);
     make_levels(context_, heights_, levels);
-    TexelStore finer;
-    if (near + 1 < mips) finer = open_texels(context_, plan.maps, MapKind::horizon, near);
-    make_near_horizons(context_, plan, {heights_, levels_in(context_, levels)}, {finer, spool});
+    TexelStore planes = open_last_near(context_, plan.maps, MapKind::horizon);
+    make_near_horizons(context_, plan, {heights_, levels_in(context_, levels)}, {planes, spool});
     levels.remove();
-    for (std::uint32_t mip = near + 1; mip < mips; ++mip) {
-        TexelStore texels;
-        if (mip + 1 < mips) texels = open_texels(context_, plan.maps, MapKind::horizon, mip);
-        make_far_mip(context_, plan, {MapKind::horizon, mip, finer}, {texels, spool});
-        finer.remove();
-        finer = std::move(texels);
-    }
+    make_far_mips(plan, MapKind::horizon, std::move(planes), spool);
 }
 
 BakeSummary ChangingBake::run() {
@@ -825,13 +826,14 @@ BakeSummary ChangingBake::run() {
     exact_ = had.on_scale;
     CheckpointState found = found_of(measure(had.heights));
     BakePlan plan = plan_of(had, found);
+    only(regions_of(changed_)); // stores take room as they are written from now on
     ChunkSpool spool(context_.store_path("chunks"), context_.store_path("entries"), plan.header, SpoolState{});
     const double seconds_read = elapsed_s(start);
     const Clock::time_point maps_start = Clock::now();
     open_heights(plan);
     make_colours_and_normals(plan, spool);
-    if (plan.maps.splat_log2 != 0) make_splat(plan, spool);
-    if (plan.maps.horizon_log2 != 0) make_horizons(plan, spool);
+    make_splat(plan, spool);
+    make_horizons(plan, spool);
     const double seconds_textures = elapsed_s(maps_start);
     const Clock::time_point errors_start = Clock::now();
     make_vertices(plan, found, spool);

@@ -55,13 +55,9 @@ void add_recipe_options(CLI::App& app, Recipe& r, Options wanted = Options::all)
     using Of = RecipeKey::Of;
     for (const RecipeKey& key : recipe_keys()) {
         const std::string name = &key == &recipe_key("inputs") ? "IN" : std::string("--") + key.name;
-        if (&key == &recipe_key("output")) continue;
-        if (wanted == Options::pack) {
-            if (key.of == Of::reading || key.of == Of::edits || &key == &recipe_key("inputs")) continue;
-        } else if (wanted != Options::all && key.of != Of::reading &&
-                   (wanted == Options::reading || key.of != Of::edits)) {
-            continue;
-        }
+        if (&key == &recipe_key("output") || (wanted == Options::pack && &key == &recipe_key("inputs"))) continue;
+        const bool of_heights = key.of == Of::reading || (key.of == Of::edits && wanted != Options::reading);
+        if (wanted != Options::all && of_heights == (wanted == Options::pack)) continue;
         CLI::Option* const option =
             std::visit([&](const auto member) { return add_key(app, name, r.*member, key); }, key.member);
         if (key.old_name) add_old_name(app, *option, r, key);

@@ -1,6 +1,8 @@
 #include "baker/pack/notes.h"
 
 #include <cerrno>
+#include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -72,6 +74,11 @@ BakedWith baked_of(const json& j, std::uint64_t voids) {
     to.climbing = h.at("climbing").get<std::uint64_t>();
     to.off_metre = h.at("off_metre").get<std::uint64_t>();
     to.off_decimetre = h.at("off_decimetre").get<std::uint64_t>();
+    const bool sound = to.least_m <= to.most_m && to.tile_range_m >= 0 && to.step_m[0] >= 0 && to.step_m[1] >= 0 &&
+                       std::isfinite(to.most_m - to.least_m) && std::isfinite(to.tile_range_m) &&
+                       std::isfinite(to.step_m[0]) && std::isfinite(to.step_m[1]) && std::isfinite(b.smooth.step_m) &&
+                       b.smooth.levels >= 0 && b.smooth.levels <= most_smooth_levels;
+    if (!sound) throw std::out_of_range("baked"); // damaged, as a number that is none
     return b;
 }
 

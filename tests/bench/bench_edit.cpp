@@ -153,6 +153,11 @@ private:
 #endif
 };
 
+double median(std::vector<double>& v) {
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    return v[v.size() / 2];
+}
+
 void crater(benchmark::State& state, std::int32_t samples) {
     Scene& s = scene(samples);
     const double cell = s.pack.terrain.spacing_x_m(), middle = static_cast<double>(s.pack.terrain.extent_x_m()) / 2;
@@ -204,10 +209,6 @@ void crater(benchmark::State& state, std::int32_t samples) {
         must(update_cut(s.cut, {&s.view, 1}, {.max_error_px = 1}, cut));
         quiet.push_back(cut.prepare_us + cut.refine_us + cut.output_us);
     }
-    const auto median = [](std::vector<double>& v) {
-        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-        return v[v.size() / 2];
-    };
     state.counters["apply_us"] = median(apply);
     state.counters["shown_us"] = median(follow);
     state.counters["measure_us"] = median(measure);
@@ -289,10 +290,6 @@ void lock(benchmark::State& state, std::int32_t samples) {
         stamp.shape = StampShape::unlock;
         push(stamp, unlock, nullptr);
     }
-    const auto median = [](std::vector<double>& v) {
-        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-        return v[v.size() / 2];
-    };
     state.counters["apply_us"] = median(lock_apply);
     state.counters["measure_us"] = median(lock_measure);
     state.counters["unlock_us"] = median(unlock);
@@ -312,10 +309,6 @@ void shaft(benchmark::State& state) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> any(-100, 100);
     std::vector<double> apply, measure, follow, fill, fill_measure, apply_crater;
-    const auto median = [](std::vector<double>& v) {
-        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-        return v[v.size() / 2];
-    };
     for (auto _ : state) {
         Stamp stamp;
         stamp.x_m = middle + any(random) * cell, stamp.z_m = middle + any(random) * cell;

@@ -100,12 +100,7 @@ struct Allowed {
 // After any step: a vertex whose triangles are farther off than a locked sample under them allows has at least the code
 // that every mesh draws, and so have its ancestors (check_bounds()).
 std::string check_locks(const TerrainData& t, Allowed& allowed) {
-    struct Ground {
-        const TerrainData& t;
-        const Tree& tree = t.tree;
-        [[nodiscard]] std::int32_t h(SampleIndex v) const { return t.vertex(v).steps; }
-        [[nodiscard]] bool is_void(SampleIndex v) const { return t.has_voids() && t.vertex(v).hole; }
-    } ground{t};
+    const LoadedGround ground{t};
     const DiamondTerms terms{t.errors, t.header.quantum_m, {t.header.spacing_m[0], t.header.spacing_m[1]}, 0, 0, false};
     for (const SampleIndex v : all_vertices(t)) {
         const TerrainData::Vertex own = t.vertex(v);

@@ -74,15 +74,18 @@ inline std::vector<SampleIndex> all_vertices(const TerrainData& t) {
     return all;
 }
 
+// The heights that diamonds are measured over.
+struct LoadedGround {
+    const TerrainData& t;
+    const Tree& tree = t.tree;
+    [[nodiscard]] std::int32_t h(SampleIndex v) const { return t.vertex(v).steps; }
+    [[nodiscard]] bool is_void(SampleIndex v) const { return t.has_voids() && t.vertex(v).hole; }
+};
+
 // Heights, errors and spheres of all vertices that are loaded: nested, and errors no less than the ground under their
 // triangles asks. truth: a terrain with the same ground, all of it loaded.
 inline std::string check_bounds(const TerrainData& t, const TerrainData& truth) {
-    struct Ground {
-        const TerrainData& t;
-        const Tree& tree = t.tree;
-        [[nodiscard]] std::int32_t h(SampleIndex v) const { return t.vertex(v).steps; }
-        [[nodiscard]] bool is_void(SampleIndex v) const { return t.has_voids() && t.vertex(v).hole; }
-    } ground{truth};
+    const LoadedGround ground{truth};
     const DiamondTerms terms{t.errors, t.header.quantum_m, {t.header.spacing_m[0], t.header.spacing_m[1]}, 0, 0, false};
     const auto at = [](SampleIndex v) { return std::to_string(v.column) + ", " + std::to_string(v.row); };
     for (const SampleIndex v : all_vertices(t)) {

@@ -113,3 +113,31 @@ TEST_CASE("a pack with stamps is baked from what they reach, and is the pack tha
     CHECK(sound >= rounds(1, 15));
     CHECK(kept_bytes > rounds(100'000, 2'000'000));
 }
+
+TEST_CASE("a bake of all that was interrupted goes on, though stamps reach only a part") {
+    Random random(46);
+    const TemporaryFolder folder;
+    const std::string pack = folder / "pack.fjell", out = folder / "out.fjell", whole = folder / "whole.fjell";
+    BakeOptions options = small_bake(4);
+    options.keep_unchanged = false;
+    (void)bake(random_dem(random, 150, 120, Shape::fractal), options, pack);
+    io::KeptStamp kept;
+    kept.plain.shape = StampShape::smooth;
+    const PackHeader h = PackSource(pack).header();
+    kept.plain.x_m = h.spacing_m[0] * 70, kept.plain.z_m = h.spacing_m[1] * 60;
+    kept.plain.radius_m = static_cast<float>(h.spacing_m[0] * 5);
+    const auto source = [&] { return edited_source(std::make_unique<PackSource>(pack), {{0, kept}}, "stamps"); };
+    (void)bake(*source(), options, whole);
+    options.checkpoint_s = 5; // on the disk, though it would fit the memory
+    options.progress = [](const char* stage, std::uint64_t, std::uint64_t) {
+        if (stage == std::string("steps")) throw io::Failure(130, "no more");
+    };
+    REQUIRE_THROWS_WITH(bake(*source(), options, out), Catch::Contains("the same command goes on"));
+    options.progress = {};
+    options.keep_unchanged = true;
+    const BakeSummary said = bake(*source(), options, out);
+    CHECK(said.resumed);
+    CHECK(said.kept_nothing.find("goes on") != std::string::npos);
+    const bool same = slurp_bytes(out) == slurp_bytes(whole);
+    CHECK(same);
+}
