@@ -307,19 +307,25 @@ ProgramRun run_bake(std::vector<std::string> arguments) {
     return run;
 }
 
+// The GeoTIFF that programs bake; empty, and the benchmark skipped, where it cannot be made.
+std::string tiled_mountains(benchmark::State& state, const std::string& options) {
+    std::string dem_path = folder + "/mountains-4097" + options + ".tif";
+    if (std::filesystem::exists(dem_path)) return dem_path;
+    std::filesystem::create_directories(folder);
+    baker::write_dem(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), folder + "/m.tif");
+    const std::string command = "gdal_translate -q -co TILED=YES " +
+                                std::string(options.empty() ? "" : "-co COMPRESS=DEFLATE -co PREDICTOR=2 ") + folder +
+                                "/m.tif " + dem_path;
+    if (std::system(command.c_str()) == 0) return dem_path;
+    state.SkipWithError("gdal_translate (package gdal-bin) is missing");
+    return {};
+}
+
 // From a file, as users do it: everything from decoding the GeoTIFF to the pack on the disk.
 void program(benchmark::State& state, const std::string& options, int threads,
              const std::vector<std::string>& more = {}) {
-    const std::string dem_path = folder + "/mountains-4097" + options + ".tif";
-    if (!std::filesystem::exists(dem_path)) {
-        std::filesystem::create_directories(folder);
-        baker::write_dem(*baker::open_synth(FJELL_SOURCE_DIR "/content/terrain/mountains.json"), folder + "/m.tif");
-        const std::string command = "gdal_translate -q -co TILED=YES " +
-                                    std::string(options.empty() ? "" : "-co COMPRESS=DEFLATE -co PREDICTOR=2 ") +
-                                    folder + "/m.tif " + dem_path;
-        if (std::system(command.c_str()) != 0)
-            return state.SkipWithError("gdal_translate (package gdal-bin) is missing");
-    }
+    const std::string dem_path = tiled_mountains(state, options);
+    if (dem_path.empty()) return;
     std::vector<std::string> arguments{dem_path, "-o", folder + "/bake.fjell", "--threads", std::to_string(threads)};
     arguments.insert(arguments.end(), more.begin(), more.end());
     ProgramRun run;
@@ -329,6 +335,28 @@ void program(benchmark::State& state, const std::string& options, int threads,
     }
     state.counters["samples/s"] =
         benchmark::Counter(4097.0 * 4097 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+    state.counters["resident_MB"] = run.resident_mb();
+}
+
+// A pack with a crater of a thousandth of the terrain, beside a bake of all of it in the same run.
+void apply(benchmark::State& state) {
+    const std::string dem_path = tiled_mountains(state, ""), pack = folder + "/whole.fjell";
+    if (dem_path.empty()) return;
+    const std::string stamps = folder + "/crater.json";
+    std::ofstream(stamps)
+        << R"({"stamps": [{"shape": "crater", "at": [60000, 70000], "radius_m": 3000, "falloff_m": 800, "amount_m": 20}]})";
+    const ProgramRun whole = run_bake({dem_path, "-o", pack, "--threads", "1"});
+    if (!whole.ok) return state.SkipWithError("fjell-bake failed");
+    double apply_s = 0;
+    ProgramRun run;
+    for (auto _ : state) {
+        run = run_bake({"apply", pack, stamps, "-o", folder + "/dug.fjell", "--threads", "1"});
+        if (!run.ok) return state.SkipWithError("fjell-bake apply failed");
+        apply_s += run.summary["seconds_total"].get<double>();
+    }
+    state.counters["of_a_bake"] =
+        apply_s / static_cast<double>(state.iterations()) / whole.summary["seconds_total"].get<double>();
+    state.counters["kept_MB"] = run.summary["kept_bytes"].get<double>() / 1e6;
     state.counters["resident_MB"] = run.resident_mb();
 }
 
@@ -381,6 +409,7 @@ int main(int argc, char** argv) {
         program(s, "", 1, {"--layers", FJELL_SOURCE_DIR "/content/materials/splat/alpine.json"});
     });
     declare("program/mountains-4097-tiled-deflate/1-thread", [](auto& s) { program(s, "-deflate", 1); });
+    declare("apply/mountains-4097/crater", apply);
     declare("program/plain-16385/256-MB", [](auto& s) { larger_than_memory(s, "256"); });
     declare("load/mountains-2049/whole", load);
     declare("decode/mountains-2049/planar", [](auto& s) { decode(s, PageOrder::planar); });
