@@ -336,9 +336,8 @@ void raise_locked(const EditsData& e, const DecodedPage& at, std::uint32_t count
 // Places of a page with edits or locks that matter to it.
 Rect changed_around(const EditsData& e, const DecodedPage& at, Rect edited) {
     for (std::uint32_t n = 0; n < e.lock_count; ++n) {
-        const std::int32_t x = e.locks[n].x << block_log2, y = e.locks[n].y << block_log2;
-        if (const Rect block{x, y, x + block_side - 1, y + block_side - 1}; at.locks().meets(block))
-            edited = edited.with(block);
+        const Rect block = block_samples(e.locks[n].x, e.locks[n].y);
+        if (at.locks().meets(block)) edited = edited.with(block);
     }
     return edited;
 }

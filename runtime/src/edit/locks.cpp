@@ -8,9 +8,6 @@ namespace fjell::edit {
 
 namespace {
 
-Rect samples_of_block(std::int32_t x, std::int32_t y) {
-    return {x << block_log2, y << block_log2, (x << block_log2) + block_side - 1, (y << block_log2) + block_side - 1};
-}
 // f(x, y) for the blocks that these samples lie in.
 template <typename F>
 void for_each_block(const Rect& samples, const F& f) {
@@ -29,7 +26,7 @@ std::uint8_t least_allowed(const EditsData& e, const Rect& samples) {
     const Rect all = e.lock_count == 0 ? Rect{} : samples.within(field_of(e));
     if (all.empty()) return least;
     const auto see = [&](const LockBlock& b) {
-        const Rect own = samples_of_block(b.x, b.y), part = own.within(all);
+        const Rect own = block_samples(b.x, b.y), part = own.within(all);
         if (b.least >= least || part.empty()) return;
         if (all.contains(own)) {
             least = b.least;
@@ -68,7 +65,7 @@ WindowLocks::WindowLocks(const EditsData& e, Window& window) : window_(window) {
         if (b == nullptr) return;
         if (!any_) std::fill_n(window.allowed, window_side * window.rect.rows(), no_lock);
         any_ = true;
-        const Rect own = samples_of_block(x, y), part = own.within(all);
+        const Rect own = block_samples(x, y), part = own.within(all);
         for (std::int32_t row = part.y0; row <= part.y1; ++row)
             std::copy_n(b->allowed + (row - own.y0) * block_side + (part.x0 - own.x0), part.columns(),
                         at(part.x0, row));
@@ -102,7 +99,7 @@ bool has_room_for(const EditsData& e, const Stamp& stamp) {
     std::uint32_t left = e.budget.locks - e.lock_count;
     bool fits = true;
     for_each_block(samples, [&](std::int32_t x, std::int32_t y) {
-        if (!fits || !may_change(grid, stamp, samples_of_block(x, y).within(samples)) ||
+        if (!fits || !may_change(grid, stamp, block_samples(x, y).within(samples)) ||
             e.lock_table.find(e.locks, x, y) != nullptr)
             return;
         fits = left-- != 0;
@@ -116,7 +113,7 @@ Rect lock_samples(EditsData& e, const Stamp& stamp, const Rect& samples) {
     const std::uint8_t allowed = e.terrain->errors.code_down(stamp.amount_m);
     Rect changed;
     for_each_block(samples.within(samples_of(grid, stamp)), [&](std::int32_t x, std::int32_t y) {
-        const Rect own = samples_of_block(x, y), part = own.within(samples).within(samples_of(grid, stamp));
+        const Rect own = block_samples(x, y), part = own.within(samples).within(samples_of(grid, stamp));
         if (!may_change(grid, stamp, part)) return;
         const std::uint32_t cell = e.lock_table.cell(e.locks, x, y);
         LockBlock* b = e.lock_table.find(e.locks, x, y);

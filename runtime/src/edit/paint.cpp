@@ -9,6 +9,8 @@
 
 namespace fjell::edit {
 
+static_assert(paint_side == block_side); // block_samples() is of both
+
 namespace {
 
 struct Parts {
@@ -124,9 +126,6 @@ struct Reach {
         return across == 0 ? 0 : across * (static_cast<std::uint32_t>(blocks.rows() + 1) / 2);
     }
 };
-Rect samples_of_block(std::int32_t x, std::int32_t y) {
-    return {x * paint_side, y * paint_side, x * paint_side + paint_side - 1, y * paint_side + paint_side - 1};
-}
 
 // Has the budget room for all blocks that a stamp may need?
 bool has_room(const PaintData& p, const StampGrid& grid, const Stamp& stamp, const Reach& reach) {
@@ -134,7 +133,7 @@ bool has_room(const PaintData& p, const StampGrid& grid, const Stamp& stamp, con
     std::uint32_t left = p.capacity - p.count;
     for (std::int32_t y = reach.blocks.y0; y <= reach.blocks.y1; ++y)
         for (std::int32_t x = reach.blocks.x0; x <= reach.blocks.x1; ++x) {
-            if (!may_change(grid, stamp, samples_of_block(x, y)) || find_block_of(&p, x, y) != nullptr) continue;
+            if (!may_change(grid, stamp, block_samples(x, y)) || find_block_of(&p, x, y) != nullptr) continue;
             if (left-- == 0) return false;
         }
     return true;
@@ -145,7 +144,7 @@ Rect paint_group(PaintData& p, const StampGrid& grid, const Stamp& stamp, const 
     Rect changed;
     for (std::int32_t y = group.y0; y <= group.y1; ++y)
         for (std::int32_t x = group.x0; x <= group.x1; ++x) {
-            const Rect own = samples_of_block(x, y);
+            const Rect own = block_samples(x, y);
             if (!may_change(grid, stamp, own)) continue;
             const std::uint32_t number = p.table[cell_of(p, x, y)];
             if (number == no_index && stamp.shape == StampShape::unpaint) continue;
@@ -222,7 +221,7 @@ bool paint_piece(EditsData& e, Waiting& w, Refusal& refusal) {
     // The next group that it may change, and not yet the one after it.
     for (const std::uint32_t groups = reach.groups(); w.piece < groups;) {
         const Rect group = reach.group(w.piece++);
-        const Rect own = samples_of_block(group.x0, group.y0).with(samples_of_block(group.x1, group.y1));
+        const Rect own = block_samples(group.x0, group.y0).with(block_samples(group.x1, group.y1));
         if (!may_change(grid, w.stamp, own)) continue;
         if (const Rect changed = paint_group(p, grid, w.stamp, group, samples); !changed.empty())
             p.changed[p.changes++ % paint_change_log] = changed;

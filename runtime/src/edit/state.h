@@ -34,6 +34,11 @@ struct BlockHoles {
     std::int32_t differing; // samples
 };
 
+// The samples of a block, by its place in blocks.
+[[nodiscard]] constexpr Rect block_samples(std::int32_t x, std::int32_t y) {
+    return {x * block_side, y * block_side, x * block_side + block_side - 1, y * block_side + block_side - 1};
+}
+
 // A block some of whose samples are locked, by its place in blocks.
 inline constexpr std::uint8_t no_lock = 255; // any error is allowed
 struct LockBlock {
