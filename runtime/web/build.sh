@@ -27,7 +27,8 @@ mkdir -p "$folder/package"
 module ON "-O3 -flto" fjell.wasm
 module OFF "-Oz -flto" fjell-scalar.wasm
 cp "$here"/package/*.js "$here"/package/*.d.ts "$here/package/README.md" "$root/LICENSE" "$folder/package"
-sed -i -E 's/^ +//' "$folder"/package/*.{js,d.ts} # indentation takes a kilobyte
+sed -i -E 's/^ +//' "$folder"/package/*.{js,d.ts} # indentation and comments take a kilobyte each
+sed -i '/^\/\//d' "$folder"/package/*.js
 for file in package.json version.js; do
   sed "s/@FJELL_VERSION@/$version/" "$here/package/$file.in" >"$folder/package/$file"
 done
