@@ -217,17 +217,42 @@ void scan_small_row(const SmallRow& row, std::int32_t* worst) {
     HWY_DYNAMIC_DISPATCH(scan_small_lanes)(row, worst);
 }
 
+namespace {
+
+// Sample i of every `period` to line i, `length` values further. Known periods are loaded side by side.
+template <std::ptrdiff_t period>
+FJELL_ALWAYS_INLINE inline void deal(const std::int32_t* samples, std::ptrdiff_t periods,
+                                     std::int32_t* FJELL_RESTRICT to, std::size_t length) {
+    for (std::ptrdiff_t k = 0; k < period; k += 4, to += 4 * length) {
+        std::int32_t *FJELL_RESTRICT a = to, *FJELL_RESTRICT b = a + length, *FJELL_RESTRICT c = b + length,
+                     *FJELL_RESTRICT d = c + length;
+        for (std::ptrdiff_t i = 0; i < periods; ++i) {
+            const std::int32_t* const from = samples + i * period + k;
+            a[i] = from[0], b[i] = from[1], c[i] = from[2], d[i] = from[3];
+        }
+    }
+}
+FJELL_CLONES void deal_fours(const std::int32_t* samples, std::ptrdiff_t periods, std::int32_t* to,
+                             std::size_t length) {
+    deal<4>(samples, periods, to, length);
+}
+FJELL_CLONES void deal_eights(const std::int32_t* samples, std::ptrdiff_t periods, std::int32_t* to,
+                              std::size_t length) {
+    deal<8>(samples, periods, to, length);
+}
+
+} // namespace
+
 DeinterleavedSamples DeinterleavedSamples::of(const std::int32_t* samples, std::ptrdiff_t stride, std::int32_t periods,
                                               std::int32_t rows, std::int32_t period) {
     DeinterleavedSamples p;
     p.period = period, p.columns = periods + 1, p.rows = rows;
     p.values.resize(front + static_cast<std::size_t>(rows) * static_cast<std::size_t>(period) * p.length());
-    for (std::int32_t y = 0; y < rows; ++y, samples += stride)
-        for (std::int32_t k = 0; k < period; ++k) {
-            auto* const to = const_cast<std::int32_t*>(p.line(k, y));
-            const std::int32_t count = periods + (k == 0);
-            for (std::int32_t i = 0; i < count; ++i) to[i] = samples[i * period + k];
-        }
+    for (std::int32_t y = 0; y < rows; ++y, samples += stride) {
+        auto* const to = const_cast<std::int32_t*>(p.line(0, y));
+        period == 4 ? deal_fours(samples, periods, to, p.length()) : deal_eights(samples, periods, to, p.length());
+        to[periods] = samples[periods * period];
+    }
     return p;
 }
 

@@ -84,6 +84,11 @@ FJELL_CLONES void add_three(float* to, const float* const (&from)[3], const floa
     const float *a = from[0], *b = from[1], *c = from[2], u = weights[0], v = weights[1], w = weights[2];
     for (std::size_t i = 0; i < n; ++i) to[i] = u * a[i] + v * b[i] + w * c[i];
 }
+FJELL_CLONES void add_five(float* to, const float* const (&from)[5], const float* weights, std::size_t n) {
+    const float *a = from[0], *b = from[1], *c = from[2], *d = from[3], *e = from[4];
+    const float u = weights[0], v = weights[1], w = weights[2], x = weights[3], y = weights[4];
+    for (std::size_t i = 0; i < n; ++i) to[i] = u * a[i] + v * b[i] + w * c[i] + x * d[i] + y * e[i];
+}
 
 // One tap of a run. A known stride lets the compiler load side by side.
 FJELL_CLONES void add_tap_1(float* FJELL_RESTRICT to, const float* FJELL_RESTRICT from, const float* FJELL_RESTRICT w,
@@ -98,6 +103,15 @@ FJELL_CLONES void set_three_1(float* FJELL_RESTRICT to, const float* FJELL_RESTR
                               const float* FJELL_RESTRICT v, const float* FJELL_RESTRICT w, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) to[i] = u[i] * from[i] + v[i] * from[i + 1] + w[i] * from[i + 2];
 }
+// all: weights from tap to tap.
+FJELL_CLONES void set_five_2(float* FJELL_RESTRICT to, const float* FJELL_RESTRICT from, const float* FJELL_RESTRICT w,
+                             std::size_t all, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+        const float *const f = from + 2 * i, *const weight = w + i;
+        to[i] = weight[0] * f[0] + weight[all] * f[1] + weight[2 * all] * f[2] + weight[3 * all] * f[3] +
+                weight[4 * all] * f[4];
+    }
+}
 void add_tap(float* to, const float* from, const float* w, std::size_t n, std::size_t stride) {
     if (stride == 1) return add_tap_1(to, from, w, n);
     if (stride == 2) return add_tap_2(to, from, w, n);
@@ -111,6 +125,10 @@ void sum_across(const Taps& x, const float* from, float* to) {
         const float *at = from + x.first[begin], *w = x.across.data() + begin;
         if (x.taps == 3 && run.stride == 1) {
             set_three_1(to + begin, at, w, w + all, w + 2 * all, n);
+            continue;
+        }
+        if (x.taps == 5 && run.stride == 2) {
+            set_five_2(to + begin, at, w, all, n);
             continue;
         }
         std::fill_n(to + begin, n, 0.0f);
@@ -134,6 +152,10 @@ TexelPlanes tent_filter(const Taps& x, const Taps& y, const Window& at, RowSourc
             if (taps == 3) {
                 const float* const rows[3] = {source.row(c, first), source.row(c, first + 1), source.row(c, first + 2)};
                 add_three(sum.data(), rows, weights, width);
+            } else if (taps == 5) {
+                const float* rows[5];
+                for (int k = 0; k < 5; ++k) rows[k] = source.row(c, first + k);
+                add_five(sum.data(), rows, weights, width);
             } else {
                 set_row(sum.data(), source.row(c, first), weights[0], width);
                 for (std::size_t k = 1; k < taps; ++k)

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "shared/compiler.h"
+
 namespace fjell::baker {
 
 namespace {
@@ -22,10 +24,10 @@ bool is_marker(double number) {
 }
 
 template <typename T>
-std::pair<T, T> range_of(const T* numbers, std::size_t count) {
-    std::array<T, end_lanes> least, most; // lanes: see Extremes in decode.cpp
-    least.fill(numbers[0]);
-    most.fill(numbers[0]);
+FJELL_ALWAYS_INLINE inline std::pair<T, T> range_in_lanes(const T* numbers, std::size_t count) {
+    T least[end_lanes], most[end_lanes]; // lanes: see Extremes in decode.cpp
+    std::fill_n(least, end_lanes, numbers[0]);
+    std::fill_n(most, end_lanes, numbers[0]);
     std::size_t i = 0;
     for (; i + end_lanes <= count; i += end_lanes)
         for (std::size_t k = 0; k < end_lanes; ++k) {
@@ -33,7 +35,13 @@ std::pair<T, T> range_of(const T* numbers, std::size_t count) {
             most[k] = numbers[i + k] > most[k] ? numbers[i + k] : most[k];
         }
     for (; i < count; ++i) least[0] = std::min(least[0], numbers[i]), most[0] = std::max(most[0], numbers[i]);
-    return {*std::min_element(least.begin(), least.end()), *std::max_element(most.begin(), most.end())};
+    return {*std::min_element(least, least + end_lanes), *std::max_element(most, most + end_lanes)};
+}
+FJELL_CLONES std::pair<float, float> range_of(const float* numbers, std::size_t count) {
+    return range_in_lanes(numbers, count);
+}
+FJELL_CLONES std::pair<double, double> range_of(const double* numbers, std::size_t count) {
+    return range_in_lanes(numbers, count);
 }
 
 } // namespace

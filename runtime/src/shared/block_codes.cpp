@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <type_traits>
 
 #include "shared/compiler.h"
 
@@ -25,6 +26,20 @@ constexpr std::size_t lanes = 32;
 using Floats = float[lanes];
 using Ints = std::int32_t[lanes];
 using Words = std::uint32_t[lanes];
+
+// Texels 0..3 of a row of each block, one block a lane: four bytes of a word, the lowest first.
+template <typename Lanes>
+FJELL_ALWAYS_INLINE inline void split_row(const std::uint8_t* row, std::size_t blocks, Lanes& a, Lanes& b, Lanes& c,
+                                          Lanes& d) {
+    for (std::size_t l = 0; l < blocks; ++l) {
+        std::int32_t word;
+        std::memcpy(&word, row + 4 * l, sizeof word);
+        a[l] = static_cast<std::remove_extent_t<Lanes>>(word & 0xff);
+        b[l] = static_cast<std::remove_extent_t<Lanes>>(word >> 8 & 0xff);
+        c[l] = static_cast<std::remove_extent_t<Lanes>>(word >> 16 & 0xff);
+        d[l] = static_cast<std::remove_extent_t<Lanes>>(word >> 24 & 0xff);
+    }
+}
 
 // ---- BC1 ---------------------------------------------------------------------------------------------------------
 
@@ -39,6 +54,10 @@ struct Colours {
     Floats error;
     Words codes; // of the low end 0, then 2, 3, and 1 of the high one
 };
+
+FJELL_CLONES void split_colours(const std::uint8_t* row, std::size_t blocks, std::size_t c, Floats (*to)[3]) {
+    split_row(row, blocks, to[0][c], to[1][c], to[2][c], to[3][c]);
+}
 
 FJELL_CLONES void find_mean(Colours& s) {
     for (int c = 0; c < 3; ++c) {
@@ -224,6 +243,10 @@ void store_colours(const Colours& s, std::size_t blocks, std::byte* to) {
 // ---- BC5 and BC4
 // ---------------------------------------------------------------------------------------------------------
 
+FJELL_CLONES void split_values(const std::uint8_t* row, std::size_t blocks, Ints* to) {
+    split_row(row, blocks, to[0], to[1], to[2], to[3]);
+}
+
 FJELL_CLONES void encode_values(const Ints (&p)[16], Ints& low, Ints& high, Words (&codes)[2]) {
     Floats per;
     for (std::size_t l = 0; l < lanes; ++l) {
@@ -264,11 +287,8 @@ void encode_bc1(const ColourRows& from, std::size_t blocks, std::byte* to) {
     Colours s{};
     for (std::size_t first = 0; first < blocks; first += lanes) {
         const std::size_t count = std::min(lanes, blocks - first);
-        for (std::size_t i = 0; i < 16; ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                const std::uint8_t* row = from.rows[i / 4][c] + 4 * first + i % 4;
-                for (std::size_t l = 0; l < count; ++l) s.p[i][c][l] = row[4 * l];
-            }
+        for (std::size_t i = 0; i < 16; i += 4)
+            for (std::size_t c = 0; c < 3; ++c) split_colours(from.rows[i / 4][c] + 4 * first, count, c, &s.p[i]);
         find_mean(s);
         find_axis(s);
         find_ends(s);
@@ -286,10 +306,7 @@ void encode_bc5(const NormalRows& from, std::size_t blocks, std::byte* to) {
     for (std::size_t first = 0; first < blocks; first += lanes) {
         const std::size_t count = std::min(lanes, blocks - first);
         for (std::size_t c = 0; c < 2; ++c) {
-            for (std::size_t i = 0; i < 16; ++i) {
-                const std::uint8_t* row = from.rows[i / 4][c] + 4 * first + i % 4;
-                for (std::size_t l = 0; l < count; ++l) p[i][l] = row[4 * l];
-            }
+            for (std::size_t i = 0; i < 16; i += 4) split_values(from.rows[i / 4][c] + 4 * first, count, p + i);
             encode_values(p, low, high, codes);
             store_values(low, high, codes, count, 16, to + 16 * first + 8 * c);
         }
@@ -301,10 +318,7 @@ void encode_bc4(const std::uint8_t* const (&rows)[4], std::size_t blocks, std::b
     Words codes[2];
     for (std::size_t first = 0; first < blocks; first += lanes) {
         const std::size_t count = std::min(lanes, blocks - first);
-        for (std::size_t i = 0; i < 16; ++i) {
-            const std::uint8_t* row = rows[i / 4] + 4 * first + i % 4;
-            for (std::size_t l = 0; l < count; ++l) p[i][l] = row[4 * l];
-        }
+        for (std::size_t i = 0; i < 16; i += 4) split_values(rows[i / 4] + 4 * first, count, p + i);
         encode_values(p, low, high, codes);
         store_values(low, high, codes, count, 8, to + 8 * first);
     }
