@@ -117,21 +117,21 @@ void scan_lanes(const VertexRow& row, std::int32_t* worst) {
     }
 }
 
-// Vertices i, i + 1, ... of a row, one a lane.
+// Vertices i, i + 1, ... of a row, one a lane. s is known, so that loops over a triangle unroll.
+template <std::int32_t s>
 class SmallVertices {
 public:
     using D = hn::ScalableTag<std::int32_t>;
     using V = hn::Vec<D>;
 
-    HWY_ATTR SmallVertices(const SmallRow& row, std::int32_t i)
-        : r(row), first(i), s(row.samples.period / 2), shift(row.samples.period == 4 ? 2 : 3), most(hn::Zero(D())) {}
+    HWY_ATTR SmallVertices(const SmallRow& row, std::int32_t i) : r(row), first(i), most(hn::Zero(D())) {}
 
     HWY_INLINE V h(std::int32_t column, std::int32_t down) const {
-        return hn::LoadU(D(), r.samples.line(column, r.y + down) + first);
+        return hn::LoadU(D(), r.samples.template line_of<2 * s>(column, r.y + down) + first);
     }
     HWY_INLINE V times(V v, std::int32_t k) const { return hn::Mul(v, hn::Set(D(), k)); }
     HWY_INLINE void take(std::int32_t column, std::int32_t down, V line) {
-        most = hn::Max(most, hn::Abs(hn::Sub(hn::ShiftLeftSame(h(column, down), shift), line)));
+        most = hn::Max(most, hn::Abs(hn::Sub(hn::ShiftLeft<shift>(h(column, down)), line)));
     }
 
     // middle: the column of the vertices. down: 1 or -1.
@@ -160,7 +160,7 @@ public:
         // Squares are cut alternately: both lines are followed, and each lane takes its own.
         const auto turned = hn::And(hn::Iota(D(), first & 1), hn::Set(D(), r.alternate ? 1 : 0));
         const auto falling = hn::Eq(turned, hn::Set(D(), r.falling ? 0 : 1));
-        V west = hn::ShiftLeftSame(nw, shift);
+        V west = hn::ShiftLeft<shift>(nw);
         for (std::int32_t y = 0; y <= 2 * s; ++y, west = hn::Add(west, down)) {
             V fall = west, rise = west;
             for (std::int32_t x = 0; x <= 2 * s; ++x) {
@@ -171,17 +171,17 @@ public:
         }
     }
 
+    static constexpr int shift = std::countr_zero(2u * s);
     const SmallRow& r;
-    std::int32_t first, s;
-    int shift;
+    std::int32_t first;
     V most;
 };
 
-void scan_small_lanes(const SmallRow& row, std::int32_t* worst) {
+template <std::int32_t s>
+HWY_INLINE void scan_small_lanes_of(const SmallRow& row, std::int32_t* worst) {
     const hn::ScalableTag<std::int32_t> d;
-    const std::int32_t s = row.samples.period / 2;
     for (std::int32_t i = 0; i < row.count; i += static_cast<std::int32_t>(hn::Lanes(d))) {
-        SmallVertices v(row, i);
+        SmallVertices<s> v(row, i);
         switch (row.kind) {
         case VertexKind::side_x:
             if (row.before) v.side_x_half(s, -1);
@@ -191,7 +191,7 @@ void scan_small_lanes(const SmallRow& row, std::int32_t* worst) {
             const auto lane = hn::Iota(d, i);
             v.side_y_half(0, -1);
             if (!row.open_west) v.most = hn::IfThenElseZero(hn::Ne(lane, hn::Zero(d)), v.most);
-            SmallVertices east(row, i);
+            SmallVertices<s> east(row, i);
             east.side_y_half(0, 1);
             if (!row.open_east) east.most = hn::IfThenElseZero(hn::Ne(lane, hn::Set(d, row.count - 1)), east.most);
             v.most = hn::Max(v.most, east.most);
@@ -200,6 +200,14 @@ void scan_small_lanes(const SmallRow& row, std::int32_t* worst) {
         case VertexKind::centre: v.centre(s); break;
         }
         hn::StoreU(v.most, d, worst + i);
+    }
+}
+
+void scan_small_lanes(const SmallRow& row, std::int32_t* worst) {
+    switch (row.samples.period) {
+    case 4: return scan_small_lanes_of<2>(row, worst);
+    case 8: return scan_small_lanes_of<4>(row, worst);
+    default: return scan_small_lanes_of<8>(row, worst);
     }
 }
 
@@ -225,7 +233,7 @@ FJELL_ALWAYS_INLINE inline void deal(const std::int32_t* samples, std::ptrdiff_t
                                      std::int32_t* FJELL_RESTRICT to, std::size_t length) {
     for (std::ptrdiff_t k = 0; k < period; k += 4, to += 4 * length) {
         std::int32_t *FJELL_RESTRICT a = to, *FJELL_RESTRICT b = a + length, *FJELL_RESTRICT c = b + length,
-                     *FJELL_RESTRICT d = c + length;
+                                     *FJELL_RESTRICT d = c + length;
         for (std::ptrdiff_t i = 0; i < periods; ++i) {
             const std::int32_t* const from = samples + i * period + k;
             a[i] = from[0], b[i] = from[1], c[i] = from[2], d[i] = from[3];
@@ -240,6 +248,10 @@ FJELL_CLONES void deal_eights(const std::int32_t* samples, std::ptrdiff_t period
                               std::size_t length) {
     deal<8>(samples, periods, to, length);
 }
+FJELL_CLONES void deal_sixteens(const std::int32_t* samples, std::ptrdiff_t periods, std::int32_t* to,
+                                std::size_t length) {
+    deal<16>(samples, periods, to, length);
+}
 
 } // namespace
 
@@ -249,8 +261,10 @@ DeinterleavedSamples DeinterleavedSamples::of(const std::int32_t* samples, std::
     p.period = period, p.columns = periods + 1, p.rows = rows;
     p.values.resize(front + static_cast<std::size_t>(rows) * static_cast<std::size_t>(period) * p.length());
     for (std::int32_t y = 0; y < rows; ++y, samples += stride) {
-        auto* const to = const_cast<std::int32_t*>(p.line(0, y));
-        period == 4 ? deal_fours(samples, periods, to, p.length()) : deal_eights(samples, periods, to, p.length());
+        auto* const to =
+            p.values.data() + p.front + static_cast<std::size_t>(y) * static_cast<std::size_t>(period) * p.length();
+        const auto deal_row = period == 4 ? deal_fours : period == 8 ? deal_eights : deal_sixteens;
+        deal_row(samples, periods, to, p.length());
         to[periods] = samples[periods * period];
     }
     return p;

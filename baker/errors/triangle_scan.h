@@ -28,7 +28,7 @@ void scan_row(const VertexRow& row, std::int32_t* worst);
 void scan_row_scalar(const VertexRow& row, std::int32_t* worst);
 
 // Where triangles are small their rows do not fill a vector: then neighbouring vertices go side by side. For that the
-// samples lie by their column modulo the vertices' distance `period` = 2s, s = 2 or 4.
+// samples lie by their column modulo the vertices' distance `period` = 2s, s = 2, 4 or 8.
 struct DeinterleavedSamples {
     std::int32_t period = 0, columns = 0,
                  rows = 0;       // columns: periods of a row, with the one that its last sample begins
@@ -38,10 +38,11 @@ struct DeinterleavedSamples {
     static DeinterleavedSamples of(const std::int32_t* samples, std::ptrdiff_t stride, std::int32_t periods,
                                    std::int32_t rows, std::int32_t period);
     // Samples x0 + i * period + column, i = 0, 1, ..., of a row; column: -period .. 2 * period - 1.
-    [[nodiscard]] const std::int32_t* line(std::int32_t column, std::int32_t row) const {
-        const std::int32_t turn = column < 0 ? -1 : column >= period ? 1 : 0;
-        const std::size_t at = (static_cast<std::size_t>(row) * static_cast<std::size_t>(period) +
-                                static_cast<std::size_t>(column - turn * period)) *
+    template <std::int32_t of_period>
+    [[nodiscard]] const std::int32_t* line_of(std::int32_t column, std::int32_t row) const {
+        const std::int32_t turn = column < 0 ? -1 : column >= of_period ? 1 : 0;
+        const std::size_t at = (static_cast<std::size_t>(row) * static_cast<std::size_t>(of_period) +
+                                static_cast<std::size_t>(column - turn * of_period)) *
                                length();
         return values.data() + front + at + turn;
     }

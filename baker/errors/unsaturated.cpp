@@ -60,7 +60,7 @@ public:
     void run(int z) {
         const Region& r = in.region;
         const std::int32_t s = 1 << z, n = (r.last.column - r.first.column) / (2 * s);
-        small = z <= 2 && in.estimate == ErrorEstimate::max && !in.ground.has_voids();
+        small = z <= 3 && in.estimate == ErrorEstimate::max && !in.ground.has_voids();
         if (small)
             phases = DeinterleavedSamples::of(in.ground.steps.at(r.first.column, r.first.row), in.ground.steps.columns,
                                               n, r.last.row - r.first.row + 1, 2 * s);
@@ -123,10 +123,13 @@ private:
             scan(line, 0, plain);
         }
         const double unit_m = half_quantum / s;
-        for (std::int32_t i = 0; i < plain; ++i) {
-            const std::int32_t k = worst[static_cast<std::size_t>(i)];
-            codes[i * s] = table.holds(k) ? table.at(k) : in.scales.errors.code_up(k * unit_m);
+        const std::int32_t* const found = worst.data();
+        if (table.holds(*std::max_element(found, found + plain))) {
+            for (std::int32_t i = 0; i < plain; ++i) codes[i * s] = table.at(found[i]);
+            return;
         }
+        for (std::int32_t i = 0; i < plain; ++i)
+            codes[i * s] = table.holds(found[i]) ? table.at(found[i]) : in.scales.errors.code_up(found[i] * unit_m);
     }
 
     void scan(VertexRow line, std::int32_t from, std::int32_t count) {
