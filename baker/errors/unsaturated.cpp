@@ -123,13 +123,10 @@ private:
             scan(line, 0, plain);
         }
         const double unit_m = half_quantum / s;
-        const std::int32_t* const found = worst.data();
-        if (table.holds(*std::max_element(found, found + plain))) {
-            for (std::int32_t i = 0; i < plain; ++i) codes[i * s] = table.at(found[i]);
-            return;
+        for (std::int32_t i = 0; i < plain; ++i) {
+            const std::int32_t k = worst[static_cast<std::size_t>(i)];
+            codes[i * s] = table.holds(k) ? table.at(k) : in.scales.errors.code_up(k * unit_m);
         }
-        for (std::int32_t i = 0; i < plain; ++i)
-            codes[i * s] = table.holds(found[i]) ? table.at(found[i]) : in.scales.errors.code_up(found[i] * unit_m);
     }
 
     void scan(VertexRow line, std::int32_t from, std::int32_t count) {
