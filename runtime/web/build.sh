@@ -26,6 +26,7 @@ rm -rf "$folder/package"
 mkdir -p "$folder/package"
 module ON "-O3 -flto" fjell.wasm
 module OFF "-Oz -flto" fjell-scalar.wasm
+wasm-opt -Oz --converge "$folder/package/fjell-scalar.wasm" -o "$folder/package/fjell-scalar.wasm" # a kilobyte and a half
 cp "$here"/package/*.js "$here"/package/*.d.ts "$here/package/README.md" "$root/LICENSE" "$folder/package"
 sed -i -E 's/^ +//' "$folder"/package/*.{js,d.ts} # indentation and comments take a kilobyte each
 sed -i '/^\/\//d' "$folder"/package/*.js
