@@ -9,9 +9,10 @@ full_rounds_only("the library for another system")
 file(REMOVE_RECURSE ${FOLDER})
 set(ENV{NODE_PATH} /usr/share/nodejs) # where Debian's emscripten finds its parts
 
-# -O1: what is asked is whether it decides alike, and cut_golden_compilers asks that of every level.
+# -O0: what is asked is whether it decides alike, and cut_golden_compilers asks that of every level.
 must("configuring" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/elsewhere -B ${FOLDER} -G Ninja -DCMAKE_TOOLCHAIN_FILE=${TOOLCHAIN}
-  -DFJELL=${FJELL} -DSOURCES=${SOURCES} -DHEADERS=${HEADERS} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG")
+  -DFJELL=${FJELL} -DSOURCES=${SOURCES} -DHEADERS=${HEADERS} -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG"
+  "-DCMAKE_C_FLAGS_RELEASE=-O0 -DNDEBUG")
 must("building" ${CMAKE_COMMAND} --build ${FOLDER} -j 2)
 
 # A place of its own for wine, without the copies of its libraries that it would make: it takes them from its own folder.

@@ -372,7 +372,7 @@ TEST_CASE("pages that leave come back with their locks", "[edit][locks]") {
         const auto pack = paged_terrain(random, pick(random, 0, 1) != 0);
         if (has_room_for_locks(pack.terrain.header())) dig_while_pages_leave(random, pack, 30, 3, sum, false, true);
     }
-    CHECK(sum.locks > rounds(8, 80));
+    CHECK(sum.locks > rounds(4, 40));
     CHECK(sum.left > rounds(10, 100));
 }
 

@@ -1,13 +1,10 @@
 // How much random tests do. By default enough to notice what breaks often, so that everyone runs them; with
-// FJELL_TEST_ROUNDS=full all of it. ./dev test --long also sets FJELL_TEST_TIMES=4: at most four times the brief
+// FJELL_TEST_ROUNDS=full all of it. ./dev test --long also sets FJELL_TEST_TIMES=2: at most twice the brief
 // rounds. Brief rounds notice each fault of tests/faults, and seeds are fixed: more rounds find nothing new the next
 // time.
-//
-// Full rounds run those cases again that have asked here in brief ones, and no others (support/run_cases.sh).
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <initializer_list>
@@ -17,10 +14,7 @@
 
 namespace fjell::test {
 
-inline std::atomic<bool> asked_for_rounds = false; // since the running case began, or before the first one
-
 [[nodiscard]] inline bool full_rounds() {
-    asked_for_rounds = true;
     const char* const wanted = std::getenv("FJELL_TEST_ROUNDS");
     return wanted != nullptr && std::string_view(wanted) == "full";
 }

@@ -1,12 +1,10 @@
-// How much random tests do (support/rounds.h), and who is noted for full rounds (support/list_cases.cpp).
+// How much random tests do (support/rounds.h).
 #include <cstdlib>
 #include <string>
 
 #include <catch2/catch.hpp>
 
-#include "support/program.h"
 #include "support/rounds.h"
-#include "support/temporary_folder.h"
 
 using namespace fjell::test;
 
@@ -41,24 +39,4 @@ TEST_CASE("rounds are few, all of them, or so many times the few; a step stays w
     CHECK(first_of(2, {1, 2, 3}).size() == 3);
     const Set nothing("FJELL_TEST_TIMES", "0");
     CHECK(rounds(6, 60) == 6); // never none
-}
-
-TEST_CASE("a case that does the same in full rounds") {
-    CHECK(!asked_for_rounds);
-}
-
-TEST_CASE("a case that skips something warns") {
-    WARN("nothing is skipped here: the next case looks who warns");
-}
-
-TEST_CASE("cases that ask for rounds and those that warn are noted, and no others") {
-    if (std::getenv("FJELL_ROUNDS_NOTED") != nullptr) return;
-    const TemporaryFolder folder;
-    const Run r = run_in(folder.path, "FJELL_ROUNDS_NOTED=1 FJELL_ROUNDS_LIST=list " FJELL_BIN_DIR
-                                      "/unit_runtime --filenames-as-tags '[#rounds_test]'");
-    INFO(r.out << r.err);
-    REQUIRE(r.code == 0);
-    CHECK(slurp(folder / "list") ==
-          "\"rounds are few\\, all of them\\, or so many times the few; a step stays what it is\"\n"
-          "\"a case that skips something warns\"\n");
 }

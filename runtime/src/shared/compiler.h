@@ -14,8 +14,13 @@
 // --- functions
 
 #if defined(__GNUC__)
+#if defined(__OPTIMIZE__)
 #define FJELL_ALWAYS_INLINE [[gnu::always_inline]]
 #define FJELL_ALWAYS_INLINE_LAMBDA __attribute__((always_inline)) // behind a lambda's parameters
+#else // copies that nobody optimises took half of the time to compile them
+#define FJELL_ALWAYS_INLINE
+#define FJELL_ALWAYS_INLINE_LAMBDA
+#endif
 #define FJELL_NOINLINE [[gnu::noinline]]
 #define FJELL_COLD [[gnu::cold, gnu::noinline]]
 #define FJELL_RESTRICT __restrict
