@@ -2,7 +2,7 @@
 # The commands of docs/guides/embedding.md, as they stand there, in a folder with a game's sources, a pack, and Fjell as
 # `fjell`. Home is that folder too.
 set -euo pipefail
-CMAKE_TOOLCHAIN_FILE=$(realpath "$(dirname "${BASH_SOURCE[0]}")/by_hand/in_a_hurry.cmake")
+CMAKE_TOOLCHAIN_FILE=$(realpath "$(dirname "${BASH_SOURCE[0]}")/by_hand/toolchain.cmake")
 export CMAKE_TOOLCHAIN_FILE HOME=$PWD CMAKE_GENERATOR=Ninja CMAKE_BUILD_PARALLEL_LEVEL=2 CMAKE_BUILD_TYPE=Debug
 
 if [[ ${1:-} == folder ]]; then

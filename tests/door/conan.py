@@ -41,8 +41,7 @@ class CMake:
     def configure(self):
         text = lambda value: value if isinstance(value, str) else "ON" if value else "OFF"
         run("cmake", "-S", self.recipe.source_folder, "-B", self.build_folder, "-G", "Ninja", "-DCMAKE_CXX_COMPILER=" + compiler,
-            "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=", "-DFJELL_ONE_PROCESSOR=ON", "-DCMAKE_INSTALL_LIBDIR=lib",
-            "-DCMAKE_PROJECT_fjell_INCLUDE=" + source + "/tests/door/larger_pieces.cmake",
+            "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_INSTALL_LIBDIR=lib", "-DCMAKE_PROJECT_fjell_INCLUDE=" + source + "/tests/door/in_a_hurry.cmake",
             "-DCMAKE_INSTALL_PREFIX=" + self.recipe.package_folder, *(f"-D{k}={text(v)}" for k, v in used.items()))
 
     def build(self):

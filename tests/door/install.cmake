@@ -6,7 +6,7 @@ if(FJELL)
   full_rounds_only("building the libraries once more, shared")
   must("configuring" ${CMAKE_COMMAND} -S ${FJELL} -B ${BUILD} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DFJELL_TOOLS=OFF
     -DBUILD_SHARED_LIBS=${SHARED} -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DCMAKE_CXX_FLAGS_DEBUG= -DFJELL_ONE_PROCESSOR=ON -DCMAKE_PROJECT_fjell_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/larger_pieces.cmake ${OPTIONS})
+    -DCMAKE_PROJECT_fjell_INCLUDE=${CMAKE_CURRENT_LIST_DIR}/in_a_hurry.cmake ${OPTIONS})
   must("building" ${CMAKE_COMMAND} --build ${BUILD} -j 2)
 endif()
 file(REMOVE_RECURSE ${PREFIX})

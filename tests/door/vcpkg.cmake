@@ -29,7 +29,7 @@ endmacro()
 function(vcpkg_cmake_configure)
   cmake_parse_arguments(ARG "" "SOURCE_PATH" "OPTIONS" ${ARGN})
   must("configuring" ${CMAKE_COMMAND} -S ${ARG_SOURCE_PATH} -B ${FOLDER}/build -G Ninja -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DFJELL_ONE_PROCESSOR=ON -DCMAKE_PROJECT_fjell_INCLUDE=${FJELL}/tests/door/larger_pieces.cmake
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PROJECT_fjell_INCLUDE=${FJELL}/tests/door/in_a_hurry.cmake
     -DCMAKE_INSTALL_PREFIX=${CURRENT_PACKAGES_DIR} -DCMAKE_INSTALL_LIBDIR=lib ${ARG_OPTIONS})
 endfunction()
 function(vcpkg_cmake_install)

@@ -367,12 +367,12 @@ TEST_CASE("along locks of stamps no view draws ground farther off than they allo
 TEST_CASE("pages that leave come back with their locks", "[edit][locks]") {
     Random random(20261212);
     Happened sum;
-    for (int round = 0; round < rounds(8, 80); ++round) {
+    for (int round = 0; round < rounds(12, 120); ++round) {
         CAPTURE(round);
         const auto pack = paged_terrain(random, pick(random, 0, 1) != 0);
         if (has_room_for_locks(pack.terrain.header())) dig_while_pages_leave(random, pack, 30, 3, sum, false, true);
     }
-    CHECK(sum.locks > rounds(4, 40));
+    CHECK(sum.locks > rounds(8, 80));
     CHECK(sum.left > rounds(10, 100));
 }
 

@@ -256,7 +256,7 @@ TEST_CASE("no sample is farther from pictures of heights than their metadata say
              first_of<std::string>(1, {"terrain-rgb --tile-px 256", "terrain-rgb --tile-px 256 --image webp",
                                        "terrarium --tile-px 256"})) {
             CAPTURE(way);
-            if (way.ends_with("webp") && (!has_webp(folder) || place.columns != 46)) continue;
+            if (way.ends_with("webp") && (!has_webp(folder) || place.name != "a fjord")) continue;
             const json said = json::parse(
                 output_of(folder, "rm -rf out; " + bake + "tiles pack.fjell -o out --json - --format " + way));
             const json found = checked(folder, "out", "check_raster.py");
