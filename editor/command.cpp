@@ -673,9 +673,11 @@ std::optional<Command> parse_command(std::string_view line) {
     throw Failure(2, fmt::format("{}: no such command; fjell-editor --help-commands lists them", name));
 }
 
-void Commands::push(Command command) {
-    list_.push_back(std::move(command));
-}
+Command::Command(const Command& from) = default;
+Command::Command(Command&& from) noexcept = default;
+Command& Command::operator=(const Command& from) = default;
+Command& Command::operator=(Command&& from) noexcept = default;
+Command::~Command() = default;
 
 std::string command_help() {
     std::string text;

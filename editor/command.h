@@ -12,6 +12,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -373,7 +375,7 @@ struct WaitFrames {
 };
 struct WaitSettled {}; // until the mesh has converged, all wanted is streamed in and no job runs
 
-using Command =
+using AnyCommand =
     std::variant<OpenFile, OpenSample, ChooseMaterials, SetKey, Undo, Redo, ResetProfile, SetLight, OpenProfile,
                  SaveProfile, CompareProfile, StopComparing, BrowseFolder, BrowseAllKinds, AnswerUnsaved,
                  RecoverChanges, MoveCamera, PlaceCamera, JumpTo, ViewAll, SetSpeed, SetNavigation, FreezeRefinement,
@@ -386,6 +388,22 @@ using Command =
                  WaitFrames, WaitSettled, ChoosePlace, ForgetRun, SetHeat, RenderPicture, InsertPoint, PlacePoint,
                  SetBrush, AimBrush, StrokeGround, AddEditLayer, ChooseEditLayer, SetEditLayer, RemoveEditLayer,
                  AddBookmark, GoToBookmark, RemoveBookmark, ComparePictures, SetCompareView, SetDivider>;
+template <typename T, typename V>
+inline constexpr bool is_alternative = false;
+template <typename T, typename... Ts>
+inline constexpr bool is_alternative<T, std::variant<Ts...>> = (std::is_same_v<T, Ts> || ...);
+
+// One of them. What the variant does for all of its 93 is compiled once, and not with every panel.
+struct Command : AnyCommand {
+    template <typename T>
+    requires is_alternative<T, AnyCommand> Command(T command)
+    noexcept : AnyCommand(std::in_place_type<T>, std::move(command)) {}
+    Command(const Command& from);
+    Command(Command&& from) noexcept;
+    Command& operator=(const Command& from);
+    Command& operator=(Command&& from) noexcept;
+    ~Command();
+};
 
 // What the panels of one frame ask for, in its order. Room for a frame's worth is made once.
 class Commands {
@@ -393,7 +411,7 @@ public:
     Commands() { list_.reserve(64); }
     Commands(const Commands&) = delete;
     Commands& operator=(const Commands&) = delete;
-    void push(Command command); // not inline, or every panel would compile the variant's moves
+    void push(Command command) { list_.push_back(std::move(command)); }
     [[nodiscard]] const std::vector<Command>& list() const { return list_; }
     void clear() { list_.clear(); }
 

@@ -64,7 +64,12 @@ TEST_CASE("a pack with stamps is baked from what they reach, and is the pack tha
     Random random(45);
     int equal = 0, sound = 0;
     std::uint64_t kept_bytes = 0;
-    for (int round = 0; round < rounds(12, 150); ++round) {
+#ifdef FJELL_SANITIZED // there a bake takes fifty times as long
+    const int all_rounds = 3;
+#else
+    const int all_rounds = rounds(12, 150);
+#endif
+    for (int round = 0; round < all_rounds; ++round) {
         const int log2 = pick(random, 1, 8);
         const TemporaryFolder folder;
         Dem dem = random_dem(random, pick(random, 20, 600), pick(random, 20, 600),
@@ -109,6 +114,7 @@ TEST_CASE("a pack with stamps is baked from what they reach, and is the pack tha
         const std::vector<float> is = read_whole(PackSource(some)).heights_m, asked = read_whole(*source()).heights_m;
         REQUIRE(is == asked);
     }
+    if (all_rounds < 12) return; // too few to count
     CHECK(equal > rounds(3, 40));
     CHECK(sound >= rounds(1, 15));
     CHECK(kept_bytes > rounds(100'000, 2'000'000));
