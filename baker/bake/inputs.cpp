@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "baker/georeference/open_source.h"
+#include "baker/read/coarse_source.h"
 #include "baker/read/edited_source.h"
 #include "baker/read/pack_source.h"
 #include "baker/synth/synth.h"
@@ -28,8 +29,11 @@ std::unique_ptr<HeightSource> open_inputs(const Recipe& recipe) {
 }
 
 std::unique_ptr<HeightSource> edited_source(std::unique_ptr<HeightSource> source, const Recipe& recipe) {
-    if (!recipe.edits) return source;
-    return edited_source(std::move(source), *recipe.edits);
+    if (recipe.coarse_detail && !recipe.coarse)
+        throw Failure(2, "--coarse-detail-m is of polygons without detail_m; give their file with --coarse");
+    if (recipe.edits) source = edited_source(std::move(source), *recipe.edits);
+    if (recipe.coarse) source = coarse_source(std::move(source), *recipe.coarse, recipe.coarse_detail);
+    return source;
 }
 
 } // namespace fjell::baker

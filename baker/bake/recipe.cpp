@@ -202,6 +202,21 @@ const std::vector<RecipeKey>& recipe_keys() {
          "content/edits)",
          {},
          true},
+        {"coarse",
+         Of::edits,
+         &Recipe::coarse,
+         "polygons in which the ground keeps less detail, as a sea's bed, and takes fewer triangles in every view: "
+         "attribute detail_m, metres between heights that are kept (GeoPackage, GeoJSON, Shapefile, ...)",
+         {},
+         true},
+        {"coarse-detail-m",
+         Of::edits,
+         &Recipe::coarse_detail,
+         "detail_m of polygons that do not have it",
+         {},
+         false,
+         0,
+         1e6},
         {"locks",
          Of::files,
          &Recipe::locks,
@@ -441,6 +456,7 @@ std::vector<std::string> files_read(const Recipe& recipe) {
         else
             add(is_pack(recipe) ? io::files_of_pack(input) : raster_files(input, "a height field"));
     if (recipe.edits) all.push_back(*recipe.edits);
+    if (recipe.coarse) all.push_back(*recipe.coarse);
     if (recipe.locks) all.push_back(*recipe.locks);
     for (const std::string& image : recipe.texture) add(raster_files(image, "an image"));
     if (recipe.layers) {

@@ -17,10 +17,10 @@ namespace fjell::baker {
 // it (threads, memory, progress) is no part of it.
 struct Recipe {
     std::vector<std::string> inputs, texture;
-    std::optional<std::string> output, ramp, edits, locks;
+    std::optional<std::string> output, ramp, edits, coarse, locks;
     std::optional<std::string> nodata, crs, encoding, tile, estimate, order, horizons, layers, splat, size, band,
         vertical_unit, texture_bands, room_for_holes, room_for_locks;
-    std::optional<double> spacing, zscale, zoffset, nesting, quantum, lock_error;
+    std::optional<double> spacing, zscale, zoffset, nesting, quantum, lock_error, coarse_detail;
     std::optional<std::array<double, 4>> bbox; // west, south, east, north
     std::optional<DeclaredVoids> voids;        // key "void"
     friend bool operator==(const Recipe&, const Recipe&) = default;

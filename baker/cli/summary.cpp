@@ -122,6 +122,7 @@ void add_source(json& to, const SourceFacts& f) {
                                     {"type", &f.type},
                                     {"voids", &f.voids},
                                     {"band", &f.band},
+                                    {"coarse", &f.coarse},
                                     {"height_unit", &f.height_unit},
                                     {"resampled", &f.resampled}})
         to[key] = text->empty() ? json() : json(*text);
@@ -162,6 +163,7 @@ std::string describe(const BakeSummary& s, bool source_known) {
     if (least > 0) text += fmt::format("; a metre of ground is {:.4f} to {:.4f} m in it", least, most);
     text += "\n";
     for (const std::string& image : s.images) text += "image " + image + "\n";
+    if (!f.coarse.empty()) text += "less detail: " + f.coarse + "\n";
     if (!s.locks.empty()) text += "locks: " + s.locks + "\n";
     return text;
 }
@@ -179,7 +181,7 @@ void add_description(json& to, const BakeSummary& s) {
 }
 
 void add_notes(json& to, const std::optional<PackNotes>& notes) {
-    for (const char* key : {"images", "locks", "driver", "type", "voids", "ground_error_m", "read", "band",
+    for (const char* key : {"images", "locks", "driver", "type", "voids", "ground_error_m", "read", "band", "coarse",
                             "height_unit", "height_unit_m", "ground_scale", "reprojected_from", "resampled"})
         to[key] = json();
     if (!notes) return;

@@ -317,31 +317,15 @@ void Locks::hold_along(const Run& run, Raster& raster) const {
     }
 }
 
-// By rows: between sides that cross it, every second stretch.
 void Locks::hold_inside(std::span<const Run> rings, Raster& raster) const {
     const Window& w = raster.field;
-    std::vector<std::vector<double>> crossings(static_cast<std::size_t>(w.rows));
-    for (const Run& run : rings) {
-        if (run.box[3] < w.y || run.box[1] > w.y + w.rows) continue;
-        for (std::size_t i = run.first + 1; i < run.first + run.count; ++i) {
-            const auto [a, b] =
-                std::minmax(places_[i - 1], places_[i], [](const Place& p, const Place& q) { return p[1] < q[1]; });
-            const double from = std::max(std::ceil(a[1]), static_cast<double>(w.y)),
-                         to = std::min(std::ceil(b[1]), static_cast<double>(w.y + w.rows));
-            for (double y = from; y < to; ++y)
-                crossings[static_cast<std::size_t>(y - w.y)].push_back(a[0] +
-                                                                       (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
-        }
-    }
-    for (std::int32_t row = 0; row < w.rows; ++row) {
-        std::vector<double>& at = crossings[static_cast<std::size_t>(row)];
-        std::ranges::sort(at);
-        for (std::size_t i = 0; i + 1 < at.size(); i += 2) {
-            const double from = std::max(std::ceil(at[i]), static_cast<double>(w.x)),
-                         to = std::min(std::floor(at[i + 1]), static_cast<double>(w.x + w.columns - 1));
-            for (double x = from; x <= to; ++x) raster.hold(static_cast<std::int32_t>(x), w.y + row);
-        }
-    }
+    std::vector<std::span<const Place>> pieces;
+    for (const Run& run : rings)
+        if (run.box[3] >= w.y && run.box[1] <= w.y + w.rows)
+            pieces.push_back(std::span(places_).subspan(run.first, run.count));
+    for_stretches_inside(pieces, w, [&](std::int32_t y, std::int32_t first, std::int32_t last) {
+        for (std::int32_t x = first; x <= last; ++x) raster.hold(x, y);
+    });
 }
 
 } // namespace fjell::baker

@@ -26,6 +26,7 @@ SourceFacts source_of(const json& j) {
     for (const auto& [key, to] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
         if (j.contains(key)) *to = j.at(key).get<std::string>();
     if (j.contains("band")) f.band = j.at("band").get<std::string>();
+    if (j.contains("coarse")) f.coarse = j.at("coarse").get<std::string>();
     f.height_unit = j.at("height_unit").get<std::string>();
     f.height_unit_m = j.at("height_unit_m").get<double>();
     if (j.contains("ground_scale"))
@@ -90,6 +91,7 @@ std::string notes_text(const PackNotes& notes) {
     for (const auto& [key, text] : {std::pair{"driver", &f.driver}, {"type", &f.type}, {"voids", &f.voids}})
         if (!text->empty()) source[key] = *text;
     if (!f.band.empty()) source["band"] = f.band;
+    if (!f.coarse.empty()) source["coarse"] = f.coarse;
     if (f.ground_scale[0] > 0) source["ground_scale"] = {f.ground_scale[0], f.ground_scale[1]};
     if (!f.reprojected_from.empty()) {
         source["reprojected_from"] = f.reprojected_from;

@@ -298,12 +298,7 @@ public:
     EditedSource(std::unique_ptr<HeightSource> source, const std::vector<io::TimedStamp>& stamps,
                  const std::string& name)
         : source_(std::move(source)) {
-        columns = source_->columns, rows = source_->rows;
-        std::copy_n(source_->spacing_m, 2, spacing_m);
-        std::copy_n(source_->crs_origin, 2, crs_origin);
-        std::copy_n(source_->crs_step, 2, crs_step);
-        crs_wkt = source_->crs_wkt;
-        facts = source_->facts;
+        take_place_of(*source_);
         if (const auto* const pack = dynamic_cast<const PackSource*>(source_.get())) scale_ = pack->height_scale();
         const std::string text = io::write_stamps(stamps);
         hash_ = XXH3_64bits(text.data(), text.size());

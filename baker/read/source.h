@@ -1,6 +1,7 @@
 // Where heights come from, without holding them: extents known at once, any window of samples as often as asked.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -74,6 +75,7 @@ struct SourceFacts {
     std::string driver, type;        // of the first file, as GDAL calls them, or raw; empty: not from a file
     std::string voids;               // how it tells them: "mask", "no-data -9999"; empty: it does not
     std::string band;                // of several that the file has: "2 elevation"
+    std::string coarse;              // where less detail was kept (read/coarse_source.h); empty: nowhere
     std::string height_unit;         // as the file says; empty: it does not, so that they count as metres
     double height_unit_m = 1;        // metres that 1 in the file counts for, with its own scale and --zscale
 };
@@ -101,6 +103,15 @@ public:
                                    // southwards, whatever spacing_m says; 0: not known
     std::string crs_wkt;           // empty: none
     SourceFacts facts;
+    // For heights that are made from another's: the same samples at the same places.
+    void take_place_of(const HeightSource& other) {
+        columns = other.columns, rows = other.rows;
+        std::copy_n(other.spacing_m, 2, spacing_m);
+        std::copy_n(other.crs_origin, 2, crs_origin);
+        std::copy_n(other.crs_step, 2, crs_step);
+        crs_wkt = other.crs_wkt;
+        facts = other.facts;
+    }
 
     [[nodiscard]] virtual std::unique_ptr<HeightReader> reader() const = 0;
     // How many readers at once pay, of at most `threads`: 1 for files that can only be decoded from their start.

@@ -169,4 +169,29 @@ std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid&
     return std::move(reading.shapes);
 }
 
+void for_stretches_inside(std::span<const std::span<const VectorShape::Place>> pieces, const Window& w,
+                          const std::function<void(std::int32_t row, std::int32_t first, std::int32_t last)>& stretch) {
+    using Place = VectorShape::Place;
+    std::vector<std::vector<double>> crossings(static_cast<std::size_t>(w.rows));
+    for (const std::span<const Place> piece : pieces)
+        for (std::size_t i = 1; i < piece.size(); ++i) {
+            const auto [a, b] =
+                std::minmax(piece[i - 1], piece[i], [](const Place& p, const Place& q) { return p[1] < q[1]; });
+            const double from = std::max(std::ceil(a[1]), static_cast<double>(w.y)),
+                         to = std::min(std::ceil(b[1]), static_cast<double>(w.y + w.rows));
+            for (double y = from; y < to; ++y)
+                crossings[static_cast<std::size_t>(y - w.y)].push_back(a[0] +
+                                                                       (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+        }
+    for (std::int32_t row = 0; row < w.rows; ++row) {
+        std::vector<double>& at = crossings[static_cast<std::size_t>(row)];
+        std::ranges::sort(at);
+        for (std::size_t i = 0; i + 1 < at.size(); i += 2) {
+            const double from = std::max(std::ceil(at[i]), static_cast<double>(w.x)),
+                         to = std::min(std::floor(at[i + 1]), static_cast<double>(w.x + w.columns - 1));
+            if (from <= to) stretch(w.y + row, static_cast<std::int32_t>(from), static_cast<std::int32_t>(to));
+        }
+    }
+}
+
 } // namespace fjell::baker

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,5 +45,11 @@ struct VectorShape {
 // layer: of the file; empty: all of them.
 [[nodiscard]] std::vector<VectorShape> read_vectors(const std::string& path, const VectorGrid& grid, const char* what,
                                                     const std::string& layer = {});
+
+// What of a window's rows lies inside of a polygon: from its first sample to its last one, each whole stretch between
+// two sides that cross the row. pieces: of its rings, in any order, where each begins with the place at which the one
+// before ends. O(rows and places).
+void for_stretches_inside(std::span<const std::span<const VectorShape::Place>> pieces, const Window& window,
+                          const std::function<void(std::int32_t row, std::int32_t first, std::int32_t last)>& stretch);
 
 } // namespace fjell::baker

@@ -1,4 +1,4 @@
-// fjell-bake --locks: files of several kinds and CRSs, what it says, and what it refuses.
+// fjell-bake --locks and --coarse: files of several kinds and CRSs, what it says, and what it refuses.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -157,4 +157,76 @@ TEST_CASE("locks that are none are refused in one line, and no pack is made or c
     refused(folder, bake + "dem.tif -o new.fjell --locks good.geojson --lock-error-m -1", 2, "--lock-error-m");
     refused(folder, bake + "dem.tif -o new.fjell --locks good.geojson --estimate midpoint", 2, "--estimate midpoint");
     refused(folder, bake + "dem.tif -o good.geojson --locks good.geojson", 2, "good.geojson");
+}
+
+namespace {
+
+const std::string sea = "[[[430300,6790300],[433000,6790300],[433000,6792400],[430300,6792400],[430300,6790300]]]";
+
+} // namespace
+
+TEST_CASE("places with less detail come from any vector file, take fewer triangles, and the pack tells of them") {
+    const TemporaryFolder folder;
+    write_ground(folder);
+    spit(folder / "sea.geojson", collection({feature(R"({"detail_m":130})", "Polygon", sea)}));
+    const json all = baked(folder, ""), said = baked(folder, "--coarse sea.geojson");
+    CHECK(all["coarse"].is_null());
+    const std::string text = said["coarse"];
+    CHECK(text == "1 area with 4 samples between heights");
+    CHECK(json::parse(output_of(folder, bake + "info locked.fjell --json -"))["coarse"] == text);
+    CHECK(output_of(folder, bake + "info locked.fjell").find("coarse           " + text) != std::string::npos);
+    output_of(folder, bake + "verify locked.fjell");
+    CHECK(said["file_bytes"] < all["file_bytes"]);
+
+    // The same from another CRS, from a pack, in little memory, and as shards.
+    const auto pack = [&](const std::string& name) { return slurp(folder / name); };
+    output_of(folder, "cp locked.fjell first.fjell && ogr2ogr sea.gpkg sea.geojson -t_srs EPSG:4326");
+    CHECK(baked(folder, "--coarse sea.gpkg")["file_bytes"] == said["file_bytes"]);
+    baked(folder, "--coarse sea.geojson --memory 128 --threads 3");
+    CHECK(pack("locked.fjell") == pack("first.fjell"));
+    const std::string in_tiles = "dem.tif --tile 64 --coarse sea.geojson ";
+    output_of(folder, bake + in_tiles + "-o whole.fjell --quiet && " + bake + "plan " + in_tiles +
+                          "-o plan --shards 2 && " + bake + "launch plan -o locked.fjell");
+    CHECK(pack("locked.fjell") == pack("whole.fjell"));
+
+    // Stamps come before, and locks count as everywhere: here the bed is as exact as the lock says.
+    spit(folder / "pit.json",
+         R"({"stamps": [{"shape": "raise", "at": [1500, 900], "radius_m": 200, "amount_m": -40}]})");
+    spit(folder / "quay.geojson", collection({feature(R"({"error_m":0.5})", "LineString", road)}));
+    const json both =
+        baked(folder, "--edits pit.json --coarse sea.geojson --locks quay.geojson --coarse-detail-m 5000");
+    CHECK(both["coarse"] == text); // its own number counts
+    CHECK(both["always_drawn"] > 10);
+    output_of(folder, bake + "verify locked.fjell");
+
+    // What is drawn: fewer triangles of the same view, and the error that the frame says.
+    output_of(folder, bake + "dem.tif -o plain.fjell --quiet");
+    const auto flown = [&](const std::string& name) {
+        return json::parse(output_of(folder, FJELL_BIN_DIR "/fjell-fly " + name +
+                                                 " --headless --frames 2 --error-px 0.3 --verify 1 --json -"));
+    };
+    const json coarse = flown("first.fjell"), fine = flown("plain.fjell");
+    CAPTURE(coarse.dump(), fine.dump());
+    CHECK(coarse["triangles_max"].get<int>() * 3 < fine["triangles_max"].get<int>() * 2);
+    CHECK(coarse["verified_error_px_max"] <= coarse["error_px_effective_max"]);
+}
+
+TEST_CASE("places with less detail that are none are refused in one line, and no pack is made") {
+    const TemporaryFolder folder;
+    write_ground(folder);
+    const auto refuses = [&](const std::string& properties, const std::string& kind, const std::string& coordinates,
+                             const std::string& says) {
+        spit(folder / "bad.geojson", collection({feature(properties, kind, coordinates)}));
+        refused(folder, bake + "dem.tif -o new.fjell --coarse bad.geojson", 1, says);
+    };
+    refuses("{}", "Polygon", sea, "bad.geojson: polygon 1: has no detail_m; give --coarse-detail-m");
+    refuses(R"({"detail_m":59})", "Polygon", sea, "detail_m is 59, and must be 60 to 1000000");
+    refuses(R"({"detail_m":"nan"})", "Polygon", sea, "detail_m is nan");
+    refuses(R"({"detail_m":100})", "LineString", road, "bad.geojson: has no polygon");
+    refuses(R"({"detail_m":100})", "Polygon", "[[[0,0],[9,9],[9,0],[0,0]]]",
+            "bad.geojson: its 1 polygons all lie beside the terrain");
+    refused(folder, bake + "dem.tif -o new.fjell --coarse missing.gpkg", 1, "missing.gpkg");
+    refused(folder, bake + "dem.tif -o new.fjell --coarse-detail-m 100", 2, "give their file with --coarse");
+    spit(folder / "good.geojson", collection({feature("{}", "Polygon", sea)}));
+    refused(folder, bake + "dem.tif -o good.geojson --coarse good.geojson --coarse-detail-m 100", 2, "good.geojson");
 }
