@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "baker/outlets/texel_places.h"
 #include "fjell/io/failure.h"
 #include "fjell/texture.h"
 
@@ -120,74 +121,16 @@ PackMap::Texel PackMap::at(double column, double row, double texel_m) {
     return texel;
 }
 
-namespace {
-
-using OnField = std::optional<std::array<double, 2>>;
-
-// Where texels lie, by squares of 8 x 8 of them: exact at the corners of a square, and bilinear between them if that is
-// right in the middle to a sixty-fourth of a texel. It is but near poles and a projection's end, where all are exact.
-// Places of a CRS took two thirds of the time of writing tiles with colours.
-class TexelPlaces {
-public:
-    TexelPlaces(std::uint32_t columns, std::uint32_t rows, const PackMap::Place& exact)
-        : columns_(columns), rows_(rows), exact_(exact), nodes_x_((columns + side - 1) / side + 1) {
-        const std::uint32_t nodes_y = (rows + side - 1) / side + 1;
-        nodes_.reserve(std::size_t{nodes_x_} * nodes_y);
-        for (std::uint32_t j = 0; j < nodes_y; ++j)
-            for (std::uint32_t i = 0; i < nodes_x_; ++i) nodes_.push_back(at_texel(i * side, j * side));
-        smooth_.reserve(nodes_.size());
-        for (std::uint32_t j = 0; j + 1 < nodes_y; ++j)
-            for (std::uint32_t i = 0; i + 1 < nodes_x_; ++i) smooth_.push_back(is_smooth(i, j));
-    }
-    [[nodiscard]] OnField at(std::uint32_t x, std::uint32_t y) const {
-        const std::uint32_t i = x / side, j = y / side;
-        if (!smooth_[std::size_t{j} * (nodes_x_ - 1) + i]) return at_texel(x, y);
-        return between(i, j, static_cast<double>(x % side) / side, static_cast<double>(y % side) / side);
-    }
-
-private:
-    static constexpr std::uint32_t side = 8;
-    [[nodiscard]] OnField at_texel(double x, double y) const {
-        return exact_((x + 0.5) / columns_, (y + 0.5) / rows_); // beyond the last ones, too
-    }
-    [[nodiscard]] const OnField& node(std::uint32_t i, std::uint32_t j) const {
-        return nodes_[std::size_t{j} * nodes_x_ + i];
-    }
-    [[nodiscard]] std::array<double, 2> between(std::uint32_t i, std::uint32_t j, double s, double t) const {
-        std::array<double, 2> place{};
-        for (std::size_t axis = 0; axis < 2; ++axis)
-            place[axis] = (1 - t) * ((1 - s) * (*node(i, j))[axis] + s * (*node(i + 1, j))[axis]) +
-                          t * ((1 - s) * (*node(i, j + 1))[axis] + s * (*node(i + 1, j + 1))[axis]);
-        return place;
-    }
-    [[nodiscard]] bool is_smooth(std::uint32_t i, std::uint32_t j) const {
-        if (!node(i, j) || !node(i + 1, j) || !node(i, j + 1) || !node(i + 1, j + 1)) return false;
-        const OnField middle = at_texel((i + 0.5) * side, (j + 0.5) * side);
-        if (!middle) return false;
-        const auto apart = [](const std::array<double, 2>& a, const std::array<double, 2>& b) {
-            return std::hypot(a[0] - b[0], a[1] - b[1]);
-        };
-        const double texel = std::min(apart(*node(i, j), *node(i + 1, j)), apart(*node(i, j), *node(i, j + 1))) / side;
-        return apart(*middle, between(i, j, 0.5, 0.5)) <= texel / 64;
-    }
-
-    std::uint32_t columns_, rows_;
-    const PackMap::Place& exact_;
-    std::uint32_t nodes_x_;
-    std::vector<OnField> nodes_;
-    std::vector<bool> smooth_;
-};
-
-} // namespace
-
 std::vector<std::uint8_t> PackMap::picture(std::uint32_t columns, std::uint32_t rows, double texel_m,
                                            const Place& place) {
     std::vector<std::uint8_t> rgb;
     rgb.reserve(std::size_t{columns} * rows * 3);
-    const TexelPlaces places(columns, rows, place);
+    constexpr double accuracy = 1.0 / 64; // of a texel: what no eye sees
+    const TexelPlaces places({0, 0, static_cast<std::int32_t>(columns), static_cast<std::int32_t>(rows)}, accuracy,
+                             [&](double x, double y) { return place((x + 0.5) / columns, (y + 0.5) / rows); });
     constexpr double beyond = -1; // of the ground
-    for (std::uint32_t y = 0; y < rows; ++y)
-        for (std::uint32_t x = 0; x < columns; ++x) {
+    for (std::int32_t y = 0; y < static_cast<std::int32_t>(rows); ++y)
+        for (std::int32_t x = 0; x < static_cast<std::int32_t>(columns); ++x) {
             const auto at_sample = places.at(x, y).value_or(std::array{beyond, beyond});
             const auto texel = at(at_sample[0], at_sample[1], texel_m);
             rgb.insert(rgb.end(), texel.begin(), texel.end());

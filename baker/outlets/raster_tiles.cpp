@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "baker/outlets/encode_image.h"
+#include "baker/outlets/texel_places.h"
 #include "gltf/glb.h"
 
 namespace fjell::baker {
@@ -38,12 +39,26 @@ public:
           first_y_(static_cast<double>(rules.side_px) * (tiles_down(id.level) - 1 - id.y) - 1) {
         numbers_.reserve(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
         constexpr double most = 0xff'ffff;
+        constexpr double accuracy = 1.0 / 4096; // of a pixel: on a slope of 45 degrees less than a step of colours
+        // Numbers of the whole map may be too large, so they begin at a square of places before the tile.
+        const auto numbers_from = [&](std::int32_t tile) {
+            return std::int64_t{rules.side_px} * tile & -std::int64_t{TexelPlaces::side};
+        };
+        const std::int32_t row = tiles_down(id.level) - 1 - id.y;
+        const std::int64_t from_x = numbers_from(id.x), from_y = numbers_from(row);
+        const auto x0 = static_cast<std::int32_t>(std::int64_t{rules.side_px} * id.x - from_x) - 1,
+                   y0 = static_cast<std::int32_t>(std::int64_t{rules.side_px} * row - from_y) - 1;
+        const TexelPlaces places({x0, y0, side_, side_}, accuracy, [&](double x, double y) -> TexelPlaces::Place {
+            const double right = (static_cast<double>(from_x) + x + 0.5) / across_,
+                         down = std::clamp((static_cast<double>(from_y) + y + 0.5) / across_, 0.0, 1.0);
+            std::array<double, 2> place{};
+            if (!finder.find({near_longitude(360 * right - 180, 0), latitude_of(down)}, place[0], place[1])) return {};
+            return place;
+        });
         for (int y = 0; y < side_; ++y)
             for (int x = 0; x < side_; ++x) {
-                const double right = (first_x_ + x + 0.5) / across_,
-                             down = std::clamp((first_y_ + y + 0.5) / across_, 0.0, 1.0);
-                const double height_m =
-                    surface.height_m(finder, {near_longitude(360 * right - 180, 0), latitude_of(down)});
+                const TexelPlaces::Place place = places.at(x0 + x, y0 + y);
+                const double height_m = place ? surface.height_m((*place)[0], (*place)[1]) : 0;
                 const double number = std::round((height_m - code_.base_m) / code_.step_m);
                 if (!(number >= 0 && number <= most))
                     throw Failure(1,

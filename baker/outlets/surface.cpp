@@ -192,7 +192,10 @@ bool GroundSurface::touches(const DegreeBox& box) const {
 
 double GroundSurface::height_m(const SampleFinder& finder, LonLat at) const {
     double column = 0, row = 0;
-    if (!finder.find(at, column, row)) return 0;
+    return finder.find(at, column, row) ? height_m(column, row) : 0;
+}
+
+double GroundSurface::height_m(double column, double row) const {
     const double x = std::clamp(column, 0.0, source_.columns - 1.0), y = std::clamp(row, 0.0, source_.rows - 1.0);
     const auto left = std::min(static_cast<std::int32_t>(x), source_.columns - 2),
                top = std::min(static_cast<std::int32_t>(y), source_.rows - 2);

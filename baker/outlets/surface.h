@@ -48,6 +48,7 @@ public:
     // Bilinear between samples. Holes are filled as a bake's --void fill does. Beyond the rim the ground sinks or
     // rises to height 0 on a slope of 1 : 20, so that a globe is not raised by the height of a field's rim.
     [[nodiscard]] double height_m(const SampleFinder& finder, LonLat at) const;
+    [[nodiscard]] double height_m(double column, double row) const;
 
     [[nodiscard]] const HeightSource& source() const { return source_; }
     [[nodiscard]] double spacing_m() const { return spacing_m_; } // the smaller one
