@@ -393,7 +393,7 @@ inline constexpr bool is_alternative = false;
 template <typename T, typename... Ts>
 inline constexpr bool is_alternative<T, std::variant<Ts...>> = (std::is_same_v<T, Ts> || ...);
 
-// One of them. What the variant does for all of its 93 is compiled once, and not with every panel.
+// One of them. What the variant does for each of its kinds is compiled once, and not with every panel.
 struct Command : AnyCommand {
     template <typename T>
     requires is_alternative<T, AnyCommand> Command(T command)

@@ -31,7 +31,7 @@ public:
     [[nodiscard]] Texel at(double column, double row, double texel_m);
 
     // Of columns x rows texels; place(u, v) gives a sample's column and row, or nothing, for 0 to 1 from the west and
-    // from the north, at the middle of a texel.
+    // from the north. It is asked at middles of some texels, between them, and a few texels beyond (TexelPlaces).
     using Place = std::function<std::optional<std::array<double, 2>>(double u, double v)>;
     [[nodiscard]] std::vector<std::uint8_t> picture(std::uint32_t columns, std::uint32_t rows, double texel_m,
                                                     const Place& place);
