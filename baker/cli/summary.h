@@ -45,8 +45,8 @@ void print_set(const SetSummary& set, const std::string& folder);
 [[nodiscard]] std::string describe(const BakeSummary& summary, bool source_known = true);
 
 // The keys that say the same: height_m, height_unit, height_unit_m, ground_error_m, spacing_m, crs_name, epsg,
-// driver, type, band, voids (null: not told), images, ground_scale, resampled, reprojected_from (null, or its crs_name,
-// axes, spacing and unit).
+// driver, type, band, voids, coarse (null: not told), images, locks, ground_scale, resampled, reprojected_from (null,
+// or its crs_name, axes, spacing and unit).
 void add_description(nlohmann::json& to, const BakeSummary& summary);
 // What a pack says of it: ground_error_m, read, height_unit, height_unit_m, reprojected_from; null where it does not.
 void add_notes(nlohmann::json& to, const std::optional<PackNotes>& notes);
