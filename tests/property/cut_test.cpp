@@ -43,34 +43,81 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
     }
 }
 
-// Where a frame has no limit and begins at rest nothing waits in a queue.
+// A frame that begins at rest goes page by page; one that begins with work left over does the worst first.
 TEST_CASE("groups that are changed page by page come to the same mesh as those that are changed worst first") {
     Random random(134);
-    int at_once = 0;
+    int at_once = 0, lagged = 0;
     for (int round = 0; round < rounds(12, 60); ++round) {
         const auto pack = random_terrain(random, 300, 8);
         const Terrain& terrain = pack.terrain;
-        Cut free(terrain, ample_cut(terrain)), queued(terrain, ample_cut(terrain));
+        Cut free(terrain, ample_cut(terrain)), replayed(terrain, ample_cut(terrain)),
+            queued(terrain, ample_cut(terrain));
         View view = random_view(random, terrain);
         CutSettings settings;
         settings.max_error_px = random_threshold(random);
         for (int frame = 0; frame < 12; ++frame) {
             view = moved(random, view, random_step_m(random, terrain));
-            settings.visits = unlimited_work;
             const CutReport report = free.update({&view, 1}, settings);
-            const bool changed_at_once = free.state().frame.changed_at_once;
-            at_once += changed_at_once && report.activations + report.deactivations != 0;
+            const std::uint32_t changes = report.activations + report.deactivations;
+            at_once += report.visits != unlimited_work && changes != 0;
             CAPTURE(round, frame, settings.max_error_px);
-            if (changed_at_once) CHECK(report.visits == unlimited_work); // no number of visits would replay it
             REQUIRE(check_frame(free, terrain, report, settings) == "");
-            settings.visits = unlimited_work - 1; // a limit that is never met
-            const CutReport other = queued.update({&view, 1}, settings);
-            CHECK_FALSE(queued.state().frame.changed_at_once);
-            if (!report.converged || !other.converged) continue; // a jump is built beside where there is a limit
+            CutSettings limited = settings;
+            limited.visits = report.visits;
+            const CutReport again = replayed.update({&view, 1}, limited);
+            CHECK(again.visits == report.visits);
+            CHECK(again.activations + again.deactivations == changes);
+            CHECK(std::ranges::equal(free.mesh().indices, replayed.mesh().indices));
+            limited = settings;
+            limited.max_work = 40;
+            CutReport other = queued.update({&view, 1}, limited);
+            lagged += !other.converged;
+            while (!other.converged && other.waiting != 0) {
+                REQUIRE(other.work <= limited.max_work);
+                REQUIRE(check_frame(queued, terrain, other, limited) == "");
+                other = queued.update({&view, 1}, limited);
+            }
+            if (!report.converged) continue;
             CHECK(triangles_of(free.mesh()) == triangles_of(queued.mesh()));
         }
     }
     CHECK(at_once > 20);
+    CHECK(lagged > 20);
+}
+
+// What time ends while it goes page by page is replayed by its visits, as visits that end it are.
+TEST_CASE("a frame whose visits end it page by page is the first part of the one that they do not end") {
+    Random random(135);
+    int ended = 0;
+    for (int round = 0; round < rounds(16, 60); ++round) {
+        const auto pack = random_terrain(random, 300, 8);
+        const Terrain& terrain = pack.terrain;
+        Cut first(terrain, ample_cut(terrain)), second(terrain, ample_cut(terrain));
+        View view = random_view(random, terrain);
+        CutSettings settings;
+        settings.max_error_px = random_threshold(random);
+        (void)first.rebuild({&view, 1}, settings);
+        (void)second.rebuild({&view, 1}, settings);
+        for (int frame = 0; frame < 12; ++frame) {
+            view = moved(random, view, random_step_m(random, terrain) / 8);
+            CAPTURE(round, frame, settings.max_error_px);
+            settings.visits = static_cast<std::uint32_t>(pick(random, 1, 20));
+            const CutReport report = first.update({&view, 1}, settings);
+            REQUIRE(report.visits <= settings.visits);
+            REQUIRE(check_frame(first, terrain, report, settings) == "");
+            ended += report.waiting != 0;
+            const CutReport again = second.update({&view, 1}, settings);
+            REQUIRE(again.visits == report.visits);
+            REQUIRE(again.error_bound_px == report.error_bound_px);
+            REQUIRE(std::ranges::equal(first.mesh().indices, second.mesh().indices));
+            settings.visits = unlimited_work - 1;
+            for (int more = 0; more < 3; ++more) {
+                (void)first.update({&view, 1}, settings);
+                (void)second.update({&view, 1}, settings);
+            }
+        }
+    }
+    CHECK(ended > 20);
 }
 
 // Looking at its block again is part of an activation: one item does one of them.

@@ -141,7 +141,7 @@ struct CutReport {
     // Items: evaluations + activations + deactivations. A mesh that is built beside the drawn one counts in the frames
     // that build it, six of its groups for an item. Its activations are counted below when it is drawn.
     std::uint32_t work = 0;
-    // unlimited_work: the frame had no limit, and chose the order of its work, or a new mesh.
+    // unlimited_work: the frame had no limit, and chose between following its views and a new mesh.
     std::uint32_t visits = 0;
     std::uint32_t evaluations = 0, activations = 0, deactivations = 0;
     std::uint32_t vertices = 0;                         // active vertices, and the corners of all tiles

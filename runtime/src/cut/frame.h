@@ -14,8 +14,6 @@ struct Frame {
     CutReport report;
     std::uint64_t number;
     std::uint32_t item_limit;
-    bool unlimited;                        // by items, visits and time, as it was asked for
-    bool changed_at_once;                  // groups, page by page: no visits would replay that (refine.h)
     bool lagging;                          // the frame before left work undone
     std::uint32_t full_capacities;         // CutBudgetBits of capacities at which a change has just failed
     std::uint32_t deactivations_when_full; // deactivations before it did

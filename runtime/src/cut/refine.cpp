@@ -86,13 +86,19 @@ void queue(Work& work, std::uint32_t number, const Evaluated& group, std::uint32
     work.queues.nodes[number].calls = group.calls();
 }
 
-void queue_activations(const Pages& pages, Work& work, const Views& views, std::uint32_t number,
-                       const Evaluated& group) {
+// The highest of the vertices that a group is to activate.
+std::uint32_t rank_of(const Pages& pages, const Views& views, std::uint32_t number, const Evaluated& group) {
     std::uint32_t rank = 0;
     for (std::uint32_t lanes = group.to_activate(); lanes != 0; lanes &= lanes - 1) {
         const std::uint32_t vertex = number * group_lanes + static_cast<std::uint32_t>(std::countr_zero(lanes));
         rank = std::max(rank, rank_of(views, evaluate_vertex(pages, views, vertex, site_of(pages, vertex), false)));
     }
+    return rank;
+}
+
+void queue_activations(const Pages& pages, Work& work, const Views& views, std::uint32_t number,
+                       const Evaluated& group) {
+    const std::uint32_t rank = rank_of(pages, views, number, group);
     work.queues.work_ranks |= 1u << rank;
     queue(work, number, group, work_queues + rank);
 }
@@ -333,30 +339,62 @@ void change_group(CutState& s, Plans& plans, std::uint32_t number, bool may_deac
 constexpr std::uint32_t called_together = 8; // that are evaluated side by side
 struct Called {
     std::uint32_t count = 0;
-    struct {
+    struct Group {
         std::uint32_t number;
-        Evaluated group;
+        std::uint32_t order; // the highest is to be changed first: its rank + 1; 0: deactivations only
+        Evaluated evaluated;
     } of[batch_groups + called_together];
 };
 
-// Changes them, by the answers that there are.
-void change_called(CutState& s, Called& called) {
-    Plans plans;
-    for (std::uint32_t i = 0; i < called.count; ++i)
-        plans.add(s.pages, called.of[i].number, called.of[i].group.calls());
-    plans.prefetch(s.pages, s.mesh, s.morphing);
-    const std::uint32_t full_before = s.frame.full_capacities;
-    for (std::uint32_t i = 0; i < called.count; ++i) {
-        const std::uint32_t number = called.of[i].number;
-        if (called.of[i].group.is_answered())
-            make_changes(s, plans, number, called.of[i].group, true, false);
-        else // others of its lanes may change by what was changed before it
-            change_group(s, plans, number, true);
-    }
-    called.count = 0;
+void end_batch(CutState& s, std::uint32_t full_before) {
     ++s.frame.batches;
     keep_pages_at_hand(s.pages, s.work, s.mesh);
     if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
+}
+
+// They are due again.
+void put_back_called(CutState& s, Called& called, std::uint32_t from) {
+    for (; from < called.count; ++from) {
+        s.pages.groups[called.of[from].number].queue = unqueued;
+        make_due(s.work.schedule, called.of[from].number);
+    }
+    called.count = 0;
+}
+
+// The worst first, otherwise in the order in which they were evaluated.
+void sort(Called& called) {
+    for (std::uint32_t i = 1; i < called.count; ++i) {
+        if (called.of[i - 1].order >= called.of[i].order) continue;
+        const Called::Group group = called.of[i];
+        std::uint32_t to = i;
+        for (; to != 0 && called.of[to - 1].order < group.order; --to) called.of[to] = called.of[to - 1];
+        called.of[to] = group;
+    }
+}
+
+// Changes them, the worst first, by the answers that there are. Each is a visit, so that a frame which its time has
+// ended is replayed by their number. False when there was not time or items for all of them; the rest is due again.
+bool change_called(CutState& s, Called& called) {
+    Plans plans;
+    sort(called);
+    for (std::uint32_t i = 0; i < called.count; ++i)
+        plans.add(s.pages, called.of[i].number, called.of[i].evaluated.calls());
+    plans.prefetch(s.pages, s.mesh, s.morphing);
+    const std::uint32_t full_before = s.frame.full_capacities;
+    std::uint32_t i = 0;
+    for (; i < called.count && !out_of_items(s.frame) && !out_of_time(s.frame, true); ++i) {
+        const std::uint32_t number = called.of[i].number;
+        if (called.of[i].evaluated.is_answered()) {
+            ++s.frame.report.visits;
+            make_changes(s, plans, number, called.of[i].evaluated, true, false);
+        } else { // others of its lanes may change by what was changed before it
+            change_group(s, plans, number, true);
+        }
+    }
+    const bool all = i == called.count;
+    put_back_called(s, called, i);
+    end_batch(s, full_before);
+    return all;
 }
 
 // False when there was not time or items for all of them; the rest goes back to its queue.
@@ -369,6 +407,7 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
     }
     for (std::uint32_t i = 0; i < count; ++i) plans.add(s.pages, groups[i], s.work.queues.nodes[groups[i]].calls);
     plans.prefetch(s.pages, s.mesh, s.morphing);
+    const std::uint32_t full_before = s.frame.full_capacities;
     for (std::uint32_t i = 0; i < count; ++i) {
         if (s.frame.report.work < s.frame.item_limit && !out_of_time(s.frame, has_done_something(s.frame))) {
             change_group(s, plans, groups[i], may_deactivate);
@@ -378,6 +417,7 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
         while (count > i) push_front(s.work.queues, queue, groups[--count]);
         return false;
     }
+    end_batch(s, full_before);
     return true;
 }
 
@@ -386,6 +426,16 @@ bool change_batch(CutState& s, std::uint32_t queue, bool may_deactivate) {
 std::uint32_t deactivation_interval(const Mesh& mesh) {
     const bool room = free_vertices(mesh) > mesh.capacity / 4 && mesh.free_segment_count > mesh.segment_count / 4;
     return room ? 16 : 3;
+}
+
+// Of activations; unqueued where none waits.
+std::uint32_t worst_queue(Queues& queues) {
+    while (queues.work_ranks != 0) {
+        const auto rank = static_cast<std::uint32_t>(std::bit_width(queues.work_ranks)) - 1;
+        if (queues.sizes[work_queues + rank] != 0) return work_queues + rank;
+        queues.work_ranks &= ~(1u << rank);
+    }
+    return unqueued;
 }
 
 // The queue that comes next; unqueued when all are done. Deactivations come last, but first when a capacity is spent,
@@ -399,11 +449,7 @@ std::uint32_t next_queue(Work& work, const Mesh& mesh, const Morphing& morphing,
         frame.full_capacities = 0;
         work.queues.turn ^= 1;
     }
-    while (work.queues.work_ranks != 0) {
-        const auto rank = static_cast<std::uint32_t>(std::bit_width(work.queues.work_ranks)) - 1;
-        if (work.queues.sizes[work_queues + rank] != 0) return work_queues + rank;
-        work.queues.work_ranks &= ~(1u << rank);
-    }
+    if (const std::uint32_t worst = worst_queue(work.queues); worst != unqueued) return worst;
     if (can_deactivate) return deactivation_queue;
     Queues& q = work.queues;
     for (std::uint32_t n = 1; n <= rising_slots && q.open_slots != 0; ++n) { // those that opened first, first
@@ -427,7 +473,7 @@ public:
     PageVisits& operator=(const PageVisits&) = delete;
     // What was not finished stays due.
     ~PageVisits() {
-        if (called_.count != 0) change_called(s, called_);
+        put_back_called(s, called_, 0);
         while (page_count_ != 0) put_back_due(s.work.schedule, pages_[--page_count_]);
     }
 
@@ -437,7 +483,7 @@ public:
         while (page_count_ != 0) {
             while (next_ != count_ && ticks_of(s.work.schedule, groups_[next_]) != spent) ++next_;
             if (next_ != count_) return true;
-            if (called_.count != 0) change_called(s, called_);
+            if (called_.count != 0) return false; // of these pages
             while (page_count_ != 0) {
                 close_page(s.work.schedule, pages_[--page_count_]);
                 note_bound(s.pages, s.work, s.views, pages_[page_count_]);
@@ -452,10 +498,40 @@ public:
         examine(s, groups_[next_++]);
         ++s.frame.examined;
     }
-    // Evaluates several, and changes what they call for.
-    void change_next() {
-        const std::uint32_t end = std::min(count_, next_ + together);
-        for (std::uint32_t i = end; i < std::min(count_, end + together); ++i) prefetch_group(s.pages, groups_[i]);
+    // Evaluates all, and changes what they call for, page by page. False: the frame may do no more.
+    [[nodiscard]] bool change_all() {
+        for (;;) {
+            const bool more = any();
+            if (called_.count >= batch_groups || (!more && called_.count != 0)) {
+                if (!change_called(s, called_) || !change_queued()) return false;
+                continue;
+            }
+            if (!more) return true;
+            if (out_of_items(s.frame) || out_of_time(s.frame, has_done_something(s.frame))) return false;
+            look_at_next();
+        }
+    }
+
+private:
+    // What has become ready by that, and all that comes of it.
+    [[nodiscard]] bool change_queued() {
+        for (;;) {
+            const std::uint32_t queue = worst_queue(s.work.queues);
+            if (queue == unqueued) return true;
+            if (out_of_items(s.frame) || !change_batch(s, queue, true)) return false;
+        }
+    }
+
+    static constexpr std::uint32_t most_pages = 16, enough_groups = 48, ahead = 8, together = called_together;
+
+    // Several, as far as the frame may: so many, some others between them or not, or a replay whose visits end with
+    // them would change what they call for at another place.
+    void look_at_next() {
+        const CutReport& r = s.frame.report;
+        const std::uint32_t most =
+            std::min({together, s.frame.item_limit - r.work, s.frame.settings.visits - r.visits});
+        for (std::uint32_t i = next_ + together; i < std::min(count_, next_ + 2 * together); ++i)
+            prefetch_group(s.pages, groups_[i]);
         std::uint32_t numbers[together], count = 0;
         VertexRecord gathered[together][group_lanes];
         Evaluated evaluated[together];
@@ -463,7 +539,7 @@ public:
         LaneAnswers answers[together];
         const Criterion* criteria[together];
         const InWork* pages[together];
-        for (; next_ < end; ++next_) {
+        for (; next_ < count_ && count < most; ++next_) {
             const std::uint32_t number = groups_[next_];
             while (number - in_work_[page_].at_hand.first >= max_page_groups) ++page_;
             const InWork& page = in_work_[page_];
@@ -482,18 +558,16 @@ public:
             evaluated[i].answers = answers[i];
             if (evaluated[i].calls() != 0) {
                 s.pages.groups[numbers[i]].queue = being_visited;
-                called_.of[called_.count++] = {numbers[i], evaluated[i]};
+                const std::uint32_t rank = rank_of(s.pages, s.views, numbers[i], evaluated[i]);
+                const std::uint32_t order = evaluated[i].to_activate() != 0 ? 1 + rank : 0;
+                called_.of[called_.count++] = {numbers[i], order, evaluated[i]};
             } else if (grade_of(answers[i].code) > pages[i]->due.grade) {
                 schedule_group(s.pages, s.work, numbers[i], evaluated[i]);
             } else if (evaluated[i].looked_at != 0) {
                 tighten(pages[i]->due, numbers[i] - pages[i]->at_hand.first, answers[i].slack_m);
             }
         }
-        if (called_.count >= batch_groups) change_called(s, called_);
     }
-
-private:
-    static constexpr std::uint32_t most_pages = 16, enough_groups = 48, ahead = 8, together = called_together;
 
     void open() {
         next_ = count_ = page_ = 0;
@@ -553,11 +627,9 @@ namespace {
 // True when the items were spent before the work.
 bool work_off(CutState& s) {
     PageVisits visits(s);
-    const bool at_once = s.frame.unlimited && !s.frame.lagging && !s.views.jumped && s.governor.cause == 0;
-    while (at_once && s.frame.report.work < s.frame.item_limit && visits.any()) {
-        s.frame.changed_at_once = true;
-        visits.change_next();
-    }
+    // A frame that begins at rest will probably do all that is due, so it need not know all before it changes any.
+    const bool at_rest = !s.frame.lagging && !s.views.jumped && s.governor.cause == 0;
+    if (at_rest && !visits.change_all()) return out_of_items(s.frame);
     // While the mesh lags, what is known to be bad does not wait for all that might be.
     s.frame.lagging = s.frame.lagging || s.views.jumped;
     const std::uint32_t most_examined = s.frame.lagging ? 2 * batch_groups : unlimited_work;
@@ -572,11 +644,7 @@ bool work_off(CutState& s) {
         const std::uint32_t queue = next_queue(s.work, s.mesh, s.morphing, s.frame);
         if (queue == unqueued && !any_due) return false;
         if (queue == unqueued) continue;
-        const std::uint32_t full_before = s.frame.full_capacities;
         if (!change_batch(s, queue, queue == deactivation_queue || !s.frame.lagging)) break;
-        ++s.frame.batches;
-        keep_pages_at_hand(s.pages, s.work, s.mesh);
-        if (s.frame.full_capacities != full_before) s.frame.deactivations_when_full = s.frame.report.deactivations;
     }
     return s.frame.report.work >= s.frame.item_limit;
 }

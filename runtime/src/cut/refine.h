@@ -3,17 +3,19 @@
 // A visit evaluates one group and puts it in the list it belongs to then. That is one item; so is every vertex
 // activated or deactivated, the first of a visit together with the evaluation of its group.
 //
-// A frame without a limit that begins at rest, with room for all it may want, need not do the worst first: it will do
-// all, and what it comes to keeps the claim in any order. So it goes from page to page, and changes what a page's
-// groups call for as soon as they are evaluated, by the same answers. Nothing of that waits in a queue or is evaluated
-// twice.
+// The worst is done first. A frame that begins with work left over evaluates all groups that are due before it changes
+// any, or two for each one that it changes. A frame that begins at rest, with room for all it may want, will probably
+// do all. So it goes from page to page, those first that could hide most: it evaluates some sixteen groups, and changes
+// the worst of them first, by the same answers, and then what has become ready by that. Few of them wait in a queue or
+// are evaluated twice. Each group that is changed is one more visit. Where a limit ends such a frame, what it has not
+// changed is due.
 #pragma once
 
 #include "cut/state.h"
 
 namespace fjell {
 
-// Visits groups, worst first unless the order is free, until nothing is left or the items or the time are spent.
+// Visits groups, worst first, until nothing is left or the items or the time are spent.
 void refine(CutState& s);
 
 // Groups that still have work, and those of them that wait for a capacity. Of the last refine().

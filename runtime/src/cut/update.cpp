@@ -166,7 +166,6 @@ void begin_frame(Mesh& mesh, Morphing& morphing, Frame& frame, const CutSettings
     // As much as the last one that lagged has taken: it looks at what waits, and nobody knows which will.
     frame.reserved_us = std::min(frame.output_us, settings.max_time_us / 2);
     frame.full_capacities = frame.batches = frame.deactivations_when_full = 0;
-    frame.unlimited = frame.changed_at_once = false;
     advance_clock(morphing, frame, frame.number == 1);
 }
 
@@ -279,8 +278,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     set_views(s, views, s.governor.effective_px);
     follow_bases(s);
     // What replays a frame that has chosen its way: it chooses again.
-    s.frame.unlimited = has_no_limit(s.frame);
-    const bool chooses = s.frame.unlimited && (s.views.leapt || s.views.zoomed);
+    const bool chooses = has_no_limit(s.frame) && (s.views.leapt || s.views.zoomed);
     const auto build = [&] {
         build_from_nothing(s, views);
         r.visits = unlimited_work;
@@ -323,7 +321,7 @@ Status update_cut(LiveCut cut, std::span<const View> views, const CutSettings& s
     r.refine_us = microseconds(prepared, refined);
     r.output_us = microseconds(refined, Clock::now());
     if (s.frame.lagging && !s.views.jumped) s.frame.output_us = r.output_us;
-    if (chooses || s.frame.changed_at_once) r.visits = unlimited_work;
+    if (chooses) r.visits = unlimited_work;
     report = r;
     FJELL_WALK(s.frame.number, validate_cut(s));
     return {};
