@@ -15,9 +15,9 @@ namespace {
 // when cut_golden_compilers passes.
 // Of the terrain's records: changes with the baker's errors, radii and heights, and then the others do as well.
 constexpr std::uint64_t terrain_hash = 0xa76c839edf1dc46d;
-constexpr std::uint64_t triangles_hash = 0xbefc2a3a63418ab8;
+constexpr std::uint64_t triangles_hash = 0x8837f889fad603da;
 // Of the counts in the reports: changes also with the order of work.
-constexpr std::uint64_t work_hash = 0x19238b819137d5b2;
+constexpr std::uint64_t work_hash = 0x6439e82c367bf889;
 
 } // namespace
 

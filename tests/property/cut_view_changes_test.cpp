@@ -24,7 +24,7 @@ std::uint32_t due_groups(const Schedule& s) {
         if (!is_due(s, slot)) continue;
         std::uint16_t ticks[page_ticks];
         std::copy_n(s.ticks + std::size_t{slot} * page_ticks, page_ticks, ticks);
-        const double gone = std::ceil((odometer_m(s, page) - page.charged_m) / tick_m(s, page));
+        const double gone = std::floor((odometer_m(s, page) - page.charged_m) / tick_m(s, page));
         scalar_ticks.charge(ticks, static_cast<std::uint16_t>(std::clamp(gone, 0.0, double{most_ticks})));
         due += static_cast<std::uint32_t>(std::count(ticks, ticks + page_ticks, spent));
     }

@@ -1,7 +1,7 @@
 // How much random tests do. By default enough to notice what breaks often, so that everyone runs them; with
-// FJELL_TEST_ROUNDS=full all of it. ./dev test --long also sets FJELL_TEST_TIMES=2: at most twice the brief
-// rounds. Brief rounds notice each fault of tests/faults, and seeds are fixed: more rounds find nothing new the next
-// time.
+// FJELL_TEST_ROUNDS=full all of it. ./dev test --long also sets FJELL_TEST_TIMES=1: all of each list, and at most once
+// the brief rounds. Brief rounds notice each fault of tests/faults, and seeds are fixed: more rounds find nothing new
+// the next time.
 #pragma once
 
 #include <algorithm>

@@ -586,15 +586,15 @@ private:
         for (std::uint32_t i = 0; i < std::min(count_, ahead); ++i) prefetch_group(s.pages, groups_[i]);
     }
     void add(std::uint32_t slot) {
-        charge_page(s.work.schedule, slot);
-        in_work_[page_count_] = {page_at_hand(s.pages, slot), due_page(s.work.schedule, slot)};
-        pages_[page_count_++] = slot;
         std::uint64_t spent_groups[page_words];
         find_spent(s.work.schedule, slot, spent_groups);
+        const InWork& page = in_work_[page_count_] = {page_at_hand(s.pages, slot), due_page(s.work.schedule, slot)};
+        pages_[page_count_++] = slot;
         for (std::uint32_t word = 0; word < page_words; ++word)
             for (std::uint64_t left = spent_groups[word]; left != 0; left &= left - 1) {
-                const auto n = static_cast<std::uint32_t>(std::countr_zero(left));
-                groups_[count_++] = slot * max_page_groups + word * 64 + n;
+                const std::uint32_t n = word * 64 + static_cast<std::uint32_t>(std::countr_zero(left));
+                page.due.ticks[n] = spent; // what comes to wait in a queue until its turn is not
+                groups_[count_++] = page.at_hand.first + n;
             }
     }
 

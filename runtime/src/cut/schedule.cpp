@@ -24,13 +24,13 @@ void charge_ticks(std::uint16_t* ticks, std::uint16_t by) {
     }
 }
 
-void spent_bits(const std::uint16_t* ticks, std::uint64_t* bits) {
+void spent_bits(const std::uint16_t* ticks, std::uint16_t last, std::uint64_t* bits) {
     const U d;
-    const auto none = hn::Set(d, spent);
+    const auto most = hn::Set(d, last);
     for (std::size_t i = 0; i < page_words; ++i) bits[i] = 0;
     for (std::size_t i = 0; i < page_ticks; i += hn::Lanes(d)) {
         std::uint8_t bytes[8] = {};
-        hn::StoreMaskBits(d, hn::Eq(hn::LoadU(d, ticks + i), none), bytes);
+        hn::StoreMaskBits(d, hn::Eq(hn::Max(hn::LoadU(d, ticks + i), most), most), bytes);
         const std::uint64_t found = bytes[0] | std::uint64_t{bytes[1]} << 8;
         bits[i / 64] |= found << i % 64;
     }
@@ -68,8 +68,8 @@ namespace {
 void charge_vector(std::uint16_t* ticks, std::uint16_t by) {
     HWY_DYNAMIC_DISPATCH(charge_ticks)(ticks, by);
 }
-void spent_vector(const std::uint16_t* ticks, std::uint64_t* bits) {
-    HWY_DYNAMIC_DISPATCH(spent_bits)(ticks, bits);
+void spent_vector(const std::uint16_t* ticks, std::uint16_t last, std::uint64_t* bits) {
+    HWY_DYNAMIC_DISPATCH(spent_bits)(ticks, last, bits);
 }
 std::uint16_t least_vector(const std::uint16_t* ticks) {
     return HWY_DYNAMIC_DISPATCH(least_ticks)(ticks);
@@ -78,7 +78,7 @@ std::uint16_t least_vector(const std::uint16_t* ticks) {
 void wake(Schedule& s, std::uint32_t slot, std::uint32_t grade) {
     PageSchedule& page = s.pages[slot];
     FJELL_ASSERT(page.awake == no_index && s.awake_count < s.slot_count);
-    page.charged_m = page.seen_m = s.odometer_m[grade];
+    page.charged_m = s.odometer_m[grade];
     page.awake = s.awake_count;
     s.awake[s.awake_count++] = {never_m, slot, static_cast<std::uint8_t>(grade), page.level, false, 0};
 }
@@ -94,7 +94,6 @@ void sleep(Schedule& s, std::uint32_t slot) {
 void raise_grade(Schedule& s, PageSchedule& page, AwakePage& awake, std::uint32_t grade) {
     const double by_m = s.odometer_m[grade] - s.odometer_m[awake.grade];
     page.charged_m += by_m;
-    page.seen_m += by_m;
     if (awake.due_m < never_m) awake.due_m += by_m;
     awake.grade = static_cast<std::uint8_t>(grade);
 }
@@ -137,7 +136,6 @@ void rewind(Schedule& s, std::uint32_t grade) {
         AwakePage& awake = s.awake[i];
         if (awake.grade != grade) continue;
         s.pages[awake.slot].charged_m -= by_m;
-        s.pages[awake.slot].seen_m -= by_m;
         if (awake.due_m < never_m) awake.due_m -= by_m;
     }
     for (std::uint32_t slot = 0; grade == 0 && slot < s.slot_count; ++slot) s.bounds[slot].from_m -= by_m;
@@ -186,7 +184,7 @@ void forget_late(LateBounds& late) {
 
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2) {
     FJELL_ASSERT(s.pages[slot].awake == no_index);
-    s.pages[slot] = {0, 0, no_index, due_level_count - 1, static_cast<std::uint8_t>(tick_log2)};
+    s.pages[slot] = {0, no_index, due_level_count - 1, static_cast<std::uint8_t>(tick_log2)};
     s.bounds[slot] = {0, 0, 3e38f}; // nobody knows yet
 }
 
@@ -220,15 +218,14 @@ void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grad
     if (page.awake == no_index) wake(s, slot, grade);
     AwakePage& awake = s.awake[page.awake];
     if (grade > awake.grade) raise_grade(s, page, awake, grade);
-    if (awake.due_m == never_m && !awake.due) page.charged_m = page.seen_m = s.odometer_m[awake.grade]; // none so far
+    if (awake.due_m == never_m && !awake.due) page.charged_m = s.odometer_m[awake.grade]; // none so far
     const double now_m = s.odometer_m[awake.grade], one_m = tick_m(s, page);
     const std::uint16_t ticks =
         whole_ticks(static_cast<double>(slack_m) + (now_m - page.charged_m), ticks_a_metre(s, page));
     std::uint16_t& of_group = ticks_of(s, group);
     of_group = std::min(of_group, static_cast<std::uint16_t>(ticks + soon));
     if (awake.due) return;
-    const double due_m = ticks == 0 ? now_m : page.charged_m + static_cast<double>(ticks) * one_m;
-    awake.due_m = std::min(awake.due_m, due_m);
+    awake.due_m = std::min(awake.due_m, std::max(page.charged_m + static_cast<double>(ticks) * one_m, now_m));
 }
 
 void forget_due(Schedule& s) {
@@ -245,7 +242,7 @@ namespace {
 void start(Schedule& s, std::uint32_t slot, std::uint16_t least, double travelled_m) {
     PageSchedule& page = s.pages[slot];
     AwakePage& awake = s.awake[page.awake];
-    page.charged_m = page.seen_m = s.odometer_m[awake.grade] - travelled_m;
+    page.charged_m = s.odometer_m[awake.grade] - travelled_m;
     awake.due_m = page.charged_m + (least > soon ? static_cast<double>(least - soon) * tick_m(s, page) : 0.0);
     if (least == spent || s.odometer_m[awake.grade] > awake.due_m) push_due(s, awake);
 }
@@ -319,15 +316,26 @@ void put_back_due(Schedule& s, std::uint32_t slot) {
     ++s.due_count;
 }
 
-void charge_page(Schedule& s, std::uint32_t slot) {
+namespace {
+
+// Whole ticks that its odometer is ahead of what the page is charged.
+std::uint16_t uncharged_ticks(const Schedule& s, const PageSchedule& page) {
+    return whole_ticks(odometer_m(s, page) - page.charged_m, ticks_a_metre(s, page));
+}
+
+} // namespace
+
+void find_spent(Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]) {
     PageSchedule& page = s.pages[slot];
-    const double now_m = odometer_m(s, page), one_m = tick_m(s, page);
-    if (now_m <= page.seen_m) return;
-    const double ticks = std::max(std::ceil((now_m - page.charged_m) / one_m), 0.0);
-    page.seen_m = now_m;
-    page.charged_m += ticks * one_m;
-    s.vectors.charge(s.ticks + std::size_t{slot} * page_ticks,
-                     static_cast<std::uint16_t>(std::min(ticks, static_cast<double>(most_ticks))));
+    std::uint16_t* const ticks = s.ticks + std::size_t{slot} * page_ticks;
+    std::uint16_t uncharged = uncharged_ticks(s, page);
+    if (uncharged > most_uncharged) {
+        const double gone_m = odometer_m(s, page) - page.charged_m;
+        s.vectors.charge(ticks, uncharged);
+        page.charged_m += std::floor(gone_m * ticks_a_metre(s, page)) * tick_m(s, page);
+        uncharged = 0;
+    }
+    s.vectors.find_spent(ticks, static_cast<std::uint16_t>(uncharged + soon), bits);
 }
 
 void close_page(Schedule& s, std::uint32_t slot) {
@@ -336,13 +344,10 @@ void close_page(Schedule& s, std::uint32_t slot) {
     awake.due = false;
     const std::uint16_t least = s.vectors.least(s.ticks + std::size_t{slot} * page_ticks);
     if (least == unscheduled && awake.queued == 0) return sleep(s, slot);
-    awake.due_m = least == unscheduled ? never_m
-                  : least <= soon      ? s.odometer_m[awake.grade]
-                                       : page.charged_m + static_cast<double>(least - soon) * tick_m(s, page);
-}
-
-void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]) {
-    s.vectors.find_spent(s.ticks + std::size_t{slot} * page_ticks, bits);
+    awake.due_m = least == unscheduled
+                      ? never_m
+                      : std::max(page.charged_m + (static_cast<double>(least) - soon) * tick_m(s, page),
+                                 s.odometer_m[awake.grade]);
 }
 
 std::uint32_t count_spent(const Schedule& s, std::uint32_t most) {
@@ -350,8 +355,7 @@ std::uint32_t count_spent(const Schedule& s, std::uint32_t most) {
     for (std::uint32_t i = 0; i < s.awake_count && count <= most; ++i) {
         if (!s.awake[i].due) continue;
         const PageSchedule& page = s.pages[s.awake[i].slot];
-        const double ticks = std::max(std::ceil((odometer_m(s, page) - page.charged_m) / tick_m(s, page)), 0.0);
-        const auto last = static_cast<std::uint32_t>(std::min(ticks, static_cast<double>(most_ticks))) + soon;
+        const std::uint32_t last = std::uint32_t{uncharged_ticks(s, page)} + soon;
         const std::uint16_t* const of_page = s.ticks + std::size_t{s.awake[i].slot} * page_ticks;
         for (std::uint32_t group = 0; group < page_ticks; ++group)
             count += of_page[group] <= last && of_page[group] != unscheduled;
@@ -367,9 +371,9 @@ void charge_scalar(std::uint16_t* ticks, std::uint16_t by) {
             ticks[i] = static_cast<std::uint16_t>(ticks[i] > by + soon ? ticks[i] - by : spent);
 }
 
-void spent_scalar(const std::uint16_t* ticks, std::uint64_t* bits) {
+void spent_scalar(const std::uint16_t* ticks, std::uint16_t last, std::uint64_t* bits) {
     std::fill_n(bits, page_words, 0);
-    for (std::uint32_t i = 0; i < page_ticks; ++i) bits[i / 64] |= std::uint64_t{ticks[i] == spent} << i % 64;
+    for (std::uint32_t i = 0; i < page_ticks; ++i) bits[i / 64] |= std::uint64_t{ticks[i] <= last} << i % 64;
 }
 
 std::uint16_t least_scalar(const std::uint16_t* ticks) {

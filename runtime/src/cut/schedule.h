@@ -2,13 +2,13 @@
 //
 // A group whose smallest slack is d may rest until the worst eye has travelled d, plus what changes of threshold amount
 // to for its errors. For each grade of errors an odometer adds that up. A page keeps its groups' slacks side by side in
-// 16 bits each, in ticks of 1/32 of its step, less what it has been charged; and it knows when the first of them is
-// spent. So a frame compares a number a page that has anything to watch, and a page whose time has come is visited as a
-// whole: charged, and its spent groups evaluated, while its states and records stream through the cache.
+// 16 bits each, in ticks of 1/32 of its step, from where its odometer stood once; and it knows when the first of them
+// is spent. So a frame compares a number a page that has anything to watch, and a page whose time has come is visited
+// as a whole: its spent groups are evaluated, while its states and records stream through the cache. Where the odometer
+// has gone on for many ticks, the page is charged: all of its numbers become so much less.
 //
-// Never late: slacks are rounded down to ticks and charges up; a page is charged in whole ticks, less than one ahead of
-// its odometer, so rounding does not add up from visit to visit. Early by two ticks at most; and
-// slacks of more than 65,533 ticks are looked at once in so many.
+// Never late: slacks are rounded down to ticks, from where the page was charged, so rounding does not add up from visit
+// to visit. Early by a tick at most; and slacks of more than 49,149 ticks are looked at once in so many.
 //
 // An odometer cannot run out: from rewind_ticks on it begins again at 0, and its pages' times are shifted. Doubles
 // below that are 2^-20 of a tick apart, less than what slack_rounding leaves out of any span.
@@ -44,10 +44,11 @@ inline constexpr std::uint32_t page_ticks = (max_page_groups + 31) / 32 * 32; //
 // A group's number: spent, so that it must be evaluated now; soon, with the next movement; otherwise soon and the ticks
 // that it has left; or unscheduled.
 inline constexpr std::uint16_t spent = 0, soon = 1, most_ticks = 0xfffd, unscheduled = 0xffff;
+inline constexpr std::uint16_t most_uncharged =
+    0x4000; // ticks that a page's odometer may be ahead of what it is charged
 
 struct PageSchedule {       // of a page that has a state
-    double charged_m;       // the odometer of its grade up to which its groups are charged
-    double seen_m;          // and where that stood when they were
+    double charged_m;       // the odometer of its grade from which its groups' numbers count
     std::uint32_t awake;    // its place among the pages that watch anything, or no_index
     std::uint8_t level;     // of due_level_count: the highest comes first
     std::uint8_t tick_log2; // of its ticks, over those of the finest step
@@ -87,7 +88,8 @@ struct DuePages {
 // What is done to all of a page's numbers at once.
 struct TickVectors {
     void (*charge)(std::uint16_t* ticks, std::uint16_t by);
-    void (*find_spent)(const std::uint16_t* ticks, std::uint64_t* bits); // page_words of them
+    // Numbers of `last` or less, which is less than unscheduled: page_words of bits.
+    void (*find_spent)(const std::uint16_t* ticks, std::uint16_t last, std::uint64_t* bits);
     std::uint16_t (*least)(const std::uint16_t* ticks);
 };
 extern const TickVectors scalar_ticks; // the same results, without vector instructions
@@ -196,10 +198,10 @@ void advance(Schedule& s, const double (&metres)[grade_count]);
 [[nodiscard]] std::uint32_t pop_due(Schedule& s);
 // Its visit has not ended.
 void put_back_due(Schedule& s, std::uint32_t slot);
-// Charges a due page what has been travelled: the groups that are spent then are to be evaluated.
-void charge_page(Schedule& s, std::uint32_t slot);
-void find_spent(const Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]); // a bit a group
-// Of all due pages, as if they were charged now; as far as `most` goes, or a little further. O(due pages).
+// The visit of a due page begins. A bit for each group that has travelled as far as its slack: these are to be
+// evaluated.
+void find_spent(Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]);
+// Of all due pages; as far as `most` goes, or a little further. O(due pages).
 [[nodiscard]] std::uint32_t count_spent(const Schedule& s, std::uint32_t most);
 // All of them were: when is the page due again?
 void close_page(Schedule& s, std::uint32_t slot);

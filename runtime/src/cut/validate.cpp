@@ -49,7 +49,7 @@ Violation check_schedule(const Schedule& s, const Queues& q, std::uint32_t slot)
     if (awake.queued != queued) return {"a page counts wrongly what of it is in queues"};
     if (awake.due) return {};
     const double one_m = tick_m(s, page);
-    const double latest_m = least <= soon ? s.odometer_m[awake.grade] : page.charged_m + (least - soon) * one_m;
+    const double latest_m = std::max(page.charged_m + (least - soon) * one_m, s.odometer_m[awake.grade]);
     if (least != unscheduled && awake.due_m > latest_m + one_m / 1024) return {"a page comes up later than its groups"};
     if (s.odometer_m[awake.grade] > awake.due_m + one_m * 1.001) return {"a page's time has come, and it is not due"};
     return {};
