@@ -96,7 +96,7 @@ int read_at(int fd, std::uint64_t offset, std::span<std::byte> to) noexcept {
         const ssize_t n = pread(fd, to.data(), to.size(), static_cast<off_t>(offset));
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) return errno;
-        if (n == 0) return EIO;
+        if (n == 0) return EIO; // shorter than when it was opened
         to = to.subspan(static_cast<std::size_t>(n));
         offset += static_cast<std::uint64_t>(n);
     }

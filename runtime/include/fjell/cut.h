@@ -59,7 +59,7 @@ struct CutBudget {
 // What cut_bytes() takes for a vertex slot, how much of it is for morphing, and what it takes for a triangle slot, a
 // page slot of the terrain (TerrainBudget::page_slots) and a page state. Some bits of bookkeeping are not counted.
 inline constexpr std::size_t cut_vertex_bytes = 57, cut_morph_bytes = 24, cut_triangle_bytes = 12,
-                             cut_page_slot_bytes = 28, cut_page_bytes = 19'708;
+                             cut_page_slot_bytes = 28, cut_page_bytes = 19'716;
 // How many pages may have a state at a time. A page has a state while one of its vertices may become active; the
 // coarsest page of a tile always has one. As measured, a page holds 100 to 280 active vertices. page_slots, tiles:
 // those of the terrain.

@@ -78,7 +78,7 @@ std::uint16_t least_vector(const std::uint16_t* ticks) {
 void wake(Schedule& s, std::uint32_t slot, std::uint32_t grade) {
     PageSchedule& page = s.pages[slot];
     FJELL_ASSERT(page.awake == no_index && s.awake_count < s.slot_count);
-    page.charged_m = s.odometer_m[grade];
+    page.charged_m = page.seen_m = s.odometer_m[grade];
     page.awake = s.awake_count;
     s.awake[s.awake_count++] = {never_m, slot, static_cast<std::uint8_t>(grade), page.level, false, 0};
 }
@@ -94,6 +94,7 @@ void sleep(Schedule& s, std::uint32_t slot) {
 void raise_grade(Schedule& s, PageSchedule& page, AwakePage& awake, std::uint32_t grade) {
     const double by_m = s.odometer_m[grade] - s.odometer_m[awake.grade];
     page.charged_m += by_m;
+    page.seen_m += by_m;
     if (awake.due_m < never_m) awake.due_m += by_m;
     awake.grade = static_cast<std::uint8_t>(grade);
 }
@@ -136,6 +137,7 @@ void rewind(Schedule& s, std::uint32_t grade) {
         AwakePage& awake = s.awake[i];
         if (awake.grade != grade) continue;
         s.pages[awake.slot].charged_m -= by_m;
+        s.pages[awake.slot].seen_m -= by_m;
         if (awake.due_m < never_m) awake.due_m -= by_m;
     }
     for (std::uint32_t slot = 0; grade == 0 && slot < s.slot_count; ++slot) s.bounds[slot].from_m -= by_m;
@@ -184,7 +186,7 @@ void forget_late(LateBounds& late) {
 
 void begin_page(Schedule& s, std::uint32_t slot, std::uint32_t tick_log2) {
     FJELL_ASSERT(s.pages[slot].awake == no_index);
-    s.pages[slot] = {0, no_index, due_level_count - 1, static_cast<std::uint8_t>(tick_log2)};
+    s.pages[slot] = {0, 0, no_index, due_level_count - 1, static_cast<std::uint8_t>(tick_log2)};
     s.bounds[slot] = {0, 0, 3e38f}; // nobody knows yet
 }
 
@@ -203,13 +205,24 @@ void clear_page_schedule(Schedule& s, std::uint32_t slot) {
     std::fill_n(s.ticks + std::size_t{slot} * page_ticks, page_ticks, unscheduled);
 }
 
+namespace {
+
+// Whole ticks that its odometer is ahead of what the page is charged.
+std::uint16_t uncharged_ticks(const Schedule& s, const PageSchedule& page) {
+    return whole_ticks(odometer_m(s, page) - page.charged_m, ticks_a_metre(s, page));
+}
+
+// The largest number that is spent.
+std::uint16_t last_spent(const Schedule& s, const PageSchedule& page) {
+    return odometer_m(s, page) > page.seen_m ? static_cast<std::uint16_t>(uncharged_ticks(s, page) + soon) : spent;
+}
+
+} // namespace
+
 bool is_spent(const Schedule& s, std::uint32_t group) {
     const std::uint32_t slot = group / max_page_groups;
     const std::uint16_t ticks = ticks_of(s, group);
-    if (ticks == unscheduled || !is_due(s, slot)) return false;
-    const PageSchedule& page = s.pages[slot];
-    const double left = (ticks - soon) * tick_m(s, page) - (odometer_m(s, page) - page.charged_m);
-    return left <= 0;
+    return ticks != unscheduled && is_due(s, slot) && ticks <= last_spent(s, s.pages[slot]);
 }
 
 void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grade) {
@@ -218,7 +231,7 @@ void tighten(Schedule& s, std::uint32_t group, float slack_m, std::uint32_t grad
     if (page.awake == no_index) wake(s, slot, grade);
     AwakePage& awake = s.awake[page.awake];
     if (grade > awake.grade) raise_grade(s, page, awake, grade);
-    if (awake.due_m == never_m && !awake.due) page.charged_m = s.odometer_m[awake.grade]; // none so far
+    if (awake.due_m == never_m && !awake.due) page.charged_m = page.seen_m = s.odometer_m[awake.grade]; // none so far
     const double now_m = s.odometer_m[awake.grade], one_m = tick_m(s, page);
     const std::uint16_t ticks =
         whole_ticks(static_cast<double>(slack_m) + (now_m - page.charged_m), ticks_a_metre(s, page));
@@ -242,7 +255,7 @@ namespace {
 void start(Schedule& s, std::uint32_t slot, std::uint16_t least, double travelled_m) {
     PageSchedule& page = s.pages[slot];
     AwakePage& awake = s.awake[page.awake];
-    page.charged_m = s.odometer_m[awake.grade] - travelled_m;
+    page.charged_m = page.seen_m = s.odometer_m[awake.grade] - travelled_m;
     awake.due_m = page.charged_m + (least > soon ? static_cast<double>(least - soon) * tick_m(s, page) : 0.0);
     if (least == spent || s.odometer_m[awake.grade] > awake.due_m) push_due(s, awake);
 }
@@ -316,26 +329,16 @@ void put_back_due(Schedule& s, std::uint32_t slot) {
     ++s.due_count;
 }
 
-namespace {
-
-// Whole ticks that its odometer is ahead of what the page is charged.
-std::uint16_t uncharged_ticks(const Schedule& s, const PageSchedule& page) {
-    return whole_ticks(odometer_m(s, page) - page.charged_m, ticks_a_metre(s, page));
-}
-
-} // namespace
-
 void find_spent(Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]) {
     PageSchedule& page = s.pages[slot];
     std::uint16_t* const ticks = s.ticks + std::size_t{slot} * page_ticks;
-    std::uint16_t uncharged = uncharged_ticks(s, page);
-    if (uncharged > most_uncharged) {
+    if (const std::uint16_t uncharged = uncharged_ticks(s, page); uncharged > most_uncharged) {
         const double gone_m = odometer_m(s, page) - page.charged_m;
         s.vectors.charge(ticks, uncharged);
         page.charged_m += std::floor(gone_m * ticks_a_metre(s, page)) * tick_m(s, page);
-        uncharged = 0;
     }
-    s.vectors.find_spent(ticks, static_cast<std::uint16_t>(uncharged + soon), bits);
+    s.vectors.find_spent(ticks, last_spent(s, page), bits);
+    page.seen_m = odometer_m(s, page);
 }
 
 void close_page(Schedule& s, std::uint32_t slot) {
@@ -355,7 +358,7 @@ std::uint32_t count_spent(const Schedule& s, std::uint32_t most) {
     for (std::uint32_t i = 0; i < s.awake_count && count <= most; ++i) {
         if (!s.awake[i].due) continue;
         const PageSchedule& page = s.pages[s.awake[i].slot];
-        const std::uint32_t last = std::uint32_t{uncharged_ticks(s, page)} + soon;
+        const std::uint32_t last = last_spent(s, page);
         const std::uint16_t* const of_page = s.ticks + std::size_t{s.awake[i].slot} * page_ticks;
         for (std::uint32_t group = 0; group < page_ticks; ++group)
             count += of_page[group] <= last && of_page[group] != unscheduled;

@@ -49,6 +49,7 @@ inline constexpr std::uint16_t most_uncharged =
 
 struct PageSchedule {       // of a page that has a state
     double charged_m;       // the odometer of its grade from which its groups' numbers count
+    double seen_m;          // and where that stood when its last visit began, or it woke
     std::uint32_t awake;    // its place among the pages that watch anything, or no_index
     std::uint8_t level;     // of due_level_count: the highest comes first
     std::uint8_t tick_log2; // of its ticks, over those of the finest step
@@ -199,7 +200,8 @@ void advance(Schedule& s, const double (&metres)[grade_count]);
 // Its visit has not ended.
 void put_back_due(Schedule& s, std::uint32_t slot);
 // The visit of a due page begins. A bit for each group that has travelled as far as its slack: these are to be
-// evaluated.
+// evaluated. Where the odometer stands as at the visit before, only those that are marked as spent: what has been
+// looked at since waits for the next movement, however small its slack is, or a visit might never end.
 void find_spent(Schedule& s, std::uint32_t slot, std::uint64_t (&bits)[page_words]);
 // Of all due pages; as far as `most` goes, or a little further. O(due pages).
 [[nodiscard]] std::uint32_t count_spent(const Schedule& s, std::uint32_t most);
