@@ -43,7 +43,7 @@ TEST_CASE("at rest the live cut is the recursive method's mesh, triangle for tri
     }
 }
 
-// A frame that begins at rest goes page by page; one that begins with work left over does the worst first.
+// A frame that begins at rest goes page by page; one that begins with work left over evaluates more before it changes.
 TEST_CASE("groups that are changed page by page come to the same mesh as those that are changed worst first") {
     Random random(134);
     int at_once = 0, lagged = 0;

@@ -44,8 +44,8 @@ inline constexpr std::uint32_t page_ticks = (max_page_groups + 31) / 32 * 32; //
 // A group's number: spent, so that it must be evaluated now; soon, with the next movement; otherwise soon and the ticks
 // that it has left; or unscheduled.
 inline constexpr std::uint16_t spent = 0, soon = 1, most_ticks = 0xfffd, unscheduled = 0xffff;
-inline constexpr std::uint16_t most_uncharged =
-    0x4000; // ticks that a page's odometer may be ahead of what it is charged
+// Ticks that a page's odometer may be ahead of what the page is charged.
+inline constexpr std::uint16_t most_uncharged = 0x4000;
 
 struct PageSchedule {       // of a page that has a state
     double charged_m;       // the odometer of its grade from which its groups' numbers count
